@@ -1,0 +1,14 @@
+"""The mathematics of geoswarm; runs with no server, no network and no database.
+
+==================  ==========================================================================
+``problem``         what a user asks for: models of the problem file, reading, units
+``forward``         forward models behind one protocol, found through entry points
+``constitutive``    material laws as pure functions: stress, tangent, new state
+``element_test``    one material point under mixed stress and strain control
+``objective``       misfits f'_g and objective f of the responses
+``search``          ask / tell / snapshot: particle swarm, Monte Carlo sampling
+``stopping``        stop criteria
+``calibration``     assembles a problem into what a search and an evaluation need
+``local``           the in-process loop, the reference for the distributed engine
+==================  ==========================================================================
+"""

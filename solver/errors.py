@@ -1,0 +1,96 @@
+"""Everything that can go wrong in the solver.
+
+::
+
+    SolverError
+    ├── ProblemError            what the user asked for is wrong: lists every issue with its path
+    ├── ExpressionError         a formula or constraint cannot be understood
+    ├── InfeasibleSpaceError    no proposal satisfies the constraints after a bounded search
+    └── ForwardError            one forward calculation failed; becomes a failed evaluation
+        ├── DivergedError       the calculation found no solution
+        ├── NotFiniteError      a response is NaN or infinite
+        ├── InfeasibleError     the parameters are outside what the model admits
+        └── BadOutputError      the model answered with something that is no response
+
+``ForwardError.reason`` is the word stored with the failed evaluation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+__all__ = [
+    "BadOutputError",
+    "DivergedError",
+    "ExpressionError",
+    "ForwardError",
+    "InfeasibleError",
+    "InfeasibleSpaceError",
+    "Issue",
+    "NotFiniteError",
+    "ProblemError",
+    "SolverError",
+]
+
+
+class SolverError(Exception):
+    """Base of all errors that the solver raises on purpose."""
+
+
+@dataclass(frozen=True, slots=True)
+class Issue:
+    """One mistake in a problem: ``path`` (``parameters.c.lower``) and what is wrong and accepted there."""
+
+    path: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.message}" if self.path else self.message
+
+
+class ProblemError(SolverError):
+    """The problem cannot be accepted; ``issues`` names every mistake with its path in the file."""
+
+    def __init__(self, issues: Sequence[Issue]) -> None:
+        self.issues: tuple[Issue, ...] = tuple(issues)
+        super().__init__("\n".join(str(issue) for issue in self.issues))
+
+
+class ExpressionError(SolverError):
+    """An expression cannot be parsed or names something unknown."""
+
+
+class InfeasibleSpaceError(SolverError):
+    """No parameter vector inside the bounds was found that satisfies the constraints."""
+
+
+class ForwardError(SolverError):
+    """One forward calculation failed."""
+
+    reason: ClassVar[str] = "diverged"
+
+
+class DivergedError(ForwardError):
+    """The forward calculation found no solution."""
+
+    reason = "diverged"
+
+
+class NotFiniteError(ForwardError):
+    """A response is NaN or infinite."""
+
+    reason = "not_finite"
+
+
+class InfeasibleError(ForwardError):
+    """The parameters are outside what the model admits."""
+
+    reason = "infeasible"
+
+
+class BadOutputError(ForwardError):
+    """The model answered with something that is not the response asked for."""
+
+    reason = "bad_output"

@@ -1,0 +1,101 @@
+"""The protocol that every forward model speaks."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from pydantic import BaseModel, ConfigDict
+
+from solver.arrays import FloatArray
+
+__all__ = ["ForwardModel", "ForwardModelSpec", "ForwardRun", "ParameterInfo", "SeriesInfo"]
+
+ForwardRun: TypeAlias = Callable[[Mapping[str, float]], dict[str, FloatArray]]
+"""Parameter values by name -> response of every prepared series at its prepared points, in base units."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterInfo:
+    """One parameter that a forward model knows.
+
+    ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) limit what is
+    physically admissible; ``typical`` is a usual range offered to users. ``lower_open``: ``lower`` itself is refused.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    default: float | None = None
+    lower: float | None = None
+    upper: float | None = None
+    lower_open: bool = False
+    upper_open: bool = False
+    typical: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SeriesInfo:
+    """One named output of a forward model: ``y`` over ``x``, both in base units (kN, m, day, degree).
+
+    ``x_lower`` and ``x_upper`` bound the points at which it can be asked for; ``x_integer``: only at whole numbers
+    (stage numbers). ``x_increasing``: its observed points must be strictly increasing in x.
+    """
+
+    name: str
+    description: str
+    x_quantity: str
+    x_unit: str
+    y_quantity: str
+    y_unit: str
+    x_lower: float | None = None
+    x_upper: float | None = None
+    x_integer: bool = False
+    x_increasing: bool = True
+
+
+class ForwardModel(Protocol):
+    """A calculation from parameter values to series. Immutable; safe to use from several threads."""
+
+    @property
+    def parameters(self) -> tuple[ParameterInfo, ...]:
+        """Parameters that the model knows, required ones (``default`` None) and optional ones."""
+
+    @property
+    def open_parameters(self) -> bool:
+        """Whether the problem may declare parameters beyond :attr:`parameters` (a formula may)."""
+
+    @property
+    def series(self) -> tuple[SeriesInfo, ...]:
+        """Series that the model can calculate."""
+
+    def grid(self, series: str) -> FloatArray:
+        """Points x, shape (n,), in base units, at which to show the whole curve of a series."""
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:
+        """What is inadmissible about these parameter values, or None.
+
+        ``parameters`` may be a subset: problems use it to judge the fixed values before anything runs.
+        """
+
+    def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+        """Build the calculation of the given series at the given x, each of shape (m_g,), base units.
+
+        The returned function takes values of all required parameters and returns one finite or non-finite array of
+        shape (m_g,) a series. It raises :class:`solver.errors.ForwardError` when the calculation fails.
+        """
+
+
+class ForwardModelSpec(BaseModel, ABC):
+    """Base of the ``forward_model`` sections; subclasses add ``kind: Literal[...]`` and their fields."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    kind: str
+
+    @abstractmethod
+    def build(self) -> ForwardModel:
+        """Build the forward model that this section describes."""

@@ -1,0 +1,21 @@
+"""Compilation of numerical kernels, the same everywhere: cached on disk, without the GIL, IEEE arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+import numba
+
+__all__ = ["kernel"]
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+
+def kernel(function: Function) -> Function:
+    """Compile a kernel.
+
+    No ``fastmath``: the same input gives the same bits on every worker. ``error_model="numpy"`` lets a division by zero
+    give inf or nan, which the finite-value guard of the objective then names.
+    """
+    return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
