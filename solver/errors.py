@@ -5,6 +5,7 @@
     SolverError
     ├── ProblemError            what the user asked for is wrong: lists every issue with its path
     ├── ExpressionError         a formula or constraint cannot be understood
+    ├── WorkerLostError         a worker process of an in-process run died
     ├── InfeasibleSpaceError    no proposal satisfies the constraints after a bounded search
     └── ForwardError            one forward calculation failed; becomes a failed evaluation
         ├── DivergedError       the calculation found no solution
@@ -32,6 +33,7 @@ __all__ = [
     "NotFiniteError",
     "ProblemError",
     "SolverError",
+    "WorkerLostError",
 ]
 
 
@@ -64,6 +66,10 @@ class ExpressionError(SolverError):
 
 class InfeasibleSpaceError(SolverError):
     """No parameter vector inside the bounds was found that satisfies the constraints."""
+
+
+class WorkerLostError(SolverError):
+    """A worker process of an in-process run ended unexpectedly."""
 
 
 class ForwardError(SolverError):

@@ -1,1 +1,7 @@
-""""""
+"""Weighted least-squares objective over several data series, equations (1) and (2) of Meier et al. (2008)."""
+
+from __future__ import annotations
+
+from solver.objective.least_squares import LeastSquares, ObservedSeries
+
+__all__ = ["LeastSquares", "ObservedSeries"]

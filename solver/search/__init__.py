@@ -1,1 +1,27 @@
-"""Search methods: ask for a generation, tell its objectives, take a snapshot. They never call an objective."""
+"""Search methods: ask for a generation, tell its objectives, take a snapshot. They never call an objective.
+
+===================  =====================================================================
+``space``            bounds, search coordinates, feasibility
+``randomness``       random numbers that depend on (seed, generation, particle) alone
+``particle_swarm``   the synchronous particle swarm of the published study
+``monte_carlo``      random, Latin hypercube and Sobol sampling
+===================  =====================================================================
+"""
+
+from __future__ import annotations
+
+from solver.search.base import Search, Snapshot
+from solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
+from solver.search.particle_swarm import ParticleSwarm, SwarmSettings
+from solver.search.space import SearchSpace
+
+__all__ = [
+    "MonteCarlo",
+    "MonteCarloSettings",
+    "ParticleSwarm",
+    "SamplingDesign",
+    "Search",
+    "SearchSpace",
+    "Snapshot",
+    "SwarmSettings",
+]

@@ -1,0 +1,317 @@
+"""Assembles a problem into what a calibration needs: evaluate one particle, advance one generation.
+
+Both the in-process loop and the distributed engine go through :meth:`Calibration.advance`, so they cannot differ.
+"""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.errors import ForwardError
+from solver.objective import LeastSquares, ObservedSeries
+from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem, Stopping
+from solver.search import (
+    MonteCarlo,
+    MonteCarloSettings,
+    ParticleSwarm,
+    SamplingDesign,
+    Search,
+    SearchSpace,
+    Snapshot,
+    SwarmSettings,
+)
+from solver.stopping import (
+    MaxEvaluations,
+    MaxSeconds,
+    StagnationGenerations,
+    StopCriterion,
+    SwarmStatus,
+    TargetObjective,
+    satisfied_reasons,
+)
+
+__all__ = ["SAMPLES_COMPLETED", "Best", "Calibration", "Evaluation", "Progress", "Step", "choose_seed"]
+
+SAMPLES_COMPLETED = "samples_completed"
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """Outcome of one forward calculation; it failed when ``reason`` is not None.
+
+    Parameters
+    ----------
+    parameters
+        Natural values of the free parameters, shape (d,).
+    objective
+        f, None when failed.
+    misfits, responses
+        f'_g and calculated values, shape (m_g,), of each observed series; empty when failed.
+    reason, message
+        Kind of failure (``diverged``, ``not_finite``, ``infeasible``, ``bad_output``) and what happened.
+    seconds
+        Wall time of the forward calculation [s].
+    """
+
+    parameters: FloatArray
+    objective: float | None
+    misfits: dict[str, float]
+    responses: dict[str, FloatArray]
+    reason: str | None
+    message: str | None
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Best:
+    """The best evaluation so far; of equal objectives the earliest, then the lowest particle."""
+
+    objective: float
+    generation: int
+    particle: int
+    parameters: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Everything a calibration knows between two generations.
+
+    Parameters
+    ----------
+    generation
+        Number of the generation that is being evaluated, from 0.
+    positions
+        Natural values of its particles, shape (n, d).
+    evaluations, failed
+        Counted so far, finished generations only.
+    best
+        None while no evaluation has succeeded.
+    stagnation
+        Finished generations since the best objective was last lowered.
+    snapshot
+        State of the search.
+    """
+
+    generation: int
+    positions: FloatArray
+    evaluations: int
+    failed: int
+    best: Best | None
+    stagnation: int
+    snapshot: Snapshot
+
+    def to_json(self) -> dict[str, Any]:
+        """Return a JSON-able form that :meth:`from_json` restores exactly."""
+        best = self.best
+        return {
+            "generation": self.generation,
+            "positions": self.positions.tolist(),
+            "evaluations": self.evaluations,
+            "failed": self.failed,
+            "best": best
+            and {
+                "objective": best.objective,
+                "generation": best.generation,
+                "particle": best.particle,
+                "parameters": best.parameters.tolist(),
+            },
+            "stagnation": self.stagnation,
+            "snapshot": self.snapshot,
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Progress:
+        """Restore from :meth:`to_json`."""
+        best = data["best"]
+        return cls(
+            **{**data, "positions": np.array(data["positions"], dtype=np.float64)}
+            | {"best": best and Best(**{**best, "parameters": np.array(best["parameters"], dtype=np.float64)})}
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What follows a finished generation: with no ``stop_reasons`` the next one, ``progress.positions``, is due."""
+
+    progress: Progress
+    stop_reasons: tuple[str, ...]
+
+
+class Calibration:
+    """A problem made ready: its forward run, objective, search space and stop criteria.
+
+    Raises
+    ------
+    ProblemError
+        When the forward model cannot be prepared for the observed points.
+    """
+
+    def __init__(self, problem: Problem, seed: int) -> None:
+        self.problem = problem
+        self.seed = seed
+        self.free_names = problem.free_names
+        observed = [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight) for o in problem.observations]
+        self.objective = LeastSquares(observed)
+        self.grids = {series.series: series.x for series in observed}
+        self.criteria = stop_criteria(problem.stopping)
+        self.space = SearchSpace(
+            names=self.free_names,
+            lower=np.array([p.lower for p in problem.free], dtype=np.float64),
+            upper=np.array([p.upper for p in problem.free], dtype=np.float64),
+            log=np.array([p.scale == "log" for p in problem.free], dtype=np.bool_),
+            feasible=lambda x: problem.satisfies(problem.values(x.tolist())),
+        )
+        self._run = problem.model.prepare(self.grids)
+        method = problem.method
+        self._design = (
+            SamplingDesign(self.space, monte_carlo_settings(method), seed)
+            if isinstance(method, MonteCarloMethod)
+            else None
+        )
+
+    def start(self) -> Progress:
+        """Ask for generation 0.
+
+        Raises
+        ------
+        InfeasibleSpaceError
+            When no feasible proposal is found.
+        """
+        search = self._new_search()
+        return Progress(0, self._positions(search), 0, 0, None, 0, search.snapshot())
+
+    def evaluate(self, parameters: FloatArray) -> Evaluation:
+        """Run the forward calculation for natural values of the free parameters, shape (d,).
+
+        Never raises for a failed forward run: the failure is in the returned evaluation.
+        """
+        return self.evaluate_values(self.problem.values(parameters.tolist()))
+
+    def evaluate_values(self, values: Mapping[str, float]) -> Evaluation:
+        """Run the forward calculation for values of all parameters by name."""
+        parameters = np.array([values[name] for name in self.free_names], dtype=np.float64)
+        began = time.perf_counter()
+        try:
+            with np.errstate(all="ignore"):
+                responses = self._run(values)
+            seconds = time.perf_counter() - began
+            misfits = self.objective.misfits(responses)
+        except ForwardError as error:
+            reason, message = error.reason, str(error)
+        except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
+            reason, message = "bad_output", f"the forward model raised {type(error).__name__}: {error}"
+        else:
+            return Evaluation(parameters, self.objective.value(misfits), misfits, dict(responses), None, None, seconds)
+        return Evaluation(parameters, None, {}, {}, reason, message, time.perf_counter() - began)
+
+    def advance(self, progress: Progress, objectives: Sequence[float | None], seconds: float) -> Step:
+        """Close the current generation and ask for the next one; pure.
+
+        Parameters
+        ----------
+        progress
+            State at which the generation was asked.
+        objectives
+            f of each particle in particle order, None for a failed evaluation.
+        seconds
+            Running time of the job so far [s].
+        """
+        told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
+        search = self._restore(progress.snapshot)
+        search.tell(told)
+        best, stagnation = _update_best(progress, told)
+        positions = self._positions(search)
+        evaluations = progress.evaluations + len(objectives)
+        status = SwarmStatus(
+            evaluations=evaluations,
+            next_evaluations=len(positions),
+            seconds=seconds,
+            objective=best.objective if best else None,
+            stagnation=stagnation,
+        )
+        reasons = satisfied_reasons(self.criteria, status)
+        if len(positions) == 0:
+            reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))
+        following = Progress(
+            generation=search.generation,
+            positions=positions,
+            evaluations=evaluations,
+            failed=progress.failed + objectives.count(None),
+            best=best,
+            stagnation=stagnation,
+            snapshot=search.snapshot(),
+        )
+        return Step(following, reasons)
+
+    def _new_search(self) -> Search:
+        method = self.problem.method
+        if isinstance(method, ParticleSwarmMethod):
+            initial = np.array([np.nan if p.initial is None else p.initial for p in self.problem.free])
+            return ParticleSwarm(self.space, swarm_settings(method), self.seed, initial)
+        return MonteCarlo(self.space, monte_carlo_settings(method), self.seed, self._design)
+
+    def _restore(self, snapshot: Snapshot) -> Search:
+        method = self.problem.method
+        if isinstance(method, ParticleSwarmMethod):
+            return ParticleSwarm.restore(self.space, swarm_settings(method), self.seed, snapshot)
+        return MonteCarlo.restore(self.space, monte_carlo_settings(method), self.seed, snapshot, self._design)
+
+    def _positions(self, search: Search) -> FloatArray:
+        positions = search.ask()
+        return np.empty((0, self.space.dimension)) if positions is None else positions
+
+
+def _update_best(progress: Progress, objectives: FloatArray) -> tuple[Best | None, int]:
+    particle = int(np.argmin(objectives))  # the lowest index of equal ones
+    objective = float(objectives[particle])
+    if np.isfinite(objective) and (progress.best is None or objective < progress.best.objective):
+        return Best(objective, progress.generation, particle, progress.positions[particle].copy()), 0
+    return progress.best, progress.stagnation + 1
+
+
+def stop_criteria(stopping: Stopping) -> tuple[StopCriterion, ...]:
+    """Return the criteria that the problem file names."""
+    made = (
+        (TargetObjective, stopping.target_objective),
+        (MaxEvaluations, stopping.max_evaluations),
+        (MaxSeconds, stopping.max_seconds),
+        (StagnationGenerations, stopping.stagnation_generations),
+    )
+    return tuple(criterion(limit) for criterion, limit in made if limit is not None)
+
+
+def swarm_settings(method: ParticleSwarmMethod) -> SwarmSettings:
+    """Translate the ``method`` section of a swarm; a coefficient not given takes the default of its form."""
+    constriction = method.form == "constriction"
+    coefficient = 2.05 if constriction else 1.49618
+    return SwarmSettings(
+        particles=method.particles,
+        form=method.form,
+        cognitive_coefficient=_or(method.cognitive_coefficient, coefficient),
+        social_coefficient=_or(method.social_coefficient, coefficient),
+        inertia_weight=_or(method.inertia_weight, 0.7298),
+        topology=method.topology,
+        boundary=method.boundary,
+        max_velocity=method.max_velocity,
+    )
+
+
+def monte_carlo_settings(method: MonteCarloMethod) -> MonteCarloSettings:
+    """Translate the ``method`` section of a Monte Carlo sampling."""
+    return MonteCarloSettings(method.samples, method.sampling, method.batch)
+
+
+def _or(value: float | None, default: float) -> float:
+    return default if value is None else value
+
+
+def choose_seed(seed: int | None) -> int:
+    """Return the given seed, or a fresh 32-bit one, which every result reports."""
+    return secrets.randbits(32) if seed is None else seed

@@ -1,0 +1,238 @@
+"""The in-process calibration loop: the reference that the distributed engine must equal bit for bit."""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation, Progress, choose_seed
+from solver.errors import WorkerLostError
+from solver.problem import Problem, parse_problem
+
+__all__ = [
+    "CalibrationResult",
+    "EvaluationRecord",
+    "GenerationRecord",
+    "calibrate",
+    "generation_record",
+    "no_success_message",
+]
+
+EvaluateGeneration: TypeAlias = Callable[[FloatArray], list[Evaluation]]
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationRecord:
+    """One evaluation with its place in the history."""
+
+    generation: int
+    particle: int
+    evaluation: Evaluation
+
+
+@dataclass(frozen=True, slots=True)
+class GenerationRecord:
+    """One finished generation.
+
+    Parameters
+    ----------
+    number
+        Counted from 0.
+    evaluations, failed
+        Totals so far.
+    best_objective
+        Best of this generation; None when all its evaluations failed.
+    objective, parameters
+        Best so far and all its parameter values by name; None while no evaluation has succeeded.
+    """
+
+    number: int
+    evaluations: int
+    failed: int
+    best_objective: float | None
+    objective: float | None
+    parameters: dict[str, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrationResult:
+    """Outcome of a calibration with its whole history.
+
+    ``state`` is ``failed`` when no evaluation succeeded; ``error`` then counts the reasons.
+    """
+
+    state: Literal["finished", "failed"]
+    stop_reasons: tuple[str, ...]
+    objective: float | None
+    parameters: dict[str, float] | None
+    best: Evaluation | None
+    best_generation: int | None
+    best_particle: int | None
+    evaluations: int
+    failed_evaluations: int
+    generations: int
+    seconds: float
+    seed: int
+    error: str | None
+    history: list[EvaluationRecord] = field(repr=False)
+    generation_records: list[GenerationRecord] = field(repr=False)
+
+
+def calibrate(
+    problem: Problem,
+    *,
+    workers: int = 1,
+    seed: int | None = None,
+    on_generation: Callable[[GenerationRecord], None] | None = None,
+) -> CalibrationResult:
+    """Run a calibration to its end in this process.
+
+    Parameters
+    ----------
+    problem
+        What to calibrate.
+    workers
+        Number of processes that share a generation; 1 runs everything here. Changes nothing in the result.
+    seed
+        Overrides the problem's seed; with neither a fresh one is chosen and reported.
+    on_generation
+        Called after every generation.
+
+    Raises
+    ------
+    InfeasibleSpaceError
+        When no feasible proposal is found.
+    WorkerLostError
+        When a worker process dies.
+    """
+    seed = choose_seed(problem.seed if seed is None else seed)
+    calibration = Calibration(problem, seed)
+    history: list[EvaluationRecord] = []
+    records: list[GenerationRecord] = []
+    began = time.monotonic()
+    progress = calibration.start()
+    with _evaluator(calibration, workers) as evaluate_generation:
+        while True:
+            evaluations = evaluate_generation(progress.positions)
+            history += [EvaluationRecord(progress.generation, i, e) for i, e in enumerate(evaluations)]
+            objectives = [e.objective for e in evaluations]
+            step = calibration.advance(progress, objectives, time.monotonic() - began)
+            records.append(generation_record(problem, progress.generation, objectives, step.progress))
+            if on_generation is not None:
+                on_generation(records[-1])
+            if step.stop_reasons:
+                break
+            progress = step.progress
+    return _result(problem, seed, step.progress, step.stop_reasons, history, records, time.monotonic() - began)
+
+
+def generation_record(
+    problem: Problem, number: int, objectives: Sequence[float | None], after: Progress
+) -> GenerationRecord:
+    """Summarise a finished generation from its objectives and the progress after it."""
+    best = after.best
+    return GenerationRecord(
+        number=number,
+        evaluations=after.evaluations,
+        failed=after.failed,
+        best_objective=min((f for f in objectives if f is not None), default=None),
+        objective=best.objective if best else None,
+        parameters=problem.values(best.parameters.tolist()) if best else None,
+    )
+
+
+def no_success_message(reasons: Counter[str], first_message: str | None) -> str:
+    """Say why a calibration without one successful evaluation failed, with the reasons counted."""
+    counts = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
+    message = f"all {reasons.total()} evaluations failed ({counts})"
+    return f"{message}; first message: {first_message}" if first_message else message
+
+
+def _result(
+    problem: Problem,
+    seed: int,
+    after: Progress,
+    stop_reasons: tuple[str, ...],
+    history: list[EvaluationRecord],
+    records: list[GenerationRecord],
+    seconds: float,
+) -> CalibrationResult:
+    best = after.best
+    error = None
+    if best is None:
+        reasons = Counter(r.evaluation.reason for r in history if r.evaluation.reason is not None)
+        error = no_success_message(reasons, history[0].evaluation.message)
+    found = next(
+        (r.evaluation for r in history if best and (r.generation, r.particle) == (best.generation, best.particle)), None
+    )
+    return CalibrationResult(
+        state="finished" if best else "failed",
+        stop_reasons=stop_reasons,
+        objective=best.objective if best else None,
+        parameters=problem.values(best.parameters.tolist()) if best else None,
+        best=found,
+        best_generation=best.generation if best else None,
+        best_particle=best.particle if best else None,
+        evaluations=after.evaluations,
+        failed_evaluations=after.failed,
+        generations=len(records),
+        seconds=seconds,
+        seed=seed,
+        error=error,
+        history=history,
+        generation_records=records,
+    )
+
+
+@contextmanager
+def _evaluator(calibration: Calibration, workers: int) -> Iterator[EvaluateGeneration]:
+    """Give a function that evaluates all positions of a generation, in order."""
+    if workers < 1:
+        raise ValueError(f"workers is {workers}, at least 1 is needed")
+    if workers == 1:
+        yield lambda positions: [calibration.evaluate(position) for position in positions]
+        return
+    # spawn: a forked child would inherit the locks of Numba's and BLAS's threads in whatever state they are
+    pool = ProcessPoolExecutor(
+        workers,
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_initialise_process,
+        initargs=(calibration.problem.document(), calibration.seed),
+    )
+
+    def evaluate_generation(positions: FloatArray) -> list[Evaluation]:
+        chunks = np.array_split(positions, min(workers, len(positions)))
+        try:
+            return [evaluation for chunk in pool.map(_evaluate_chunk, chunks) for evaluation in chunk]
+        except BrokenProcessPool as error:
+            raise WorkerLostError(
+                f"one of the {workers} worker processes ended unexpectedly (out of memory, or killed); "
+                "the service (geoswarm serve) survives such losses, an in-process run does not"
+            ) from error
+
+    with pool:
+        yield evaluate_generation
+
+
+_process_calibration: Calibration | None = None  # one for the life of a pool's process
+
+
+def _initialise_process(document: dict[str, Any], seed: int) -> None:
+    global _process_calibration
+    _process_calibration = Calibration(parse_problem(document), seed)
+
+
+def _evaluate_chunk(positions: FloatArray) -> list[Evaluation]:
+    if _process_calibration is None:
+        raise RuntimeError("the process was not initialised")
+    return [_process_calibration.evaluate(position) for position in positions]

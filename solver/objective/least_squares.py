@@ -1,0 +1,94 @@
+"""Misfits f'_g and objective f.
+
+    f(x) = sum_g w_g f'_g(x)                                                (1)
+    f'_g(x) = (1/m) sum_h w_h (y_calc[h, g](x) - y_meas[h, g])^2            (2)
+
+Always minimised. Source: Meier et al. (2008), equations (1) and (2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.errors import BadOutputError, NotFiniteError
+
+__all__ = ["LeastSquares", "ObservedSeries"]
+
+
+@dataclass(frozen=True, slots=True)
+class ObservedSeries:
+    """Measured points of one series in base units.
+
+    Parameters
+    ----------
+    series
+        Name of the series.
+    x, y
+        Measured points, shape (m,).
+    point_weights
+        w_h, shape (m,).
+    weight
+        w_g.
+    """
+
+    series: str
+    x: FloatArray
+    y: FloatArray
+    point_weights: FloatArray
+    weight: float
+
+
+class LeastSquares:
+    """Objective over the observed series; responses are given at the observed points."""
+
+    def __init__(self, observed: Sequence[ObservedSeries]) -> None:
+        self.observed = tuple(observed)
+
+    def misfits(self, responses: Mapping[str, FloatArray]) -> dict[str, float]:
+        """Return f'_g of every series, in (base unit of the series)^2.
+
+        Parameters
+        ----------
+        responses
+            Calculated values of each series at its observed points, shape (m_g,), base units.
+
+        Raises
+        ------
+        BadOutputError
+            When a series is missing or has another shape than the observation.
+        NotFiniteError
+            When a value is NaN or infinite; the message names series and point.
+        """
+        return {observed.series: _misfit(observed, responses) for observed in self.observed}
+
+    def value(self, misfits: Mapping[str, float]) -> float:
+        """Return the objective f from the misfits."""
+        return sum(observed.weight * misfits[observed.series] for observed in self.observed)
+
+
+def _misfit(observed: ObservedSeries, responses: Mapping[str, FloatArray]) -> float:
+    name = observed.series
+    if name not in responses:
+        raise BadOutputError(f"series '{name}' is missing in the response; it has {', '.join(sorted(responses))}")
+    calculated = np.asarray(responses[name], dtype=np.float64)
+    if calculated.shape != observed.y.shape:
+        raise BadOutputError(
+            f"series '{name}' has shape {calculated.shape}, but {observed.y.size} points were asked for"
+        )
+    finite = np.isfinite(calculated)
+    if not finite.all():
+        first = int(np.argmin(finite))
+        raise NotFiniteError(
+            f"series '{name}' is {calculated[first]} at point {first + 1} of {finite.size} (x = {observed.x[first]:g})"
+        )
+    residuals = calculated - observed.y
+    # no BLAS: its summation order may depend on the number of threads
+    with np.errstate(over="ignore"):
+        misfit = float(np.sum(observed.point_weights * residuals * residuals)) / residuals.size
+    if not np.isfinite(misfit):
+        raise NotFiniteError(f"the misfit of series '{name}' is {misfit}: its residuals are too large to be squared")
+    return misfit

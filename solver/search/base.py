@@ -1,0 +1,32 @@
+"""The protocol of a search method."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, TypeAlias
+
+from solver.arrays import FloatArray
+
+__all__ = ["Search", "Snapshot"]
+
+Snapshot: TypeAlias = dict[str, Any]
+"""State of a search between two generations; JSON-able, restores bit for bit."""
+
+
+class Search(Protocol):
+    """Proposes parameter vectors generation by generation.
+
+    ``ask`` gives the current generation and may be called any number of times; ``tell`` closes it and moves on.
+    """
+
+    @property
+    def generation(self) -> int:
+        """Number of the current generation, counted from 0."""
+
+    def ask(self) -> FloatArray | None:
+        """Positions of the current generation, shape (n, d), natural values; None when the method has no more."""
+
+    def tell(self, objectives: FloatArray) -> None:
+        """Take the objectives of the current generation, shape (n,), in particle order; inf for a failed evaluation."""
+
+    def snapshot(self) -> Snapshot:
+        """State from which the same class restores a search that goes on bit for bit alike."""

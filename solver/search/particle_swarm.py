@@ -1,0 +1,211 @@
+"""The synchronous particle swarm of the published study (Meier et al. 2008, Algorithm 1).
+
+One cycle: find each particle's own best and the best of its neighbourhood; new velocity, then new position, for each
+particle; the whole generation is evaluated; join; update the bests. After Eberhart & Kennedy (1995); the constriction
+form after Clerc & Kennedy (2002), the inertia weight after Shi & Eberhart (1998).
+
+With position x, velocity v, personal best p, neighbourhood best g, r1 and r2 uniform in [0, 1) for each component:
+
+    inertia_weight:  v <- w v + c1 r1 (p - x) + c2 r2 (g - x)
+    constriction:    v <- chi (v + c1 r1 (p - x) + c2 r2 (g - x))
+                     chi = 2 / |2 - s - sqrt(s^2 - 4 s)|,  s = c1 + c2 > 4
+    x <- x + v       all in search coordinates
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.search.base import Snapshot
+from solver.search.randomness import particle_generator
+from solver.search.space import SearchSpace
+
+__all__ = ["ParticleSwarm", "SwarmSettings"]
+
+_HALVINGS = 40  # a step is halved this often before the particle stays where it was
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmSettings:
+    """How the swarm moves.
+
+    Parameters
+    ----------
+    particles
+        Number n of particles in a generation.
+    form
+        ``constriction`` or ``inertia_weight``, see the module's equations.
+    cognitive_coefficient, social_coefficient
+        Pull c1 towards the personal best, c2 towards the best of the neighbourhood.
+    inertia_weight
+        w; used by the inertia-weight form only.
+    topology
+        ``global``: every particle knows the best of all; ``ring``: its own and its two neighbours' personal bests.
+    boundary
+        What happens to a component that leaves the bounds. ``reflect``: it is mirrored at the bound and its velocity
+        reversed. ``absorb``: it stays at the bound with velocity zero. ``resample``: it is drawn anew between the
+        bounds, its velocity zero.
+    max_velocity
+        Limit of each velocity component as a fraction of the parameter's range in search coordinates.
+    """
+
+    particles: int = 10
+    form: Literal["constriction", "inertia_weight"] = "constriction"
+    cognitive_coefficient: float = 2.05
+    social_coefficient: float = 2.05
+    inertia_weight: float = 0.7298
+    topology: Literal["global", "ring"] = "global"
+    boundary: Literal["reflect", "absorb", "resample"] = "reflect"
+    max_velocity: float = 0.5
+
+    @property
+    def weights(self) -> tuple[float, float, float]:
+        """Factors of the old velocity, the cognitive and the social term."""
+        c1, c2 = self.cognitive_coefficient, self.social_coefficient
+        if self.form == "inertia_weight":
+            return self.inertia_weight, c1, c2
+        s = c1 + c2
+        chi = 2.0 / abs(2.0 - s - math.sqrt(s * s - 4.0 * s))
+        return chi, chi * c1, chi * c2
+
+
+class ParticleSwarm:
+    """Ask / tell particle swarm.
+
+    Every proposal satisfies bounds and constraints, the first included: the initial positions are drawn until feasible;
+    later a step that ends at an infeasible point is halved towards the particle's previous position, which is feasible.
+    While no particle of a neighbourhood has had a successful evaluation its particles are drawn anew.
+    Of equal bests the particle with the lowest index counts.
+
+    Parameters
+    ----------
+    space, settings
+        Where and how to move.
+    seed
+        Together with generation and particle it fixes every random number.
+    initial
+        The user's estimate, natural values, shape (d,), nan where not given; becomes particle 0.
+
+    Raises
+    ------
+    InfeasibleSpaceError
+        When no feasible initial position is found.
+    """
+
+    def __init__(
+        self, space: SearchSpace, settings: SwarmSettings, seed: int, initial: FloatArray | None = None
+    ) -> None:
+        self._space = space
+        self._settings = settings
+        self._seed = seed
+        self.generation = 0
+        n, d = settings.particles, space.dimension
+        self._position = np.empty((n, d))
+        self._velocity = np.empty((n, d))
+        for i in range(n):
+            random = particle_generator(seed, 0, i)
+            self._position[i], self._velocity[i] = self._draw(random, initial if i == 0 else None)
+        self._best_position = self._position.copy()
+        self._best_objective = np.full(n, np.inf)
+
+    @classmethod
+    def restore(cls, space: SearchSpace, settings: SwarmSettings, seed: int, snapshot: Snapshot) -> ParticleSwarm:
+        """Rebuild the swarm that gave ``snapshot``; it goes on bit for bit alike."""
+        swarm = cls.__new__(cls)
+        swarm._space, swarm._settings, swarm._seed = space, settings, seed
+        swarm.generation = snapshot["generation"]
+        swarm._position = np.array(snapshot["position"])
+        swarm._velocity = np.array(snapshot["velocity"])
+        swarm._best_position = np.array(snapshot["best_position"])
+        swarm._best_objective = np.array([np.inf if f is None else f for f in snapshot["best_objective"]])
+        return swarm
+
+    def snapshot(self) -> Snapshot:
+        """State between two generations, JSON-able; an objective not yet known is None."""
+        return {
+            "generation": self.generation,
+            "position": self._position.tolist(),
+            "velocity": self._velocity.tolist(),
+            "best_position": self._best_position.tolist(),
+            "best_objective": [f if math.isfinite(f) else None for f in self._best_objective.tolist()],
+        }
+
+    def ask(self) -> FloatArray:
+        """Positions of the current generation, shape (n, d), natural values."""
+        return self._space.to_natural(self._position)
+
+    def tell(self, objectives: FloatArray) -> None:
+        """Take the objectives of the current generation, shape (n,), and move every particle."""
+        if objectives.shape != self._best_objective.shape:
+            raise ValueError(f"objectives has shape {objectives.shape}, expected {self._best_objective.shape}")
+        better = objectives < self._best_objective
+        self._best_objective = np.where(better, objectives, self._best_objective)
+        self._best_position = np.where(better[:, None], self._position, self._best_position)
+        self.generation += 1
+        informants = [self._informant(i) for i in range(self._settings.particles)]
+        for i, informant in enumerate(informants):
+            random = particle_generator(self._seed, self.generation, i)
+            if math.isfinite(self._best_objective[informant]):
+                self._position[i], self._velocity[i] = self._move(i, self._best_position[informant], random)
+            else:
+                self._position[i], self._velocity[i] = self._draw(random, None)
+
+    def _informant(self, particle: int) -> int:
+        """Index of the best personal best in the neighbourhood of a particle; the lowest index of equal ones."""
+        n = self._settings.particles
+        if self._settings.topology == "global":
+            neighbours = np.arange(n)
+        else:
+            neighbours = np.unique([(particle - 1) % n, particle, (particle + 1) % n])
+        return int(neighbours[np.argmin(self._best_objective[neighbours])])
+
+    def _draw(self, random: np.random.Generator, initial: FloatArray | None) -> tuple[FloatArray, FloatArray]:
+        """Draw a feasible position and a velocity: half the way to another random point (Clerc's SPSO 2007)."""
+        space = self._space
+        position = space.draw(random, initial)
+        target = space.search_lower + random.random(space.dimension) * (space.search_upper - space.search_lower)
+        return position, self._limit(0.5 * (target - position))
+
+    def _limit(self, velocity: FloatArray) -> FloatArray:
+        largest = self._settings.max_velocity * (self._space.search_upper - self._space.search_lower)
+        return np.clip(velocity, -largest, largest)
+
+    def _move(self, particle: int, attractor: FloatArray, random: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+        """Return the new position and velocity of one particle, both of shape (d,)."""
+        x, v, p = self._position[particle], self._velocity[particle], self._best_position[particle]
+        inertia, cognitive, social = self._settings.weights
+        r1, r2 = random.random(x.size), random.random(x.size)
+        velocity = self._limit(inertia * v + cognitive * r1 * (p - x) + social * r2 * (attractor - x))
+        position, velocity = self._keep_inside(x + velocity, velocity, random)
+        if self._space.is_feasible(position):
+            return position, velocity
+        step = position - x
+        for _ in range(_HALVINGS):
+            step *= 0.5
+            if self._space.is_feasible(x + step):
+                return x + step, step
+        return x.copy(), np.zeros_like(x)
+
+    def _keep_inside(
+        self, position: FloatArray, velocity: FloatArray, random: np.random.Generator
+    ) -> tuple[FloatArray, FloatArray]:
+        """Treat the components that left the bounds as ``boundary`` says."""
+        lower, upper = self._space.search_lower, self._space.search_upper
+        outside = (position < lower) | (position > upper)
+        if not outside.any():
+            return position, velocity
+        if self._settings.boundary == "reflect":
+            mirrored = np.where(position < lower, 2.0 * lower - position, 2.0 * upper - position)
+            position = np.where(outside, mirrored, position)
+            velocity = np.where(outside, -velocity, velocity)
+            # max_velocity may exceed the range, then one mirror image is outside again
+            return np.clip(position, lower, upper), velocity
+        if self._settings.boundary == "absorb":
+            return np.clip(position, lower, upper), np.where(outside, 0.0, velocity)
+        anew = lower + random.random(position.size) * (upper - lower)
+        return np.where(outside, anew, position), np.where(outside, 0.0, velocity)

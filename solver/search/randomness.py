@@ -1,0 +1,22 @@
+"""Random numbers that depend on (seed, generation, particle) alone.
+
+The order in which particles are computed, the number of workers and any restart therefore change nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = ["design_generator", "particle_generator"]
+
+_DESIGN = 2**32 - 1  # a generation number that no search reaches: the stream of a whole sampling design
+
+
+def particle_generator(seed: int, generation: int, particle: int) -> np.random.Generator:
+    """Return the random stream of one particle in one generation."""
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(generation, particle))))
+
+
+def design_generator(seed: int) -> np.random.Generator:
+    """Return the random stream of a sampling design that is drawn as a whole."""
+    return particle_generator(seed, _DESIGN, 0)

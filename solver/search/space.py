@@ -1,0 +1,93 @@
+"""The space that a search moves in: bounds, search coordinates and feasibility."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solver.arrays import BoolArray, FloatArray
+from solver.errors import InfeasibleSpaceError
+
+__all__ = ["SearchSpace"]
+
+_DRAWS = 10_000  # bounded search for a feasible point before giving up
+
+
+@dataclass(frozen=True, slots=True)
+class SearchSpace:
+    """Free parameters with their bounds.
+
+    Search coordinates are the natural logarithm for parameters on a log scale (as in the published study) and the value
+    itself otherwise.
+
+    Parameters
+    ----------
+    names
+        Names of the d free parameters.
+    lower, upper
+        Bounds, shape (d,), natural values; both belong to the space.
+    log
+        Whether a parameter is searched on a log scale, shape (d,).
+    feasible
+        Tells whether a natural parameter vector, shape (d,), satisfies all constraints.
+    """
+
+    names: tuple[str, ...]
+    lower: FloatArray
+    upper: FloatArray
+    log: BoolArray
+    feasible: Callable[[FloatArray], bool] = field(repr=False)
+
+    @property
+    def dimension(self) -> int:
+        """Number d of free parameters."""
+        return len(self.names)
+
+    @property
+    def search_lower(self) -> FloatArray:
+        """Lower bounds in search coordinates, shape (d,)."""
+        return self.to_search(self.lower)
+
+    @property
+    def search_upper(self) -> FloatArray:
+        """Upper bounds in search coordinates, shape (d,)."""
+        return self.to_search(self.upper)
+
+    def to_search(self, natural: FloatArray) -> FloatArray:
+        """Convert natural values, shape (..., d), to search coordinates."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.log, np.log(np.where(self.log, natural, 1.0)), natural)
+
+    def to_natural(self, search: FloatArray) -> FloatArray:
+        """Convert search coordinates, shape (..., d), to natural values inside the bounds (rounding of exp is cut)."""
+        natural = np.where(self.log, np.exp(np.where(self.log, search, 0.0)), search)
+        return np.clip(natural, self.lower, self.upper)
+
+    def is_feasible(self, search: FloatArray) -> bool:
+        """Tell whether a point in search coordinates, shape (d,), satisfies all constraints."""
+        return self.feasible(self.to_natural(search))
+
+    def draw(self, random: np.random.Generator, initial: FloatArray | None = None) -> FloatArray:
+        """Draw a feasible point uniformly in search coordinates, shape (d,).
+
+        ``initial`` (natural values, nan where not given) fixes some of the coordinates.
+
+        Raises
+        ------
+        InfeasibleSpaceError
+            When a bounded number of draws gives no feasible point.
+        """
+        lower, upper = self.search_lower, self.search_upper
+        given = None if initial is None else self.to_search(initial)
+        for _ in range(_DRAWS):
+            point = lower + random.random(self.dimension) * (upper - lower)
+            if given is not None:
+                point = np.where(np.isnan(given), point, given)
+            if self.is_feasible(point):
+                return point
+        raise InfeasibleSpaceError(
+            f"no point that satisfies the constraints was found in {_DRAWS} draws inside the bounds of "
+            f"{', '.join(self.names)}; widen the bounds or relax the constraints"
+        )
