@@ -58,7 +58,8 @@ class SamplingDesign:
             points = self._draw(size)
             feasible = np.array([self.space.is_feasible(point) for point in points])
             if feasible.sum() >= wanted:
-                return points[feasible][:wanted]
+                chosen: FloatArray = points[feasible][:wanted]
+                return chosen
             size *= 2
         raise InfeasibleSpaceError(
             f"only {int(feasible.sum())} of {len(points)} {self.settings.sampling} points inside the bounds of "
@@ -68,6 +69,7 @@ class SamplingDesign:
 
     def _draw(self, size: int) -> FloatArray:
         random, dimension = design_generator(self.seed), self.space.dimension
+        unit: FloatArray
         if self.settings.sampling == "latin_hypercube":
             unit = qmc.LatinHypercube(dimension, rng=random).random(size)
         else:  # the balance of Sobol points needs a power of two
