@@ -6,6 +6,8 @@
     ├── ProblemError            what the user asked for is wrong: lists every issue with its path
     ├── ExpressionError         a formula or constraint cannot be understood
     ├── WorkerLostError         a worker process of an in-process run died
+    ├── UnknownForwardModelError     no forward model of that kind is installed
+    ├── BrokenForwardModelError      a forward model is installed, but cannot be loaded
     ├── InfeasibleSpaceError    no proposal satisfies the constraints after a bounded search
     └── ForwardError            one forward calculation failed; becomes a failed evaluation
         ├── DivergedError       the calculation found no solution
@@ -24,6 +26,7 @@ from typing import ClassVar
 
 __all__ = [
     "BadOutputError",
+    "BrokenForwardModelError",
     "DivergedError",
     "ExpressionError",
     "ForwardError",
@@ -62,6 +65,14 @@ class ProblemError(SolverError):
 
 class ExpressionError(SolverError):
     """An expression cannot be parsed or names something unknown."""
+
+
+class UnknownForwardModelError(SolverError):
+    """No forward model of the wanted kind is installed; the message lists the known kinds."""
+
+
+class BrokenForwardModelError(SolverError):
+    """A forward model is installed, but its entry point cannot be loaded or gives no forward model."""
 
 
 class InfeasibleSpaceError(SolverError):

@@ -1,0 +1,125 @@
+"""Finds forward models by their kind: those of this package and those that other packages offer as entry points.
+
+A package offers one by an entry point of the group ``geoswarm.forward_models`` whose name is the kind and whose object
+is a subclass of :class:`solver.forward.base.ForwardModelSpec`. A kind is loaded only when it is used, so one that is
+broken never harms the others.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import cache
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, SerializeAsAny, ValidationError, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from solver.errors import BrokenForwardModelError, UnknownForwardModelError
+from solver.forward.base import ForwardModelSpec
+
+__all__ = ["GROUP", "AnyForwardModelSpec", "find_spec", "kinds", "parse_spec"]
+
+GROUP = "geoswarm.forward_models"
+"""Entry point group."""
+
+_BUILT_IN = {
+    "formula": "solver.forward.formula:FormulaSpec",
+    "combined": "solver.forward.combined:CombinedSpec",
+    "oedometer": "solver.forward.oedometer:OedometerSpec",
+    "isotropic_compression": "solver.forward.isotropic_compression:IsotropicCompressionSpec",
+}
+# The same as in pyproject.toml (a test compares), so that a source tree works without being installed and no other
+# package can put itself in the place of a built-in model.
+
+
+@cache
+def _installed() -> dict[str, EntryPoint]:
+    found = {entry.name: entry for entry in entry_points(group=GROUP)}
+    built_in = {kind: EntryPoint(kind, place, GROUP) for kind, place in _BUILT_IN.items()}
+    return built_in | {kind: entry for kind, entry in sorted(found.items()) if kind not in built_in}
+
+
+def kinds() -> tuple[str, ...]:
+    """Kinds of forward model that are installed, loaded or not, the built-in ones first."""
+    return tuple(_installed())
+
+
+def find_spec(kind: str) -> type[ForwardModelSpec]:
+    """Find the class that describes the ``forward_model`` section of a kind.
+
+    Raises
+    ------
+    UnknownForwardModelError
+        No such kind is installed; the message lists the known ones.
+    BrokenForwardModelError
+        The entry point cannot be imported or is no :class:`ForwardModelSpec`.
+    """
+    entry = _installed().get(kind)
+    if entry is None:
+        known = ", ".join(kinds())
+        close = get_close_matches(kind, kinds(), n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        raise UnknownForwardModelError(f"unknown kind '{kind}'{hint}; known kinds: {known}")
+    return _load(entry)
+
+
+@cache
+def _load(entry: EntryPoint) -> type[ForwardModelSpec]:
+    source = f"forward model '{entry.name}' ({entry.value}) is installed but"
+    try:
+        found: Any = import_module(entry.module)
+        for attribute in entry.attr.split("."):
+            found = getattr(found, attribute)
+    except (ImportError, AttributeError, SyntaxError, ValueError, TypeError, NameError, OSError) as error:
+        raise BrokenForwardModelError(f"{source} cannot be loaded: {error}") from error
+    if not (isinstance(found, type) and issubclass(found, ForwardModelSpec)):
+        raise BrokenForwardModelError(f"{source} is not a subclass of solver.forward.base.ForwardModelSpec")
+    return found
+
+
+def parse_spec(section: Any) -> ForwardModelSpec:
+    """Validate a ``forward_model`` section by the class of its kind, strictly: no text or truth value as a number.
+
+    Raises
+    ------
+    PydanticCustomError
+        The kind is missing, unknown or broken.
+    pydantic.ValidationError
+        The section does not fit its kind.
+    """
+    if isinstance(section, ForwardModelSpec):
+        return section
+    if not isinstance(section, Mapping):
+        raise PydanticCustomError(
+            "mapping_expected", "a forward model is a mapping with a kind; known kinds: {known}", _known()
+        )
+    kind = section.get("kind")
+    if not isinstance(kind, str):
+        raise _at_kind("kind_missing", "give the kind of forward model; known kinds: {known}", kind, _known())
+    try:
+        spec = find_spec(kind)
+    except (UnknownForwardModelError, BrokenForwardModelError) as error:
+        raise _at_kind("kind_unusable", "{reason}", kind, {"reason": str(error)}) from error
+    # Through JSON because strict validation of Python objects would refuse a list where a tuple is meant.
+    return spec.model_validate_json(json.dumps(dict(section)), strict=True)
+
+
+def _known() -> dict[str, str]:
+    return {"known": ", ".join(kinds())}
+
+
+def _at_kind(error: Any, message: Any, value: Any, context: dict[str, str]) -> ValidationError:
+    detail = {"type": PydanticCustomError(error, message, context), "loc": ("kind",), "input": value}
+    return ValidationError.from_exception_data("forward_model", [detail])  # type: ignore[list-item]
+
+
+AnyForwardModelSpec = Annotated[
+    SerializeAsAny[ForwardModelSpec],
+    BeforeValidator(parse_spec),
+    WithJsonSchema({"type": "object", "properties": {"kind": {"type": "string"}}, "required": ["kind"]}),
+]
+"""Field type: the ``forward_model`` section of any installed kind."""
