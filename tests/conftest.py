@@ -1,0 +1,73 @@
+"""Fixtures for all tests: real servers, and an environment that does not depend on the user's."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import pytest
+
+# Before NumPy is loaded: one numerical thread a process, so that parallel workers do not fight for the cores.
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+# Settings of the user's own installation must not reach the tests.
+for _name in [name for name in os.environ if name.startswith("GEOSWARM_")]:
+    del os.environ[_name]
+
+from tests import servers  # noqa: E402
+from tests.servers import MissingServerError, PostgresServer, RedisServer  # noqa: E402
+
+
+@pytest.fixture(scope="session")
+def postgres_server() -> Iterator[PostgresServer]:
+    """PostgreSQL for the whole run (one for each xdist worker); a test that breaks it may leave it stopped."""
+    try:
+        with PostgresServer() as server:
+            yield server
+    except MissingServerError as error:
+        pytest.fail(str(error), pytrace=False)
+
+
+@pytest.fixture(scope="session")
+def redis_server() -> Iterator[RedisServer]:
+    """Redis for the whole run (one for each xdist worker); a test that breaks it may leave it stopped."""
+    try:
+        with RedisServer() as server:
+            yield server
+    except MissingServerError as error:
+        pytest.fail(str(error), pytrace=False)
+
+
+@pytest.fixture(scope="session")
+def postgres_url(postgres_server: PostgresServer) -> str:
+    """SQLAlchemy address of the maintenance database; tests that write want ``fresh_postgres_url``."""
+    return postgres_server.url
+
+
+@pytest.fixture(scope="session")
+def redis_url(redis_server: RedisServer) -> str:
+    """Address of database 0; tests that write want ``fresh_redis_url``."""
+    return redis_server.url
+
+
+@pytest.fixture
+def fresh_postgres_url(postgres_server: PostgresServer) -> Iterator[str]:
+    """SQLAlchemy address of a new, empty database on the running server."""
+    postgres_server.start()
+    url = postgres_server.create_database()
+    yield url
+    postgres_server.start()
+    postgres_server.drop_database(url)
+
+
+@pytest.fixture
+def fresh_redis_url(redis_server: RedisServer) -> str:
+    """Address of an empty numbered database on the running server."""
+    redis_server.start()
+    return redis_server.create_database()
+
+
+@pytest.fixture
+def free_port() -> int:
+    """A TCP port of 127.0.0.1 on which nothing listens."""
+    return servers.free_port()
