@@ -1,0 +1,168 @@
+"""Makes the reference data of all examples: the forward model at known parameters plus noise of known strength.
+
+The readings of the published tests were never printed, so the examples measure a clay that behaves exactly like the
+model with the *identified* parameters of Meier et al. (2008), read at laboratory reading times with a normally
+distributed error. The data are synthetic, and every file says so in its first line.
+
+Run it with ``python examples/generate_reference_data.py``; without a folder it writes into the examples themselves.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.problem import from_base_unit, parse_problem
+from solver.problem.reading import read_problem_file
+
+__all__ = ["EXAMPLES", "Example", "generate", "main"]
+
+HERE = Path(__file__).resolve().parent
+MINUTES_A_DAY = 1440.0
+
+READINGS_MIN = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 120.0, 240.0, 480.0)
+"""Usual reading times after a load is applied [min]."""
+LATER_READINGS_DAYS = (1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 9.0, 11.0, 14.0, 17.0, 21.0)
+BEFORE_NEXT_LOAD_MIN = 5.0
+"""The last reading of a stage is taken this long before its end [min]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """What the reference data of one example are made from.
+
+    Parameters
+    ----------
+    folder
+        Name of the example's folder.
+    truth
+        Values of the parameters that the problem leaves free, base units; fixed and linked ones are in the problem.
+    noise
+        Standard deviation of the reading error [m].
+    seed
+        Of the reading errors.
+    decimals
+        Digits after the point of a reading in its unit.
+    source
+        Where the true parameters come from.
+    """
+
+    folder: str
+    truth: Mapping[str, float]
+    noise: float
+    seed: int
+    decimals: int
+    source: str
+
+
+EXAMPLES = (
+    Example(
+        "oedometer",
+        {"lambda_star": 0.082, "kappa_star": 0.051, "c": 25.0},
+        noise=5e-5,
+        seed=1571,
+        decimals=4,
+        source="identified set of the oedometer test in Meier et al. 2008",
+    ),
+    Example(
+        "isotropic_compression",
+        {"lambda_star": 0.089, "mu_star": 2.33e-3},
+        noise=5e-5,
+        seed=1572,
+        decimals=4,
+        source="identified set of the isotropic compression test in Meier et al. 2008",
+    ),
+    Example(
+        "formula",
+        {"s_end": 0.62, "t_half": 140.0},
+        noise=2e-3,
+        seed=1573,
+        decimals=1,
+        source="chosen for this example",
+    ),
+    Example(
+        "combined",
+        {"lambda_star": 0.085, "kappa_star": 0.048, "c": 26.0, "isotropic.mu_star": 2.33e-3},
+        noise=5e-5,
+        seed=1574,
+        decimals=4,
+        source="chosen between the two identified sets of Meier et al. 2008",
+    ),
+)
+
+
+def reading_times(stages: list[dict[str, float]]) -> list[float]:
+    """Return reading times [min] since the first load for stages with a duration [day]."""
+    durations = [stage["duration"] * MINUTES_A_DAY for stage in stages]
+    starts = [0.0, *accumulate(durations)]
+    times: list[float] = []
+    for start, minutes in zip(starts, durations, strict=False):
+        last = minutes - BEFORE_NEXT_LOAD_MIN
+        later = [day * MINUTES_A_DAY - BEFORE_NEXT_LOAD_MIN for day in LATER_READINGS_DAYS]
+        within = [t for t in (*READINGS_MIN, *later) if t < last - 1.0]
+        times += [round(start + t, 3) for t in (*within, last)]
+    return times
+
+
+def _times_of(forward_model: Mapping[str, Any], series: str) -> list[float]:
+    """Return the reading times [day] of a series."""
+    if forward_model["kind"] == "combined":
+        part, _, inner = series.partition(".")
+        return _times_of(forward_model["parts"][part], inner)
+    if forward_model["kind"] == "formula":
+        return [7.0, 14.0, 21.0, 30.0, 45.0, 60.0, 75.0, 90.0, 110.0, 130.0, 150.0, 180.0, 210.0, 240.0, 270.0, 300.0]
+    return [minutes / MINUTES_A_DAY for minutes in reading_times(forward_model["stages"])]
+
+
+def generate(example: Example, folder: Path) -> list[Path]:
+    """Write the reference data of one example into a folder and return the files."""
+    document = read_problem_file(HERE / example.folder / "problem.yaml")
+    files = {section["series"]: section["file"] for section in document["observations"]}
+    units = {section["series"]: (section["x_unit"], section["y_unit"]) for section in document["observations"]}
+    document["observations"] = [
+        {"series": series, "points": {"x": times, "y": [0.0] * len(times)}, "x_unit": "day"}
+        for series in files
+        for times in [_times_of(document["forward_model"], series)]
+    ]
+    problem = parse_problem(document)
+    values = problem.values([example.truth[name] for name in problem.free_names])
+    responses = problem.model.prepare({o.series: o.x for o in problem.observations})(values)
+    random = np.random.default_rng(example.seed)
+    written = []
+    for o in problem.observations:
+        readings = responses[o.series] + random.normal(0.0, example.noise, o.x.size)
+        x_unit, y_unit = units[o.series]
+        x = from_base_unit(o.x, "day", x_unit)
+        y = from_base_unit(readings, "m", y_unit)
+        parameters = ", ".join(f"{name} {value:g}" for name, value in values.items())
+        lines = [
+            f"# synthetic: not measured; {document['forward_model']['kind']} at {parameters} ({example.source}), "
+            f"normal noise of {example.noise:g} m, seed {example.seed}; made by examples/generate_reference_data.py",
+            f"# x in {x_unit}, y in {y_unit}",
+            "x,y",
+        ]
+        lines += [f"{a:.10g},{b:.{example.decimals}f}" for a, b in zip(x.tolist(), y.tolist(), strict=True)]
+        path = folder / files[o.series]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        written.append(path)
+    return written
+
+
+def main(arguments: list[str]) -> None:
+    """Write the data of all examples below a folder; into the examples when none is given."""
+    target = Path(arguments[0]) if arguments else HERE
+    for example in EXAMPLES:
+        folder = target / example.folder
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in generate(example, folder):
+            print(path)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

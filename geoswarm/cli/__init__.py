@@ -1,0 +1,49 @@
+"""The command line ``geoswarm``.
+
+==============  =========================================================================
+``commands``    the table of commands; each is imported only when it is called
+``failures``    every error becomes one clear message and an exit code
+``options``     options and arguments that several commands share
+``output``      numbers, tables and JSON as the user reads them
+``check`` ...   one module a group of commands
+==============  =========================================================================
+
+Exit codes: 0 ok, 1 a run failed, 2 bad input (also: a service, database or broker that cannot be reached, a port in
+use), 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Sequence
+
+from geoswarm.cli.commands import cli
+from geoswarm.cli.failures import Session, report
+
+__all__ = ["cli", "main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; never raises for what a user can cause.
+
+    Parameters
+    ----------
+    arguments
+        Without the program's name; ``sys.argv[1:]`` when None.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a symbol that the terminal lacks must not end the command
+    session = Session()
+    try:
+        code = cli.main(
+            args=None if arguments is None else list(arguments),
+            prog_name="geoswarm",
+            standalone_mode=False,
+            obj=session,
+        )
+        sys.stdout.flush()
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  the last handler: no traceback reaches a user
+        return report(error, session)
+    return code if isinstance(code, int) else 0

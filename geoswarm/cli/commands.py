@@ -1,0 +1,104 @@
+"""The table of commands; the module of a command is imported only when the command is called.
+
+So ``geoswarm --help`` needs neither NumPy nor a database driver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+
+import click
+
+__all__ = ["COMMANDS", "CommandEntry", "LazyGroup", "cli"]
+
+
+@dataclass(frozen=True, slots=True)
+class CommandEntry:
+    """Where a command lives and how ``geoswarm --help`` lists it.
+
+    ``module`` holds a click command called ``<name>_command``; ``help`` is the first sentence of its help.
+    """
+
+    module: str
+    section: str
+    help: str
+
+
+_PROBLEM, _SERVICE, _JOBS = "One problem, in this process", "The service", "Jobs of a running service"
+
+COMMANDS: dict[str, CommandEntry] = {
+    "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
+    "evaluate": CommandEntry("geoswarm.cli.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
+    "run": CommandEntry("geoswarm.cli.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
+    "demo": CommandEntry("geoswarm.cli.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
+    "serve": CommandEntry("geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."),
+    "worker": CommandEntry("geoswarm.cli.serve", _SERVICE, "Run forward calculations for a service with a broker."),
+    "sweep": CommandEntry("geoswarm.cli.serve", _SERVICE, "Look after jobs: re-dispatch what is overdue."),
+    "submit": CommandEntry("geoswarm.cli.submit", _JOBS, "Submit a problem as a job."),
+    "watch": CommandEntry("geoswarm.cli.submit", _JOBS, "Follow a job until it ends."),
+    "list": CommandEntry("geoswarm.cli.jobs", _JOBS, "List jobs, newest first."),
+    "show": CommandEntry("geoswarm.cli.jobs", _JOBS, "Show a job with its best parameters."),
+    "cancel": CommandEntry("geoswarm.cli.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
+    "pause": CommandEntry("geoswarm.cli.jobs", _JOBS, "Pause a job."),
+    "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
+    "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
+    "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
+}
+
+
+class LazyGroup(click.Group):
+    """A group that lists its commands from :data:`COMMANDS` and imports one when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in the order of the table."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import the module of a command and return it; None for an unknown name."""
+        entry = COMMANDS.get(cmd_name)
+        if entry is None:
+            return None
+        command: click.Command = getattr(import_module(entry.module), f"{cmd_name}_command")
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands by section, without importing them."""
+        for section in dict.fromkeys(entry.section for entry in COMMANDS.values()):
+            rows: Sequence[tuple[str, str]] = [
+                (name, entry.help) for name, entry in COMMANDS.items() if entry.section == section
+            ]
+            with formatter.section(section):
+                formatter.write_dl(rows)
+
+
+def _print_version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        from geoswarm.cli.version import version  # importlib.metadata is slow to import
+
+        click.echo(f"geoswarm {version()}")
+        ctx.exit()
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+    epilog="Exit codes: 0 ok, 1 a run failed, 2 bad input, 130 interrupted.  "
+    "'geoswarm COMMAND --help' explains a command.",
+)
+@click.option("--debug", is_flag=True, help="Show the traceback of an unexpected error.")
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Show the version."
+)
+@click.pass_context
+def cli(ctx: click.Context, debug: bool) -> None:
+    """Find the parameters of geotechnical models from measurements.
+
+    A problem file names a forward model (an oedometer test, say), its parameters with bounds, the measured series, a
+    search method and when to stop. 'geoswarm run PROBLEM' calibrates it here; 'geoswarm serve' and 'geoswarm submit'
+    do the same on a service with workers. New here: 'geoswarm demo'.
+    """
+    from geoswarm.cli.failures import Session
+
+    ctx.ensure_object(Session).debug = debug

@@ -1,0 +1,36 @@
+"""Names, symbols and units of parameters and series in tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from geoswarm.cli.output import number
+
+if TYPE_CHECKING:
+    from solver.problem import Problem
+
+__all__ = ["parameter_rows", "symbol_and_unit", "with_unit"]
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Append a unit to a number; nothing for a pure number."""
+    return f"{text} {unit}" if unit and unit not in ("dimensionless", "1", "-") and text != "-" else text
+
+
+def symbol_and_unit(problem: Problem, name: str) -> tuple[str, str]:
+    """Return symbol and unit of a parameter; the symbol is empty when it says no more than the name."""
+    for info in problem.model.parameters:
+        if info.name == name:
+            unit = "" if info.unit in ("dimensionless", "1") else info.unit
+            return ("" if info.symbol == name else info.symbol), unit
+    return "", ""
+
+
+def parameter_rows(problem: Problem, values: Mapping[str, float]) -> list[tuple[str, str, str, str]]:
+    """Return name, symbol, value and unit of every parameter of the problem."""
+    rows = []
+    for name in problem.parameters:
+        symbol, unit = symbol_and_unit(problem, name)
+        rows.append((name, symbol, number(values[name], 5), unit))
+    return rows

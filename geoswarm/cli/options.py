@@ -1,0 +1,61 @@
+"""Options and arguments that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+__all__ = ["api_key_option", "broker_option", "connection_options", "database_option", "job_argument", "json_option", "problem_argument"]
+
+Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+
+problem_argument = click.argument("problem", type=click.Path(path_type=Path), metavar="PROBLEM")
+"""Path of a problem file; reading it reports what is wrong with it."""
+
+job_argument = click.argument("job", metavar="ID")
+"""A job's id, or its first characters where they name one job only."""
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for scripts.")
+
+api_key_option = click.option(
+    "--api-key",
+    envvar="GEOSWARM_API_KEY",
+    show_envvar=True,
+    metavar="KEY",
+    help="API key of the service.",
+)
+
+database_option = click.option(
+    "--database",
+    envvar="GEOSWARM_DATABASE_URL",
+    show_envvar=True,
+    metavar="URL",
+    help="Database, e.g. postgresql+psycopg://user:password@host/name or sqlite:///FILE.",
+)
+
+broker_option = click.option(
+    "--broker",
+    envvar="GEOSWARM_BROKER_URL",
+    show_envvar=True,
+    metavar="URL",
+    help="Redis for remote workers, e.g. redis://host:6379/0.",
+)
+
+_url_option = click.option(
+    "--url",
+    envvar="GEOSWARM_URL",
+    show_envvar=True,
+    default="http://127.0.0.1:8765",
+    show_default=True,
+    metavar="URL",
+    help="Address of the service.",
+)
+
+
+def connection_options(function: Decorated) -> Decorated:
+    """Add ``--url`` and ``--api-key`` to a command that talks to a service."""
+    decorated: Decorated = _url_option(api_key_option(function))
+    return decorated

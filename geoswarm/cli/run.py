@@ -1,0 +1,173 @@
+"""``geoswarm run``: a calibration in this process, with figures and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
+from geoswarm.cli.progress import progress_bar
+
+if TYPE_CHECKING:
+    from solver.local import CalibrationResult, GenerationRecord
+    from solver.problem import Problem
+
+__all__ = ["run_command"]
+
+
+@click.command("run")
+@problem_argument
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes to use.")
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Folder for result.json, problem.json, evaluations.csv, generations.csv and figures (png, svg).",
+)
+@click.option("--seed", type=click.IntRange(min=0), help="Seed in place of the problem's; the same seed, the same result.")
+@json_option
+def run_command(problem: Path, workers: int, output: Path | None, seed: int | None, as_json: bool) -> None:
+    """Calibrate a problem to its end, with figures and tables.
+
+    The number of workers changes the time, never the result. Exit code 1 when no forward run succeeded.
+    """
+    from solver.local import calibrate
+    from solver.problem import load_problem
+
+    loaded = load_problem(problem)
+    if output is not None:
+        _make_folder(output)
+    with _reporting(loaded) as on_generation:
+        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation)
+    written = [] if output is None else write_output(loaded, result, output)
+    if as_json:
+        echo_json(_summary(result))
+    elif result.state == "finished":
+        show_result(loaded, result)
+    if output is not None and not as_json:
+        echo_facts(None, {"written to": f"{output} ({', '.join(p.name for p in written)})"})
+    if result.state == "failed":
+        raise FailedRunError(result.error or "no forward run succeeded")
+
+
+def _summary(result: CalibrationResult) -> dict[str, Any]:
+    return {
+        "state": result.state,
+        "stop_reasons": list(result.stop_reasons),
+        "objective": result.objective,
+        "parameters": result.parameters,
+        "evaluations": result.evaluations,
+        "generations": result.generations,
+        "seconds": result.seconds,
+        "seed": result.seed,
+    }
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInputError(f"--output {folder}: {error.strerror}") from error
+
+
+@contextmanager
+def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]:
+    """Show progress; when the user interrupts, tell the best found so far."""
+    last: list[GenerationRecord] = []
+    with progress_bar(problem.name, planned_evaluations(problem)) as update:
+
+        def on_generation(record: GenerationRecord) -> None:
+            last[:] = [record]
+            update(record.evaluations, record.number, record.objective)
+
+        try:
+            yield on_generation
+        except KeyboardInterrupt:
+            if last and last[0].parameters is not None:
+                best = ", ".join(f"{name} = {number(value, 5)}" for name, value in last[0].parameters.items())
+                note(f"Best after {last[0].evaluations} evaluations: objective {number(last[0].objective)} at {best}")
+            raise
+
+
+def planned_evaluations(problem: Problem) -> int | None:
+    """Return the largest number of evaluations that the problem allows; None when it sets no such limit."""
+    samples: int | None = getattr(problem.method, "samples", None)
+    limits = [limit for limit in (samples, problem.stopping.max_evaluations) if limit is not None]
+    return min(limits, default=None)
+
+
+def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> list[Path]:
+    """Write all files of a result; without matplotlib the tables only, with a note on stderr."""
+    from solver import report
+
+    written = [folder / name for name in ("result.json", "problem.json", "evaluations.csv", "generations.csv")]
+    report.write_result(written[0], problem, result)
+    report.write_problem(written[1], problem)
+    report.write_evaluations(written[2], problem, result)
+    report.write_generations(written[3], problem, result)
+    if not report.figures_available():
+        note("Note: no figures, because matplotlib is not installed: pip install 'geoswarm[plots]'")
+        return written
+    convergence = report.convergence_figure(
+        problem.name, result.generation_records, report.objective_unit(problem), problem.stopping.target_objective
+    )
+    if result.best is not None and result.parameters is not None:
+        curves = report.series_curves(problem, result.best.responses, result.parameters)
+        written += report.save_figure(report.fit_figure(problem.name, curves), folder, "fit")
+        written += report.save_figure(convergence, folder, "convergence")
+    return written
+
+
+def show_result(problem: Problem, result: CalibrationResult) -> None:
+    """Write the tables of a finished calibration."""
+    from geoswarm.cli.labels import with_unit
+    from solver.report import objective_unit, series_shares
+
+    if result.parameters is None or result.best is None:
+        return
+    unit = objective_unit(problem)
+    echo_table(
+        problem.name,
+        ("parameter", "", "identified", "lower", "upper", "initial", "scale", "unit"),
+        _parameter_rows(problem, result.parameters),
+        right=(2, 3, 4, 5),
+    )
+    rows = [
+        (s.series, number(s.weight), number(s.misfit), f"{s.share:.0%}")
+        for s in series_shares(problem, result.best.misfits)
+    ]
+    echo_table(None, ("series", "weight", "misfit", "share of the objective"), rows, right=(1, 2, 3))
+    failed = f", {result.failed_evaluations} failed" if result.failed_evaluations else ""
+    echo_facts(
+        None,
+        {
+            "objective": with_unit(number(result.objective), unit),
+            "stopped": reasons_in_words(result.stop_reasons),
+            "evaluations": f"{result.evaluations} in {result.generations} generations{failed}",
+            "time": duration(result.seconds),
+            "seed": str(result.seed),
+        },
+    )
+
+
+def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[str, ...]]:
+    from geoswarm.cli.labels import symbol_and_unit
+    from solver.problem import FreeParameter, LinkedParameter
+
+    rows: list[tuple[str, ...]] = []
+    for name, parameter in problem.parameters.items():
+        symbol, unit = symbol_and_unit(problem, name)
+        value = number(values[name], 5)
+        if isinstance(parameter, FreeParameter):
+            bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), parameter.scale)
+        else:
+            kind = f"= {parameter.expression}" if isinstance(parameter, LinkedParameter) else "fixed"
+            bounds = ("", "", "", kind)
+        rows.append((name, symbol, value, *bounds, unit))
+    return rows
