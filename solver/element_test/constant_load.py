@@ -1,0 +1,246 @@
+"""A history of constant axial loads on a specimen, by error-controlled steps: the fast path of the laboratory tests.
+
+Each stage is an instantaneous load (exact, :func:`solver.element_test.axial.confined_load`) and a hold. A hold is
+stepped in the logarithmic time ``s = ln(1 + t/theta)``, theta = tau (p_eq/p_p)^-beta at the beginning of the step: in
+it creep at constant stress is a straight line, whatever the creep exponent beta. A step is taken as one, two and three
+implicit substeps of equal length in s, which are extrapolated to third order; the difference between the second and
+third order is the error. Between the ends of a step, strain is the cubic through both values and rates; its third-order
+part is kept below the tolerance as well. Compression positive; kPa, day, logarithmic strain.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from solver.arrays import FloatArray, IntArray
+from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from solver.element_test.axial import (
+    confined_load,
+    confined_step,
+    creep_direction,
+    lateral_limits,
+    strain_increment,
+)
+from solver.jit import kernel
+
+__all__ = ["DIVERGED", "FAILED_SOIL", "FINISHED", "constant_load_history"]
+
+FINISHED: Final = 0
+DIVERGED: Final = 1
+FAILED_SOIL: Final = 2
+
+_MAX_STEPS = 2000
+_LOCAL_SHARE = 0.25  # share of the tolerance granted to one step
+_NO_CREEP = -30.0  # ln(dt/theta) below which the creep strain, mu* dt/theta, is nothing
+_CUBIC_BULGE = 0.05  # largest value of the cubic part of Hermite's polynomial, 1/(12 sqrt 3), rounded up
+
+
+@kernel
+def _log_ratio(axial: float, lateral: float, log_pp: float, soil: SoftSoilCreep) -> float:
+    """beta ln(p_eq/p_p): the logarithm of the creep rate over mu*/tau."""
+    q = axial - lateral
+    p_eq = equivalent_pressure((axial + 2.0 * lateral) / 3.0, q * q, soil)[0]
+    return (soil.lambda_star - soil.kappa_star) / soil.mu_star * (math.log(p_eq) - log_pp)
+
+
+@kernel
+def _substeps(
+    count: int,
+    length: float,
+    log_theta: float,
+    axial: float,
+    lateral: float,
+    log_pp: float,
+    guess: float,
+    confined: bool,
+    soil: SoftSoilCreep,
+) -> tuple[float, float, float, float, bool]:
+    """Hold in ``count`` implicit substeps over s = 0 .. length: lateral stress, ln p_p, both strains, converged.
+
+    ``guess`` is the lateral stress expected at the end.
+    """
+    drift = (guess - lateral) / count
+    piece = length / count
+    log_piece = log_theta + math.log(-math.expm1(-piece))
+    axial_strain, lateral_strain = 0.0, 0.0
+    strength = soil.lambda_star - soil.kappa_star
+    for step in range(1, count + 1):
+        log_time = log_piece + step * piece
+        if confined:
+            lateral, strain, creep, converged = confined_step(
+                axial, lateral, axial, log_time, log_pp, lateral + drift, soil
+            )
+            if not converged:
+                return lateral, log_pp, axial_strain, lateral_strain, False
+        else:
+            strain, lateral_change, creep, _ = strain_increment(axial, lateral, axial, lateral, log_time, log_pp, soil)
+            lateral_strain += lateral_change
+        axial_strain += strain
+        log_pp += creep / strength
+    return lateral, log_pp, axial_strain, lateral_strain, True
+
+
+@kernel
+def constant_load_history(
+    soil: SoftSoilCreep,
+    stresses: FloatArray,
+    durations: FloatArray,
+    lateral_ratio: float,
+    initial_axial: float,
+    initial_lateral: float,
+    initial_log_pp: float,
+    tolerance: float,
+    times: FloatArray,
+    firsts: IntArray,
+) -> tuple[int, int, float, FloatArray, FloatArray]:
+    """Strains of a specimen under constant axial loads.
+
+    Parameters
+    ----------
+    soil
+        Constants of the material.
+    stresses, durations
+        Shape (n,). Axial stress, kPa, and duration, day, of each stage.
+    lateral_ratio
+        Lateral over axial stress of a specimen that is free to strain (1: isotropic compression); negative for a
+        specimen without lateral strain (oedometer).
+    initial_axial, initial_lateral, initial_log_pp
+        State before the first stage: stresses, kPa; ln p_p.
+    tolerance
+        Error admitted in strain.
+    times
+        Shape (m,). Times from the beginning of their stage, day, at most its duration, increasing in each stage.
+    firsts
+        Shape (n + 1,). The times of stage i are ``times[firsts[i]:firsts[i + 1]]``.
+
+    Returns
+    -------
+    status, stage, time, output, ends
+        :data:`FINISHED`, :data:`DIVERGED` (no solution) or :data:`FAILED_SOIL` (the load is above the strength); the
+        stage and the time in it at which the calculation ended; axial and lateral strain since the initial state at
+        the times, shape (m, 2), and at the ends of the stages, shape (n, 2).
+    """
+    confined = lateral_ratio < 0.0
+    output = np.empty((times.shape[0], 2))
+    ends = np.empty((stresses.shape[0], 2))
+    axial, lateral, log_pp = initial_axial, initial_lateral, initial_log_pp
+    axial_strain, lateral_strain = 0.0, 0.0
+    stiffness = soil.lambda_star - soil.kappa_star
+    local = _LOCAL_SHARE * tolerance
+    length = 2.0
+    for stage in range(stresses.shape[0]):
+        load = stresses[stage]
+        if confined:
+            lateral, change, completed = confined_load(axial, lateral, load, log_pp, soil)
+            if not completed:
+                return DIVERGED, stage, 0.0, output, ends
+            axial_strain += change
+        else:
+            new_lateral = lateral_ratio * load
+            lower, upper, _, _ = lateral_limits(load, soil)
+            if not lower <= new_lateral <= upper:
+                return FAILED_SOIL, stage, 0.0, output, ends
+            change, lateral_change, _, _ = strain_increment(axial, lateral, load, new_lateral, -math.inf, log_pp, soil)
+            axial_strain += change
+            lateral_strain += lateral_change
+            lateral = new_lateral
+        axial = load
+        duration = durations[stage]
+        now = 0.0
+        point, last = firsts[stage], firsts[stage + 1]
+        log_rate = _log_ratio(axial, lateral, log_pp, soil)
+        direction, lateral_direction = creep_direction(axial, lateral, confined, soil)
+        steps = 0
+        while now < duration:
+            log_theta = math.log(soil.tau) - log_rate
+            remaining = duration - now
+            x = math.log(remaining) - log_theta
+            if x < _NO_CREEP:
+                for rest in range(point, last):
+                    output[rest, 0] = axial_strain
+                    output[rest, 1] = lateral_strain
+                break
+            whole = x + math.log1p(math.exp(-x)) if x > 0.0 else math.log1p(math.exp(x))
+            if length > 0.999 * whole or not confined:
+                length = whole
+            elif length > 0.5 * whole:
+                length = 0.5 * whole
+            while True:
+                steps += 1
+                if steps > _MAX_STEPS or not length > 1.0e-14 * whole:
+                    return DIVERGED, stage, now, output, ends
+                one_lat, one_pp, one_ax, one_ls, ok1 = _substeps(
+                    1, length, log_theta, axial, lateral, log_pp, lateral, confined, soil
+                )
+                if not confined:
+                    # Constant stress: one step is exact.
+                    new_lat, new_pp, new_ax, new_ls = one_lat, one_pp, one_ax, one_ls
+                    error, factor = 0.0, 1.0
+                else:
+                    two_lat, two_pp, two_ax, _, ok2 = _substeps(
+                        2, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil
+                    )
+                    three_lat, three_pp, three_ax, _, ok3 = _substeps(
+                        3, length, log_theta, axial, lateral, log_pp, two_lat, confined, soil
+                    )
+                    if not (ok1 and ok2 and ok3):
+                        length *= 0.25
+                        continue
+                    new_lat = 4.5 * three_lat - 4.0 * two_lat + 0.5 * one_lat
+                    new_pp = 4.5 * three_pp - 4.0 * two_pp + 0.5 * one_pp
+                    new_ax = 4.5 * three_ax - 4.0 * two_ax + 0.5 * one_ax
+                    new_ls = 0.0
+                    scale = soil.kappa_star / ((axial + 2.0 * lateral) / 3.0 + soil.shift + soil.pressure_floor)
+                    error = abs(new_ax - 3.0 * three_ax + 2.0 * two_ax)
+                    error = max(error, scale * abs(new_lat - 3.0 * three_lat + 2.0 * two_lat))
+                    error = max(error, stiffness * abs(new_pp - 3.0 * three_pp + 2.0 * two_pp))
+                    factor = 0.9 * (local / error) ** (1.0 / 3.0) if error > 0.0 else 5.0
+                new_rate = _log_ratio(axial, new_lat, new_pp, soil)
+                new_direction, new_lateral_direction = creep_direction(axial, new_lat, confined, soil)
+                # d strain/d s at both ends, times the length of the step.
+                speed = soil.mu_star * length
+                end_speed = speed * math.exp(new_rate + log_theta - math.log(soil.tau) + length)
+                bulge = abs(speed * direction + end_speed * new_direction - 2.0 * new_ax) * _CUBIC_BULGE
+                if confined and bulge > 0.0:
+                    factor = min(factor, 0.9 * (local / bulge) ** (1.0 / 3.0))
+                if (error <= local and bulge <= local) or not confined:
+                    break
+                length *= max(0.2, min(factor, 0.9))
+            final = length >= whole
+            end = duration if final else now + math.exp(log_theta + length + math.log(-math.expm1(-length)))
+            while point < last and (times[point] <= end or final):
+                if final and times[point] >= duration:
+                    fraction = 1.0
+                else:
+                    x = math.log(times[point] - now) - log_theta
+                    at = x + math.log1p(math.exp(-x)) if x > 0.0 else math.log1p(math.exp(x))
+                    fraction = min(at / length, 1.0)
+                left, right = fraction, 1.0 - fraction
+                value = left * left * (3.0 - 2.0 * left)
+                start_part, end_part = left * right * right, left * left * right
+                output[point, 0] = (
+                    axial_strain
+                    + value * new_ax
+                    + start_part * speed * direction
+                    - end_part * end_speed * new_direction
+                )
+                output[point, 1] = (
+                    lateral_strain
+                    + value * new_ls
+                    + start_part * speed * lateral_direction
+                    - end_part * end_speed * new_lateral_direction
+                )
+                point += 1
+            now = end
+            lateral, log_pp = new_lat, new_pp
+            axial_strain += new_ax
+            lateral_strain += new_ls
+            log_rate, direction, lateral_direction = new_rate, new_direction, new_lateral_direction
+            if confined:
+                length *= min(factor, 4.0)
+        ends[stage, 0] = axial_strain
+        ends[stage, 1] = lateral_strain
+    return FINISHED, stresses.shape[0], 0.0, output, ends

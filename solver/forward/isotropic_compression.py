@@ -1,0 +1,60 @@
+"""Isotropic compression test: a cylindrical specimen under all-round pressure in stages."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from solver.arrays import FloatArray
+from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from solver.forward.staged_load import StagedLoadModel, StagedLoadSpec
+
+__all__ = ["IsotropicCompressionModel", "IsotropicCompressionSpec"]
+
+
+class IsotropicCompressionSpec(StagedLoadSpec):
+    """Isotropic compression in the triaxial cell, drained.
+
+    Series: ``axial_displacement`` and ``radial_displacement`` (m, positive when height and radius decrease) and
+    ``volumetric_strain`` over time, each also as ``stage_`` form over the stage number, and ``stage_void_ratio``. The
+    specimen stays a cylinder. ``volumetric_strain`` is the engineering one: decrease of the volume over the initial
+    volume. Inside, strain is logarithmic unless ``geometry: fixed``.
+    """
+
+    kind: Literal["isotropic_compression"] = "isotropic_compression"
+    diameter: float = Field(gt=0.0, description="Diameter of the specimen at the beginning, m.")
+    initial_stress: float = Field(gt=0.0, description="All-round stress before the first stage, kPa.")
+
+    def build(self) -> IsotropicCompressionModel:
+        """Build the forward model."""
+        return IsotropicCompressionModel(self)
+
+
+@dataclass(frozen=True)
+class IsotropicCompressionModel(StagedLoadModel):
+    """Forward model of the isotropic compression test at one material point."""
+
+    spec: IsotropicCompressionSpec
+
+    series_time: ClassVar = (
+        ("axial_displacement", "Decrease of the height.", "axial displacement", "m"),
+        ("radial_displacement", "Decrease of the radius.", "radial displacement", "m"),
+        ("volumetric_strain", "Engineering volumetric strain: decrease over initial volume.", "volumetric strain", ""),
+    )
+    lateral_ratio: ClassVar[float] = 1.0
+
+    def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
+        """All-round initial stress; p_p = OCR p_eq, or p_eq under the initial stress plus POP."""
+        stress = self.spec.initial_stress
+        return stress, math.log(OCR * equivalent_pressure(stress + POP, 0.0, soil)[0])
+
+    def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
+        """Displacement or engineering volumetric strain."""
+        if series == "axial_displacement":
+            return self.spec.height * self.shortening(strain[:, 0], float(zero[0]))
+        if series == "radial_displacement":
+            return 0.5 * self.spec.diameter * self.shortening(strain[:, 1], float(zero[1]))
+        return self.shortening(strain[:, 0] + 2.0 * strain[:, 1], float(zero[0] + 2.0 * zero[1]))

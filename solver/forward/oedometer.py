@@ -1,0 +1,81 @@
+"""Oedometer test: one-dimensional compression of a confined specimen under vertical loads in stages."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from solver.arrays import FloatArray
+from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from solver.element_test.axial import lateral_limits
+from solver.errors import InfeasibleError
+from solver.forward.staged_load import StagedLoadModel, StagedLoadSpec
+
+__all__ = ["OedometerModel", "OedometerSpec"]
+
+
+class OedometerSpec(StagedLoadSpec):
+    """Oedometer: settlement of the top of a confined specimen.
+
+    Series: ``settlement`` (m) and ``axial_strain`` over time, and ``stage_settlement``, ``stage_axial_strain``,
+    ``stage_void_ratio`` over the stage number. Settlement is positive downwards. ``axial_strain`` is the engineering
+    (laboratory) strain: settlement over the initial height. Inside, strain is logarithmic unless ``geometry: fixed``.
+    """
+
+    kind: Literal["oedometer"] = "oedometer"
+    initial_stress: float = Field(gt=0.0, description="Vertical stress before the first stage, kPa.")
+    K0: float | None = Field(
+        None, gt=0.0, description="Initial ratio of horizontal to vertical stress; K0nc unless given."
+    )
+
+    def build(self) -> OedometerModel:
+        """Build the forward model."""
+        return OedometerModel(self)
+
+
+@dataclass(frozen=True)
+class OedometerModel(StagedLoadModel):
+    """Forward model of the oedometer test at one material point."""
+
+    spec: OedometerSpec
+
+    series_time: ClassVar = (
+        ("settlement", "Settlement of the top, positive downwards.", "settlement", "m"),
+        ("axial_strain", "Engineering axial strain: settlement over the initial height.", "axial strain", ""),
+    )
+    lateral_ratio: ClassVar[float] = -1.0
+
+    def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
+        """Horizontal stress K0 times the vertical one; p_p = OCR p_eq, or p_eq under the vertical stress plus POP.
+
+        Raises
+        ------
+        InfeasibleError
+            The initial stress violates the strength.
+        """
+        vertical = self.spec.initial_stress
+        horizontal = vertical * (soil.K0nc if self.spec.K0 is None else self.spec.K0)
+        lower, upper, _, _ = lateral_limits(vertical, soil)
+        if not lower <= horizontal <= upper:
+            raise InfeasibleError(
+                f"initial horizontal stress = {horizontal:g} kPa (K0 = {horizontal / vertical:g}) violates the "
+                f"strength; K0 from {max(lower, 0.0) / vertical:g} to {upper / vertical:g} is accepted"
+            )
+        pressure = _equivalent(vertical, horizontal, soil)
+        if POP > 0.0:
+            past = vertical + POP
+            return horizontal, math.log(max(pressure, _equivalent(past, soil.K0nc * past, soil)))
+        return horizontal, math.log(OCR * pressure)
+
+    def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
+        """Settlement or engineering strain."""
+        shortening = self.shortening(strain[:, 0], float(zero[0]))
+        return self.spec.height * shortening if series == "settlement" else shortening
+
+
+def _equivalent(vertical: float, horizontal: float, soil: SoftSoilCreep) -> float:
+    q = vertical - horizontal
+    return equivalent_pressure((vertical + 2.0 * horizontal) / 3.0, q * q, soil)[0]

@@ -1,0 +1,296 @@
+"""What the laboratory tests with constant loads in stages share: their section of the problem file and their model.
+
+Times and stages
+----------------
+Stage 1 is applied at time 0, or stage n with ``zero_at_stage: n``; time, displacement and strain are then counted from
+just before that stage is applied. Each load acts at once. A point exactly at a change of stage belongs to the *end of
+the earlier stage*; therefore the point at time 0 is the reading just before the load, and its displacement is 0.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from solver.arrays import FloatArray, IntArray
+from solver.constitutive.soft_soil_creep import SoftSoilCreep
+from solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
+from solver.errors import DivergedError, Issue, ProblemError
+from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
+
+__all__ = ["LoadStage", "StagedLoadModel", "StagedLoadSpec"]
+
+_SAME_TIME = 1.0e-9
+"""Relative difference (and, in days, absolute one) below which a time is that of a change of stage."""
+
+_CURVE_POINTS = 24
+
+
+class LoadStage(BaseModel):
+    """One load that is kept constant: ``stress`` in kPa for ``duration`` in days."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    stress: float = Field(gt=0.0, description="Applied stress, kPa, compression positive.")
+    duration: float = Field(gt=0.0, description="Duration, day.")
+
+
+def _only_material_point(value: Any) -> Any:
+    if value != "material_point":
+        raise ValueError(f"discretization {value!r} is not available for this test; 'material_point' is accepted")
+    return value
+
+
+class StagedLoadSpec(ForwardModelSpec, ABC):
+    """Fields of the tests with constant loads in stages."""
+
+    material: Literal["soft_soil_creep"] = Field("soft_soil_creep", description="Material law.")
+    discretization: Annotated[Literal["material_point"], BeforeValidator(_only_material_point)] = Field(
+        "material_point", description="How the specimen is represented."
+    )
+    height: float = Field(gt=0.0, description="Height of the specimen at the beginning, m.")
+    initial_stress: float = Field(gt=0.0, description="Stress before the first stage, kPa.")
+    stages: tuple[LoadStage, ...] = Field(min_length=1, description="Loads in the order of their application.")
+    zero_at_stage: int = Field(
+        1, ge=1, description="Stage before whose application time, displacement and strain are zero."
+    )
+    OCR: float | None = Field(None, ge=1.0, description="Default of the parameter OCR (1 unless given here).")
+    POP: float | None = Field(None, ge=0.0, description="Default of the parameter POP, kPa; not together with OCR.")
+    formulation: Literal["translated", "untranslated"] = Field(
+        "translated", description="Whether stiffness and creep see the mean stress shifted by c cot(phi)."
+    )
+    tension_cutoff: float | None = Field(
+        0.0, ge=0.0, description="Largest admissible tension, kPa; null for no cut-off."
+    )
+    geometry: Literal["updated", "fixed"] = Field(
+        "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
+    )
+    tolerance: float = Field(
+        1.0e-5, ge=1.0e-9, le=1.0e-2, description="Admitted time integration error, as axial logarithmic strain."
+    )
+    initial_void_ratio: float | None = Field(
+        None, gt=0.0, description="Void ratio before the first stage; needed by the series stage_void_ratio."
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> StagedLoadSpec:
+        if self.OCR is not None and self.POP is not None:
+            raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; one of them is accepted")
+        if self.zero_at_stage > len(self.stages):
+            raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class _Schedule:
+    """Where the prepared points lie: times per stage for the kernel, and each series' rows in its results."""
+
+    times: FloatArray
+    firsts: IntArray
+    rows: dict[str, IntArray]
+
+
+@dataclass(frozen=True)
+class StagedLoadModel(ABC):
+    """Forward model of a test with constant loads in stages; a subclass names the test's series and initial state."""
+
+    spec: StagedLoadSpec
+
+    series_time: ClassVar[tuple[tuple[str, str, str, str], ...]]
+    """Series over time: name, description, quantity, unit."""
+
+    lateral_ratio: ClassVar[float]
+    """Lateral over axial stress; negative: no lateral strain."""
+
+    @property
+    def parameters(self) -> tuple[ParameterInfo, ...]:
+        """Soil parameters; the first five are required."""
+        return self._parameters
+
+    @cached_property
+    def _parameters(self) -> tuple[ParameterInfo, ...]:
+        return soil_parameters(self.spec.OCR or 1.0, self.spec.POP or 0.0)
+
+    @property
+    def open_parameters(self) -> bool:
+        """No parameters beyond :attr:`parameters`."""
+        return False
+
+    @property
+    def series(self) -> tuple[SeriesInfo, ...]:
+        """Series over time, and over the stage number (value at the end of the stage)."""
+        return self._series
+
+    @cached_property
+    def _series(self) -> tuple[SeriesInfo, ...]:
+        over_time = tuple(
+            SeriesInfo(name, text, "time", "day", quantity, unit, 0.0, self._end * (1.0 + _SAME_TIME))
+            for name, text, quantity, unit in self.series_time
+        )
+        stages = float(len(self.spec.stages))
+        over_stage = [
+            SeriesInfo(
+                f"stage_{name}", f"{text} At the end of a stage.", "stage", "", quantity, unit, 1.0, stages, True
+            )
+            for name, text, quantity, unit in self.series_time
+        ]
+        void_ratio = SeriesInfo(
+            "stage_void_ratio",
+            "Void ratio at the end of a stage; needs initial_void_ratio.",
+            "stage",
+            "",
+            "void ratio",
+            "",
+            1.0,
+            stages,
+            True,
+        )
+        return (*over_time, *over_stage, void_ratio)
+
+    @cached_property
+    def _stage_ends(self) -> FloatArray:
+        return np.cumsum([stage.duration for stage in self.spec.stages])
+
+    @property
+    def _zero(self) -> float:
+        """Time from the first stage to the zero of time, day."""
+        return float(self._stage_ends[self.spec.zero_at_stage - 2]) if self.spec.zero_at_stage > 1 else 0.0
+
+    @property
+    def _end(self) -> float:
+        return float(self._stage_ends[-1]) - self._zero
+
+    def grid(self, series: str) -> FloatArray:
+        """Points at which a curve looks smooth: logarithmic in each stage, its end included; or the stage numbers."""
+        if series.startswith("stage_"):
+            return np.arange(1.0, len(self.spec.stages) + 1.0)
+        starts = self._stage_ends - [stage.duration for stage in self.spec.stages]
+        pieces = [np.zeros(1)]
+        for start, stage in list(zip(starts, self.spec.stages, strict=True))[self.spec.zero_at_stage - 1 :]:
+            fractions = np.geomspace(1.0e-5, 1.0, _CURVE_POINTS)
+            pieces.append(start + stage.duration * fractions - self._zero)
+        return np.concatenate(pieces)
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:
+        """What is inadmissible about the soil parameters given, or None."""
+        return inadmissible_soil(self._parameters, parameters)
+
+    @abstractmethod
+    def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
+        """Initial lateral stress, kPa, and ln of the preconsolidation pressure."""
+
+    @abstractmethod
+    def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
+        """Series over time from axial and lateral strain since the beginning, (n, 2), and at the zero of time, (2,)."""
+
+    def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+        """Build the calculation of the given series at the given points; see the protocol.
+
+        Raises
+        ------
+        ProblemError
+            A series is unknown, or a point is outside the test.
+        """
+        schedule = self._schedule(points)
+        spec = self.spec
+        stresses = np.array([stage.stress for stage in spec.stages])
+        durations = np.array([stage.duration for stage in spec.stages])
+        default_OCR, default_POP = spec.OCR or 1.0, spec.POP or 0.0
+        points_count = schedule.times.shape[0]
+        strain = np.zeros((1 + points_count + len(spec.stages), 2))
+        zero_row = points_count + spec.zero_at_stage - 1 if spec.zero_at_stage > 1 else 0
+
+        def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+            soil = soil_from(parameters, spec.formulation, spec.tension_cutoff)
+            OCR, POP = parameters.get("OCR", default_OCR), parameters.get("POP", default_POP)
+            lateral, log_pp = self.initial_state(soil, OCR, POP)
+            status, stage, time, output, ends = constant_load_history(
+                soil,
+                stresses,
+                durations,
+                self.lateral_ratio,
+                spec.initial_stress,
+                lateral,
+                log_pp,
+                spec.tolerance,
+                schedule.times,
+                schedule.firsts,
+            )
+            if status != FINISHED:
+                raise DivergedError(self._failure(status, stage, time))
+            history = strain.copy()
+            history[1 : 1 + points_count] = output
+            history[1 + points_count :] = ends
+            zero = history[zero_row]
+            return {name: self._values(name, history[rows], zero) for name, rows in schedule.rows.items()}
+
+        return run
+
+    def _failure(self, status: int, stage: int, time: float) -> str:
+        load = self.spec.stages[stage].stress
+        if status == FAILED_SOIL:
+            return f"stage {stage + 1} ({load:g} kPa): the load is above the strength of the soil"
+        return f"stage {stage + 1} ({load:g} kPa): no solution {time:.6g} day after its application"
+
+    def _values(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
+        if series != "stage_void_ratio":
+            return self.response(series.removeprefix("stage_"), strain, zero)
+        initial = self.spec.initial_void_ratio
+        assert initial is not None
+        return initial - (1.0 + initial) * self.shortening(strain[:, 0] + 2.0 * strain[:, 1], 0.0)
+
+    def shortening(self, strain: FloatArray, zero: float) -> FloatArray:
+        """Decrease of a length (or volume) since the zero of time over its value at the beginning of the test."""
+        if self.spec.geometry == "fixed":
+            return strain - zero
+        return math.exp(-zero) * -np.expm1(zero - strain)
+
+    def _schedule(self, points: Mapping[str, FloatArray]) -> _Schedule:
+        """Merge all points; rows count the beginning (0), then the times inside stages, then the ends of stages."""
+        known = {info.name: info for info in self.series}
+        for name, x in points.items():
+            self._refuse(known.get(name), name, x, tuple(known))
+        wanted = [x + self._zero for name, x in points.items() if not name.startswith("stage_")]
+        times = np.unique(np.concatenate(wanted)) if wanted else np.empty(0)
+        stage = np.searchsorted(self._stage_ends * (1.0 + _SAME_TIME) + _SAME_TIME, times, side="left")
+        stage = np.minimum(stage, len(self.spec.stages) - 1)
+        at_end = times >= self._stage_ends[stage] * (1.0 - _SAME_TIME) - _SAME_TIME
+        inside = ~at_end & (times > _SAME_TIME)
+        starts = self._stage_ends - [entry.duration for entry in self.spec.stages]
+        count = int(inside.sum())
+        row_of_time = np.zeros(times.shape[0], dtype=np.int64)
+        row_of_time[inside] = 1 + np.arange(count)
+        row_of_time[at_end] = 1 + count + stage[at_end]
+        rows = {
+            name: (count + x.astype(np.int64))
+            if name.startswith("stage_")
+            else row_of_time[np.searchsorted(times, x + self._zero)]
+            for name, x in points.items()
+        }
+        firsts = np.searchsorted(stage[inside], np.arange(len(self.spec.stages) + 1)).astype(np.int64)
+        return _Schedule(times[inside] - starts[stage[inside]], firsts, rows)
+
+    def _refuse(self, info: SeriesInfo | None, name: str, x: FloatArray, known: tuple[str, ...]) -> None:
+        if info is None:
+            raise ProblemError([Issue("series", f"{name!r} is unknown; known are {', '.join(known)}")])
+        if name == "stage_void_ratio" and self.spec.initial_void_ratio is None:
+            raise ProblemError(
+                [Issue("forward_model.initial_void_ratio", "is missing: stage_void_ratio needs a void ratio above 0")]
+            )
+        assert info.x_lower is not None
+        assert info.x_upper is not None
+        wrong = ~((x >= info.x_lower) & (x <= info.x_upper))
+        if info.x_integer:
+            wrong |= x != np.round(x)
+        if wrong.any():
+            accepted = f"{'whole numbers ' if info.x_integer else ''}from {info.x_lower:g} to {info.x_upper:g}"
+            unit = f" {info.x_unit}" if info.x_unit else ""
+            raise ProblemError([Issue(name, f"x = {x[wrong][0]:g}{unit}: {accepted}{unit} are accepted")])
