@@ -120,6 +120,8 @@ def _at_kind(error: Any, message: Any, value: Any, context: dict[str, str]) -> V
 AnyForwardModelSpec = Annotated[
     SerializeAsAny[ForwardModelSpec],
     BeforeValidator(parse_spec),
-    WithJsonSchema({"type": "object", "properties": {"kind": {"type": "string"}}, "required": ["kind"]}),
+    WithJsonSchema(
+        {"type": "object", "properties": {"kind": {"type": "string"}}, "required": ["kind"], "x-forward-model": True}
+    ),
 ]
 """Field type: the ``forward_model`` section of any installed kind."""

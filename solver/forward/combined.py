@@ -1,0 +1,169 @@
+"""Several forward models calibrated at once, such as an oedometer and an isotropic compression test of one soil.
+
+::
+
+    forward_model:
+      kind: combined
+      parts:
+        oedometer: {kind: oedometer, ...}
+        isotropic: {kind: isotropic_compression, ...}
+
+The series of a part are named ``part.series``. The parts share parameters by name: ``lambda_star`` is one value for
+all. A parameter ``part.name`` is the value for that part alone and goes before the shared one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
+
+from solver.arrays import FloatArray
+from solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from solver.forward.registry import AnyForwardModelSpec
+
+__all__ = ["CombinedModel", "CombinedSpec"]
+
+
+class CombinedSpec(ForwardModelSpec):
+    """Several forward models that share parameters."""
+
+    kind: Literal["combined"] = "combined"
+    parts: dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)], AnyForwardModelSpec] = (
+        Field(min_length=1, description="forward models by a name of your choice")
+    )
+
+    @field_validator("parts")
+    @classmethod
+    def _not_nested(cls, parts: dict[str, ForwardModelSpec]) -> dict[str, ForwardModelSpec]:
+        nested = [name for name, part in parts.items() if isinstance(part, CombinedSpec)]
+        if nested:
+            raise PydanticCustomError(
+                "nested", "part {part} is itself combined; list its parts here", {"part": nested[0]}
+            )
+        return parts
+
+    def build(self) -> CombinedModel:
+        """Build the forward models of all parts."""
+        return CombinedModel({name: spec.build() for name, spec in self.parts.items()})
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    name: str
+    model: ForwardModel
+    own_names: tuple[tuple[str, str], ...]  # (shared name, name for this part alone)
+
+    def values(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        values = dict(parameters) if self.model.open_parameters else {}
+        for shared, own in self.own_names:
+            if own in parameters:
+                values[shared] = parameters[own]
+            elif shared in parameters:
+                values[shared] = parameters[shared]
+        return values
+
+
+class CombinedModel:
+    """Runs its parts one after the other with one set of parameters."""
+
+    def __init__(self, models: Mapping[str, ForwardModel]) -> None:
+        self._parts = {
+            name: _Part(name, model, tuple((info.name, f"{name}.{info.name}") for info in model.parameters))
+            for name, model in models.items()
+        }
+        self._shared = _shared_parameters(self._parts.values())
+
+    @property
+    def parameters(self) -> tuple[ParameterInfo, ...]:
+        """Shared parameters, then those for one part alone; :meth:`missing` tells which of them a problem lacks."""
+        own = (
+            replace(info, name=own_name, description=f"{info.description}, in {part.name} only")
+            for part in self._parts.values()
+            for info, (_, own_name) in zip(part.model.parameters, part.own_names, strict=True)
+        )
+        return (*self._shared, *own)
+
+    @property
+    def open_parameters(self) -> bool:
+        """Whether a part is open."""
+        return any(part.model.open_parameters for part in self._parts.values())
+
+    @property
+    def series(self) -> tuple[SeriesInfo, ...]:
+        """Series of all parts, named ``part.series``."""
+        return tuple(
+            replace(info, name=f"{part.name}.{info.name}")
+            for part in self._parts.values()
+            for info in part.model.series
+        )
+
+    def missing(self, declared: Collection[str]) -> list[ParameterInfo]:
+        """Shared parameters that some part needs but that are declared neither for all nor for that part."""
+        needed = {
+            shared: None
+            for part in self._parts.values()
+            for info, (shared, own) in zip(part.model.parameters, part.own_names, strict=True)
+            if info.default is None and shared not in declared and own not in declared
+        }
+        return [info for info in self._shared if info.name in needed]
+
+    def grid(self, series: str) -> FloatArray:
+        """Points x, shape (n,), at which to show the whole curve of ``part.series``."""
+        part, _, name = series.partition(".")
+        return self._parts[part].model.grid(name)
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:
+        """What is inadmissible about these values, with the part that refuses them, or None."""
+        for part in self._parts.values():
+            message = part.model.check(part.values(parameters))
+            if message is not None:
+                return f"{part.name}: {message}"
+        return None
+
+    def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+        """Build the calculations of all parts that have points; x of shape (m_g,) in base units."""
+        by_part: dict[str, dict[str, FloatArray]] = {}
+        for series, x in points.items():
+            part, _, name = series.partition(".")
+            by_part.setdefault(part, {})[name] = x
+        runs = [(self._parts[name], self._parts[name].model.prepare(wanted)) for name, wanted in by_part.items()]
+
+        def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+            return {
+                f"{part.name}.{name}": response
+                for part, calculate in runs
+                for name, response in calculate(part.values(parameters)).items()
+            }
+
+        return run
+
+
+def _shared_parameters(parts: Collection[_Part]) -> tuple[ParameterInfo, ...]:
+    shared: dict[str, ParameterInfo] = {}
+    for part in parts:
+        for info in part.model.parameters:
+            known = shared.get(info.name)
+            shared[info.name] = info if known is None else _narrower(known, info)
+    return tuple(shared.values())
+
+
+def _narrower(first: ParameterInfo, second: ParameterInfo) -> ParameterInfo:
+    """The description of a shared parameter: required if any part requires it, admissible if all parts admit it."""
+    lower, lower_open = max(
+        (-float("inf") if info.lower is None else info.lower, info.lower_open) for info in (first, second)
+    )
+    upper, upper_open = min(
+        (float("inf") if info.upper is None else info.upper, not info.upper_open) for info in (first, second)
+    )
+    return replace(
+        first,
+        default=None if second.default is None else first.default,
+        lower=None if lower == -float("inf") else lower,
+        lower_open=lower_open,
+        upper=None if upper == float("inf") else upper,
+        upper_open=not upper_open,
+    )

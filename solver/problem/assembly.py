@@ -1,0 +1,303 @@
+"""From a document to a checked problem: every section for itself first, so that all mistakes are reported at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from solver.errors import ExpressionError, Issue, ProblemError, SolverError
+from solver.expressions import Expression
+from solver.forward.base import ForwardModel, ForwardModelSpec
+from solver.forward.registry import find_spec, parse_spec
+from solver.problem.feasibility import infeasibility
+from solver.problem.issues import describe, did_you_mean, issues_of, validated
+from solver.problem.observations import Observation, Points, build_observations, read_points
+from solver.problem.parameters import (
+    FixedParameter,
+    FreeParameter,
+    LinkedParameter,
+    Parameter,
+    build_parameter,
+    check_against_model,
+    link_order,
+    parse_known,
+)
+from solver.problem.problem import Problem
+from solver.problem.reading import plain_document, read_problem_file
+from solver.problem.sections import (
+    METHODS,
+    PARAMETER_FORMS,
+    MonteCarloMethod,
+    ObservationSection,
+    ParameterSection,
+    ParticleSwarmMethod,
+    ProblemFile,
+    Settings,
+    Stopping,
+)
+
+__all__ = ["load_problem", "parse_problem"]
+
+Model = TypeVar("Model", bound=BaseModel)
+Method: TypeAlias = ParticleSwarmMethod | MonteCarloMethod
+
+_MOST_PARAMETERS = 100
+_MOST_OBSERVATIONS = 1000
+_FORMS = "must be exactly one of free (lower, upper, scale, initial), fixed (value) or linked (expression)"
+_SETTINGS = tuple(Settings.model_fields)
+
+
+def parse_problem(document: Mapping[str, Any]) -> Problem:
+    """Check a document and build its problem; files are refused, points must be inlined.
+
+    Parameters
+    ----------
+    document
+        As in a problem file; NumPy arrays and tuples are accepted for lists.
+
+    Raises
+    ------
+    ProblemError
+        Lists every mistake with its path.
+    """
+    return _Assembly(plain_document(document), None).problem()
+
+
+def load_problem(path: str | Path) -> Problem:
+    """Read a YAML or JSON problem file, and the CSV files beside it that its observations name.
+
+    A problem without a name is named after its file.
+
+    Raises
+    ------
+    ProblemError
+        Lists every mistake with its path.
+    """
+    path = Path(path)
+    document = read_problem_file(path)
+    return _Assembly({"name": path.stem, **document}, path.parent).problem()
+
+
+@dataclass
+class _Assembly:
+    document: dict[str, Any]
+    folder: Path | None
+    issues: list[Issue] = field(default_factory=list)
+
+    def problem(self) -> Problem:
+        self._unknown_sections()
+        given = {key: self.document[key] for key in _SETTINGS if key in self.document}
+        settings = self._validated(Settings, given, "")
+        spec, model = self._forward_model()
+        parameters, complete = self._parameters()
+        constraints = self._constraints(settings, parameters, complete)
+        observations = self._observations(model)
+        if complete and model is not None:
+            self.issues += check_against_model(parameters, model, self._kind)
+        links, circles = link_order(parameters)
+        self.issues += circles
+        if complete and not circles:
+            self._check_known_values(parameters, links, constraints, model)
+        method = self._method()
+        stopping = self._validated(Stopping, self.document.get("stopping", {}), "stopping")
+        self._check_stopping(method, stopping)
+        if self.issues or not (settings and spec and model and method and stopping):
+            raise ProblemError(self._sorted_issues())
+        problem = Problem(
+            name=settings.name,
+            forward_model=spec,
+            model=model,
+            parameters=parameters,
+            constraints=constraints,
+            observations=observations,
+            method=method,
+            stopping=stopping,
+            seed=settings.seed,
+        )
+        unsatisfiable = infeasibility(problem)
+        if unsatisfiable:
+            raise ProblemError(unsatisfiable)
+        return problem
+
+    def _report(self, path: str, message: str) -> None:
+        self.issues.append(Issue(path, message))
+
+    def _sorted_issues(self) -> list[Issue]:
+        order = list(self.document)
+
+        def place(issue: Issue) -> int:
+            section = issue.path.partition(".")[0].partition("[")[0]
+            return order.index(section) if section in order else len(order)
+
+        return sorted(dict.fromkeys(self.issues), key=place)
+
+    def _validated(self, model: type[Model], section: Any, path: str) -> Model | None:
+        built, found = validated(model, section, path)
+        self.issues += found
+        return built
+
+    def _unknown_sections(self) -> None:
+        known = ProblemFile.model_fields
+        for key in self.document:
+            if key not in known:
+                self._report(key, f"unknown key{did_you_mean(key, known)}; accepted: {', '.join(known)}")
+        for key, info in known.items():
+            if info.is_required() and key not in self.document:
+                self._report(key, "is missing")
+
+    @property
+    def _kind(self) -> str:
+        return str(self.document["forward_model"]["kind"])
+
+    def _forward_model(self) -> tuple[ForwardModelSpec | None, ForwardModel | None]:
+        section = self.document.get("forward_model")
+        if "forward_model" not in self.document:
+            return None, None
+        try:
+            spec = parse_spec(section)
+        except ValidationError as error:
+            # Only an unknown key asks for the schema, and then the kind has been found.
+            self.issues += issues_of(error, section, "forward_model", lambda: find_spec(self._kind).model_json_schema())
+            return None, None
+        try:
+            return spec, spec.build()
+        except (SolverError, ValueError) as error:
+            self._report("forward_model", str(error))
+            return spec, None
+
+    def _mapping(self, key: str, most: int) -> dict[str, Any]:
+        section = self.document.get(key, {})
+        if not isinstance(section, dict) or (key in self.document and not section):
+            self._report(key, f"must be a mapping of names, not {describe(section)}")
+            return {}
+        if len(section) > most:
+            self._report(key, f"has {len(section)} entries; at most {most} are accepted")
+            return {}
+        return section
+
+    def _parameters(self) -> tuple[dict[str, Parameter], bool]:
+        """Parameters that could be built, and whether these are all."""
+        sections = self._mapping("parameters", _MOST_PARAMETERS)
+        before = len(self.issues)
+        parameters: dict[str, Parameter] = {}
+        for name, section in sections.items():
+            path = f"parameters.{name}"
+            form = self._form(section, path)
+            if form is None:
+                continue
+            checked = self._validated(form, section, path)
+            if checked is None:
+                continue
+            parameter, found = build_parameter(name, checked, sections)
+            self.issues += found
+            if parameter is not None:
+                parameters[name] = parameter
+        complete = bool(sections) and len(self.issues) == before
+        if complete and not any(isinstance(p, FreeParameter) for p in parameters.values()):
+            self._report("parameters", "none is free; give at least one of them lower and upper")
+        return parameters, complete
+
+    def _form(self, section: Any, path: str) -> type[ParameterSection] | None:
+        if not isinstance(section, dict):
+            hint = f"; write {{value: {describe(section)}}}" if isinstance(section, int | float) else ""
+            self._report(path, f"{_FORMS}, not {describe(section)}{hint}")
+            return None
+        forms = [form for form in PARAMETER_FORMS.values() if not form.model_fields.keys().isdisjoint(section)]
+        if len(forms) == 1:
+            return forms[0]
+        self._report(path, f"{_FORMS}, not {describe(section)}")
+        return None
+
+    def _constraints(
+        self, settings: Settings | None, parameters: dict[str, Parameter], complete: bool
+    ) -> tuple[Expression, ...]:
+        constraints = []
+        names = parameters if complete else self.document.get("parameters")
+        for index, text in enumerate(settings.constraints if settings else ()):
+            path = f"constraints[{index}]"
+            try:
+                expression = parse_known(text, names if isinstance(names, dict) else {})
+            except ExpressionError as error:
+                self._report(path, str(error))
+                continue
+            if not expression.is_comparison:
+                self._report(path, f"'{expression.text}' is no comparison; write for example lambda_star > kappa_star")
+            constraints.append(expression)
+        return tuple(constraints)
+
+    def _observations(self, model: ForwardModel | None) -> tuple[Observation, ...]:
+        sections = self.document.get("observations", [])
+        if not isinstance(sections, list) or not 1 <= len(sections) <= _MOST_OBSERVATIONS:
+            if "observations" in self.document:
+                given = describe(sections)
+                self._report("observations", f"must be a list of 1 to {_MOST_OBSERVATIONS} observations, not {given}")
+            return ()
+        complete: list[tuple[str, ObservationSection, Points]] = []
+        for index, section in enumerate(sections):
+            path = f"observations[{index}]"
+            checked = self._validated(ObservationSection, section, path)
+            if checked is None:
+                continue
+            points, found = read_points(checked, path, self.folder)
+            self.issues += found
+            if points is not None and not found:
+                complete.append((path, checked, points))
+        if model is None:
+            return ()
+        observations, found = build_observations(complete, model, self._kind)
+        self.issues += found
+        return observations
+
+    def _check_known_values(
+        self,
+        parameters: dict[str, Parameter],
+        links: tuple[LinkedParameter, ...],
+        constraints: tuple[Expression, ...],
+        model: ForwardModel | None,
+    ) -> None:
+        """Judge what is known before anything runs: fixed values and what follows from them alone."""
+        known: dict[str, float] = {p.name: p.value for p in parameters.values() if isinstance(p, FixedParameter)}
+        for link in links:
+            if link.expression.names <= known.keys():
+                value = float(link.expression.value(known))
+                known[link.name] = value
+                if not math.isfinite(value):
+                    self._report(f"parameters.{link.name}.expression", f"'{link.expression.text}' has no finite value")
+        self.issues += [
+            Issue(f"constraints[{index}]", f"'{constraint.text}' does not hold for the fixed values")
+            for index, constraint in enumerate(constraints)
+            if constraint.is_comparison and constraint.names <= known.keys() and not constraint.value(known)
+        ]
+        # Single values outside their limits are reported by then; the model judges their combination.
+        if model is not None and not any(issue.path.startswith("parameters") for issue in self.issues):
+            message = model.check(known)
+            if message is not None:
+                self._report("parameters", message)
+
+    def _method(self) -> Method | None:
+        section = self.document.get("method", {"kind": "particle_swarm"})
+        kind = section.get("kind") if isinstance(section, dict) else None
+        if not isinstance(section, dict):
+            self._report("method", f"must be a mapping with kind {' or '.join(METHODS)}, not {describe(section)}")
+        elif not isinstance(kind, str) or kind not in METHODS:
+            given = "is missing" if "kind" not in section else f"unknown kind {describe(kind)}"
+            hint = did_you_mean(kind, METHODS) if isinstance(kind, str) else ""
+            self._report("method.kind", f"{given}{hint}; known: {', '.join(METHODS)}")
+        else:
+            return self._validated(METHODS[kind], section, "method")
+        return None
+
+    def _check_stopping(self, method: Method | None, stopping: Stopping | None) -> None:
+        if not isinstance(method, ParticleSwarmMethod) or stopping is None:
+            return
+        if stopping.is_empty:
+            criteria = ", ".join(Stopping.model_fields)
+            self._report("stopping", f"a particle swarm needs at least one criterion: {criteria}")
+        elif stopping.max_evaluations is not None and stopping.max_evaluations < method.particles:
+            message = f"must be at least the number of particles ({method.particles}), not {stopping.max_evaluations}"
+            self._report("stopping.max_evaluations", message)

@@ -1,0 +1,228 @@
+"""Turns what pydantic finds wrong into issues in plain words, each with its path in the problem file."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from difflib import get_close_matches
+from functools import partial
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from solver.errors import Issue, SolverError
+from solver.forward.registry import find_spec
+
+__all__ = ["describe", "did_you_mean", "issues_of", "join_path", "validated"]
+
+Model = TypeVar("Model", bound=BaseModel)
+
+_MOST_ISSUES = 20
+_TYPES = {
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_from_float": "a whole number",
+    "string_type": "text",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "dict_type": "a mapping",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+    "none_required": "null",
+}
+
+
+def validated(model: type[Model], section: Any, path: str) -> tuple[Model | None, list[Issue]]:
+    """Validate one section of a document strictly (no text or truth value as a number).
+
+    Returns
+    -------
+    The model, or None with the issues.
+    """
+    try:
+        # Through JSON because strict validation of Python objects would refuse a list where a tuple is meant.
+        return model.model_validate_json(json.dumps(section), strict=True), []
+    except ValidationError as error:
+        return None, issues_of(error, section, path, model.model_json_schema)
+
+
+def issues_of(error: ValidationError, section: Any, path: str, schema: Callable[[], dict[str, Any]]) -> list[Issue]:
+    """Issues of a validation error, each once, at most 20 of them.
+
+    Parameters
+    ----------
+    error, section, path
+        What pydantic found, in which data, and where these are in the problem file.
+    schema
+        Function that gives the JSON schema of the section; called for unknown keys only, to list the known ones.
+    """
+    found: dict[Issue, None] = {}
+    for detail in error.errors(include_url=False):
+        steps = _steps(detail, section)
+        message = _message(detail, partial(_accepted_keys, schema, section, steps[:-1]))
+        found[Issue(join_path(path, steps), message)] = None
+    issues = list(found)
+    if len(issues) > _MOST_ISSUES:
+        more = Issue(path, f"{len(issues) - _MOST_ISSUES} more mistakes like these")
+        issues = [*issues[:_MOST_ISSUES], more]
+    return issues
+
+
+def join_path(path: str, steps: Iterable[str | int]) -> str:
+    """Path in the notation of issues: ``observations[0].points.y[3]``."""
+    for step in steps:
+        path += f"[{step}]" if isinstance(step, int) else f".{step}" if path else step
+    return path
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """``; did you mean lambda_star?`` or nothing."""
+    close = get_close_matches(name, list(known), n=1)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
+def describe(value: Any) -> str:
+    """A value as it stands in the file, shortened."""
+    match value:
+        case None:
+            return "null"
+        case bool():
+            return "true" if value else "false"
+        case float() if not math.isfinite(value):
+            return "not a number (nan)" if math.isnan(value) else "infinite"
+        case int() | float():
+            return f"{value:g}" if isinstance(value, float) else str(value)[:40]
+        case str():
+            return f"text '{value[:60]}{'...' if len(value) > 60 else ''}'"
+        case Mapping():
+            return f"a mapping with the keys {', '.join(map(str, list(value)[:10]))}" if value else "an empty mapping"
+        case Sequence():
+            return f"a list of {len(value)}" if value else "an empty list"
+        case _:
+            return type(value).__name__
+
+
+def _steps(detail: ErrorDetails, section: Any) -> list[str | int]:
+    """Steps of a location that are in the data; pydantic puts tags of unions between them."""
+    steps: list[str | int] = []
+    value = section
+    for step in detail["loc"]:
+        if (isinstance(value, Mapping) and step in value) or (
+            isinstance(value, list) and isinstance(step, int) and step < len(value)
+        ):
+            value = value[step]  # type: ignore[index]
+            steps.append(step)
+    if detail["type"] == "missing":
+        steps.append(detail["loc"][-1])
+    return steps
+
+
+def _message(detail: ErrorDetails, accepted: Callable[[], list[str]]) -> str:
+    kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
+    given = describe(value)
+    if kind == "extra_forbidden":
+        keys = accepted()
+        hint = did_you_mean(str(detail["loc"][-1]), keys)
+        return f"unknown key{hint}{_listed('; accepted: ', keys)}"
+    if kind == "missing":
+        return "is missing"
+    if kind in _TYPES:
+        hint = "; write it without quotes" if isinstance(value, str) and _is_number(value) else ""
+        return f"must be {_TYPES[kind]}, not {given}{hint}"
+    if kind == "finite_number":
+        return f"must be a finite number, not {given}"
+    if kind in ("literal_error", "enum"):
+        hint = did_you_mean(value, _quoted(context["expected"])) if isinstance(value, str) else ""
+        return f"must be {context['expected']}, not {given}{hint}"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return (
+            f"must have {context.get('discriminator', 'a key')} {context.get('expected_tags', '')}, not {given}".strip()
+        )
+    for limit, words in (("gt", "above"), ("ge", "at least"), ("lt", "below"), ("le", "at most")):
+        if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal") and limit in context:
+            return f"must be {words} {context[limit]:g}, not {given}"
+    if kind in ("too_short", "string_too_short"):
+        unit = "characters" if kind.startswith("string") else "entries"
+        return f"needs at least {context['min_length']} {unit}, but is {given}"
+    if kind in ("too_long", "string_too_long"):
+        unit = "characters" if kind.startswith("string") else "entries"
+        return f"may have at most {context['max_length']} {unit}"
+    if kind == "string_pattern_mismatch":
+        return f"{given} must match {context['pattern']}"
+    if kind == "value_error":
+        return str(context.get("error", detail["msg"]))
+    return str(detail["msg"])
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _quoted(expected: str) -> list[str]:
+    return expected.split("'")[1::2]
+
+
+def _listed(before: str, names: Iterable[str]) -> str:
+    listed = ", ".join(names)
+    return f"{before}{listed}" if listed else ""
+
+
+def _accepted_keys(schema: Callable[[], dict[str, Any]], value: Any, steps: Iterable[str | int]) -> list[str]:
+    """Keys that the schema knows at a place in the data."""
+    places = _Places(schema())
+    for step in steps:
+        places = places.step(value, step)
+        value = value[step]
+    return places.keys(value)
+
+
+class _Places:
+    """All schemas that may apply at one place in the data, each with the document that holds its definitions."""
+
+    def __init__(self, root: Mapping[str, Any], nodes: Sequence[Mapping[str, Any]] | None = None) -> None:
+        self._root = root
+        self._nodes = [branch for node in nodes or [root] for branch in self._branches(node)]
+
+    def _branches(self, node: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+        if "$ref" in node:
+            return self._branches(self._root["$defs"][node["$ref"].rsplit("/", 1)[-1]])
+        inner = [*node.get("anyOf", ()), *node.get("oneOf", ()), *node.get("allOf", ())]
+        return [node, *(branch for part in inner for branch in self._branches(part))]
+
+    def step(self, value: Any, step: str | int) -> _Places:
+        chosen = [node for node in self._nodes if _fits(node, value)]
+        below = []
+        for node in chosen:
+            if isinstance(step, int):
+                prefix = node.get("prefixItems", [])
+                below.append(prefix[step] if step < len(prefix) else node.get("items"))
+            else:
+                below.append(node.get("properties", {}).get(step, node.get("additionalProperties")))
+        nodes = [node for node in below if isinstance(node, Mapping)]
+        return _Places(self._root, nodes or [{}])
+
+    def keys(self, value: Any) -> list[str]:
+        if any(node.get("x-forward-model") for node in self._nodes) and isinstance(value, Mapping):
+            try:
+                return list(find_spec(str(value.get("kind"))).model_fields)
+            except SolverError:
+                return []
+        chosen = [node for node in self._nodes if _fits(node, value)]
+        return list(dict.fromkeys(key for node in chosen for key in node.get("properties", {})))
+
+
+def _fits(node: Mapping[str, Any], value: Any) -> bool:
+    if not isinstance(value, Mapping):
+        return True
+    constants = ((key, rule["const"]) for key, rule in node.get("properties", {}).items() if "const" in rule)
+    return all(key not in value or value[key] == constant for key, constant in constants)

@@ -1,0 +1,229 @@
+"""Observations: measured points of a series, checked against the series and converted to base units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.errors import Issue
+from solver.forward.base import ForwardModel, SeriesInfo
+from solver.problem.issues import did_you_mean
+from solver.problem.sections import ObservationSection
+from solver.problem.tables import TableError, read_table
+from solver.problem.units import UnitError, convert
+
+__all__ = ["Observation", "Points", "build_observations", "read_points"]
+
+_ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point."""
+
+    x: list[float]
+    y: list[float]
+    weight: list[float] | None = None
+
+    def document(self) -> dict[str, list[float]]:
+        """The ``points`` section."""
+        lists = {"x": self.x, "y": self.y} | ({} if self.weight is None else {"weight": self.weight})
+        return {name: [float(value) for value in values] for name, values in lists.items()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """Measured points of one series.
+
+    Parameters
+    ----------
+    series
+        Name of the forward model's series.
+    x, y, point_weights
+        Points and weights w_h, each of shape (m,), read-only, in base units (kN, m, day, degree).
+    weight
+        Weight w_g of the series in the objective.
+    x_unit, y_unit
+        Units of ``points``; None stands for the base unit.
+    points
+        The points as the user gave them.
+    """
+
+    series: str
+    x: FloatArray
+    y: FloatArray
+    point_weights: FloatArray
+    weight: float
+    x_unit: str | None
+    y_unit: str | None
+    points: Points
+
+    def document(self) -> dict[str, Any]:
+        """The observation's section in the canonical form, points inlined."""
+        units = {"x_unit": self.x_unit, "y_unit": self.y_unit}
+        return {
+            "series": self.series,
+            "points": self.points.document(),
+            **{name: unit for name, unit in units.items() if unit is not None},
+            "weight": self.weight,
+        }
+
+
+def read_points(section: ObservationSection, path: str, folder: Path | None) -> tuple[Points | None, list[Issue]]:
+    """Points of a section, read from its file if it names one.
+
+    Parameters
+    ----------
+    folder
+        Where relative files lie; None when no files may be read (problems that came over the network).
+    """
+    if section.points is not None:
+        points = Points(section.points.x, section.points.y, section.points.weight)
+        return points, _length_issues(points, f"{path}.points")
+    assert section.file is not None
+    if folder is None:
+        message = (
+            "files can only be read beside a problem file; give the points themselves (points: {x: [..], y: [..]})"
+        )
+        return None, [Issue(f"{path}.file", message)]
+    try:
+        table = read_table(folder / section.file, section.x_column, section.y_column, section.weight_column)
+    except TableError as error:
+        return None, [Issue(f"{path}.file", message) for message in error.messages]
+    points = Points(table.x, table.y, table.weight)
+    return points, _weight_issues(points, f"{path}.file")
+
+
+def _length_issues(points: Points, path: str) -> list[Issue]:
+    n = len(points.x)
+    lists = {"y": points.y, "weight": points.weight}
+    issues = [
+        Issue(f"{path}.{name}", f"has {len(values)} values, but x has {n}; give one for each x")
+        for name, values in lists.items()
+        if values is not None and len(values) != n
+    ]
+    return issues or _weight_issues(points, f"{path}.weight")
+
+
+def _weight_issues(points: Points, path: str) -> list[Issue]:
+    if points.weight is None:
+        return []
+    negative = [index for index, weight in enumerate(points.weight) if weight < 0]
+    if negative:
+        first = negative[0]
+        return [Issue(path, f"weight of point {first + 1} is {points.weight[first]:g}; weights are 0 or above")]
+    if not any(points.weight):
+        return [Issue(path, "all weights are 0; at least one must be above 0")]
+    return []
+
+
+def build_observations(
+    sections: list[tuple[str, ObservationSection, Points]], model: ForwardModel, kind: str
+) -> tuple[tuple[Observation, ...], list[Issue]]:
+    """Check sections (path, section, points) against the model's series and convert them."""
+    infos = {info.name: info for info in model.series}
+    observations: list[Observation] = []
+    issues: list[Issue] = []
+    seen: dict[str, str] = {}
+    for path, section, points in sections:
+        name = section.series
+        if name not in infos:
+            message = (
+                f"unknown series '{name}' of forward model {kind}{did_you_mean(name, infos)}; known: {', '.join(infos)}"
+            )
+            issues.append(Issue(f"{path}.series", message))
+            continue
+        if name in seen:
+            message = (
+                f"series '{name}' is already given at {seen[name]}; put all its points there, or model a second "
+                "specimen as a further part of kind: combined"
+            )
+            issues.append(Issue(f"{path}.series", message))
+            continue
+        seen[name] = path
+        observation, found = _build(path, section, points, infos[name])
+        issues += found
+        if observation is not None:
+            observations.append(observation)
+    if observations and not issues and not any(observation.weight for observation in observations):
+        issues.append(Issue("observations", "all weights are 0; at least one series must have a weight above 0"))
+    return tuple(observations), issues
+
+
+def _build(
+    path: str, section: ObservationSection, points: Points, info: SeriesInfo
+) -> tuple[Observation | None, list[Issue]]:
+    issues: list[Issue] = []
+    converted = []
+    for axis, values, unit, base in (
+        ("x", points.x, section.x_unit, info.x_unit),
+        ("y", points.y, section.y_unit, info.y_unit),
+    ):
+        try:
+            array = np.array(values, dtype=np.float64) if unit is None else convert(values, unit, base)
+        except UnitError as error:
+            issues.append(Issue(f"{path}.{axis}_unit", str(error)))
+            continue
+        if not np.isfinite(array).all():
+            issues.append(Issue(f"{path}.{axis}_unit", f"{axis} is too large a number in {base}"))
+        converted.append(array)
+    if issues:
+        return None, issues
+    x, y = converted
+    place = f"{path}.points.x" if section.points is not None else f"{path}.file"
+    x, message = _checked_x(x, points.x, section.x_unit or info.x_unit, info)
+    if message is not None:
+        return None, [Issue(place, message)]
+    weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)
+    for array in (x, y, weights):
+        array.flags.writeable = False
+    return Observation(section.series, x, y, weights, section.weight, section.x_unit, section.y_unit, points), []
+
+
+def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -> tuple[FloatArray, str | None]:
+    """Points x fit for the series, or what is wrong with them; messages show x as the user ``given`` it in ``unit``."""
+
+    def shown(index: int) -> str:
+        return f"x = {given[index]:g}{_suffix(unit)} (point {index + 1})"
+
+    if info.x_integer:
+        whole = np.round(x)
+        apart = np.abs(x - whole) > _ROUNDING * np.maximum(1.0, np.abs(x))
+        if apart.any():
+            where = shown(int(np.argmax(apart)))
+            return x, f"series '{info.name}' has values at whole {info.x_quantity} only, not at {where}"
+        x = whole
+    low = -np.inf if info.x_lower is None else info.x_lower
+    high = np.inf if info.x_upper is None else info.x_upper
+    slack = _ROUNDING * max([1e-300, *(abs(end) for end in (low, high) if np.isfinite(end))])
+    outside = (x < low - slack) | (x > high + slack)
+    if outside.any():
+        allowed = _range(info)
+        return (
+            x,
+            f"{shown(int(np.argmax(outside)))} is outside series '{info.name}', which has {info.x_quantity} {allowed}",
+        )
+    x = np.clip(x, low, high)
+    if info.x_increasing and len(x) > 1:
+        falling = np.diff(x) <= 0
+        if falling.any():
+            index = int(np.argmax(falling))
+            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}"
+    return x, None
+
+
+def _range(info: SeriesInfo) -> str:
+    unit = _suffix(info.x_unit)
+    if info.x_lower is None:
+        return f"up to {info.x_upper:g}{unit}"
+    if info.x_upper is None:
+        return f"from {info.x_lower:g}{unit}"
+    return f"from {info.x_lower:g} to {info.x_upper:g}{unit}"
+
+
+def _suffix(unit: str) -> str:
+    return "" if unit in ("", "1", "-", "dimensionless") else f" {unit}"

@@ -1,0 +1,194 @@
+"""Parameters of a problem: free, fixed or linked; their names, limits and order of evaluation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from typing import TypeAlias
+
+from solver.errors import ExpressionError, Issue
+from solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
+from solver.forward.base import ForwardModel, ParameterInfo
+from solver.forward.combined import CombinedModel
+from solver.problem.issues import did_you_mean
+from solver.problem.sections import FixedSection, FreeSection, LinkedSection, Scale
+
+__all__ = [
+    "FixedParameter",
+    "FreeParameter",
+    "LinkedParameter",
+    "Parameter",
+    "build_parameter",
+    "check_against_model",
+    "link_order",
+    "outside_limits",
+    "parse_known",
+]
+
+_NAME = re.compile(r"[^\W\d]\w*(?:\.[^\W\d]\w*)*")
+_MAX_NAME = 100
+_RESERVED = {"and", "or", "not", *FUNCTIONS, *CONSTANTS}
+
+
+@dataclass(frozen=True, slots=True)
+class FreeParameter:
+    """To be identified between ``lower`` and ``upper`` (the parameter's unit), searched on a ``scale``."""
+
+    name: str
+    lower: float
+    upper: float
+    scale: Scale = "linear"
+    initial: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FixedParameter:
+    """Known ``value`` in the parameter's unit."""
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class LinkedParameter:
+    """Follows from other parameters by an ``expression``."""
+
+    name: str
+    expression: Expression
+
+
+Parameter: TypeAlias = FreeParameter | FixedParameter | LinkedParameter
+
+
+def build_parameter(
+    name: str, section: FreeSection | FixedSection | LinkedSection, names: Iterable[str]
+) -> tuple[Parameter | None, list[Issue]]:
+    """Build a parameter from its section; ``names`` are all names of the problem's parameters."""
+    path = f"parameters.{name}"
+    issues = [Issue(path, message) for message in _name_mistakes(name)]
+    if isinstance(section, FixedSection):
+        return FixedParameter(name, section.value), issues
+    if isinstance(section, FreeSection):
+        issues += _bound_mistakes(path, section)
+        return FreeParameter(name, section.lower, section.upper, section.scale, section.initial), issues
+    try:
+        expression = parse_known(section.expression, names)
+    except ExpressionError as error:
+        return None, [*issues, Issue(f"{path}.expression", str(error))]
+    if expression.is_comparison:
+        message = f"'{expression.text}' is a comparison; a linked parameter needs a number such as 0.5 * lambda_star"
+        return None, [*issues, Issue(f"{path}.expression", message)]
+    return LinkedParameter(name, expression), issues
+
+
+def parse_known(text: str, names: Iterable[str]) -> Expression:
+    """Parse an expression whose names must all be among ``names``.
+
+    Raises
+    ------
+    ExpressionError
+        It cannot be parsed or names something else.
+    """
+    expression = parse_expression(text)
+    known = list(names)
+    unknown = sorted(expression.names.difference(known))
+    if unknown:
+        hints = "".join(did_you_mean(name, known) for name in unknown[:1])
+        raise ExpressionError(
+            f"'{expression.text}' uses unknown {', '.join(unknown)}{hints}; known: {', '.join(known)}"
+        )
+    return expression
+
+
+def _name_mistakes(name: str) -> list[str]:
+    if name in _RESERVED:
+        return [f"'{name}' is a word of expressions and cannot name a parameter"]
+    if len(name) > _MAX_NAME or not _NAME.fullmatch(name):
+        return [f"a parameter's name has letters, digits and _ (at most {_MAX_NAME}), and does not begin with a digit"]
+    return []
+
+
+def _bound_mistakes(path: str, section: FreeSection) -> list[Issue]:
+    lower, upper, initial = section.lower, section.upper, section.initial
+    issues = []
+    if lower >= upper:
+        issues.append(Issue(f"{path}.lower", f"must be below upper ({upper:g}), not {lower:g}"))
+    if section.scale == "log":
+        issues += [
+            Issue(f"{path}.{bound}", f"must be above 0 on a log scale, not {value:g}")
+            for bound, value in (("lower", lower), ("upper", upper))
+            if value <= 0
+        ]
+    if initial is not None and lower < upper and not lower <= initial <= upper:
+        issues.append(
+            Issue(f"{path}.initial", f"must lie between lower {lower:g} and upper {upper:g}, not {initial:g}")
+        )
+    return issues
+
+
+def link_order(parameters: Mapping[str, Parameter]) -> tuple[tuple[LinkedParameter, ...], list[Issue]]:
+    """Order linked parameters so that each comes after those it needs; an issue for the first circle found."""
+    links = {name: p for name, p in parameters.items() if isinstance(p, LinkedParameter)}
+    graph = {name: sorted(link.expression.names & links.keys()) for name, link in links.items()}
+    try:
+        order = tuple(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        circle: list[str] = error.args[1][::-1]
+        message = f"linked parameters form a circle: {' -> '.join(circle)}; give one of them a value or bounds"
+        return (), [Issue(f"parameters.{circle[0]}.expression", message)]
+    return tuple(links[name] for name in order), []
+
+
+def check_against_model(parameters: Mapping[str, Parameter], model: ForwardModel, kind: str) -> list[Issue]:
+    """Unknown names, missing names, and values or bounds outside the model's limits."""
+    infos = {info.name: info for info in model.parameters}
+    linked_from = {name for p in parameters.values() if isinstance(p, LinkedParameter) for name in p.expression.names}
+    issues = []
+    for name, parameter in parameters.items():
+        if name in infos:
+            issues += _limit_issues(parameter, infos[name])
+        elif model.open_parameters and name == "x":
+            issues.append(Issue("parameters.x", "x is the variable of formulas and cannot name a parameter"))
+        elif not model.open_parameters and name not in linked_from:
+            # A parameter that the model does not know may still serve others as a helper.
+            hint = did_you_mean(name, infos)
+            message = f"unknown parameter of forward model {kind}{hint}; known: {', '.join(infos)}"
+            issues.append(Issue(f"parameters.{name}", message))
+    issues += [
+        Issue(f"parameters.{info.name}", f"is missing ({_what(info)}); give bounds, a value or an expression")
+        for info in _missing(model, parameters)
+    ]
+    return issues
+
+
+def _what(info: ParameterInfo) -> str:
+    return f"{info.description}, {info.unit}" if info.unit else info.description
+
+
+def _missing(model: ForwardModel, declared: Mapping[str, Parameter]) -> list[ParameterInfo]:
+    if isinstance(model, CombinedModel):
+        return model.missing(declared)
+    return [info for info in model.parameters if info.default is None and info.name not in declared]
+
+
+def _limit_issues(parameter: Parameter, info: ParameterInfo) -> list[Issue]:
+    if isinstance(parameter, FreeParameter):
+        values = {"lower": parameter.lower, "upper": parameter.upper}
+    elif isinstance(parameter, FixedParameter):
+        values = {"value": parameter.value}
+    else:
+        return []
+    mistakes = ((key, outside_limits(value, info)) for key, value in values.items())
+    return [Issue(f"parameters.{parameter.name}.{key}", message) for key, message in mistakes if message]
+
+
+def outside_limits(value: float, info: ParameterInfo) -> str | None:
+    """What is wrong with a value in view of the model's limits, or None."""
+    unit = f" {info.unit}" if info.unit and info.unit != "dimensionless" else ""
+    if info.lower is not None and (value < info.lower or (info.lower_open and value == info.lower)):
+        return f"must be {'above' if info.lower_open else 'at least'} {info.lower:g}{unit}, not {value:g}"
+    if info.upper is not None and (value > info.upper or (info.upper_open and value == info.upper)):
+        return f"must be {'below' if info.upper_open else 'at most'} {info.upper:g}{unit}, not {value:g}"
+    return None

@@ -1,0 +1,154 @@
+"""A checked problem, ready to be calibrated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from solver.expressions import Expression
+from solver.forward.base import ForwardModel, ForwardModelSpec, ParameterInfo
+from solver.problem.observations import Observation
+from solver.problem.parameters import (
+    FixedParameter,
+    FreeParameter,
+    LinkedParameter,
+    Parameter,
+    link_order,
+    outside_limits,
+)
+from solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
+
+__all__ = ["Problem"]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What to calculate, what to identify, what was measured, how to search and when to stop.
+
+    Made by :func:`solver.problem.parse_problem` and :func:`solver.problem.load_problem`, which check everything.
+    Two problems are equal when their documents are.
+
+    Parameters
+    ----------
+    name
+        Name of the problem.
+    forward_model, model
+        The section that describes the forward model, and the model built from it.
+    parameters
+        All parameters by name in the order of the problem file.
+    constraints
+        Comparisons that every proposal satisfies.
+    observations
+        Measured points, one observation a series.
+    method, stopping
+        How to search and when to stop.
+    seed
+        Fixes all random numbers; None: to be chosen.
+    """
+
+    name: str
+    forward_model: ForwardModelSpec
+    model: ForwardModel
+    parameters: dict[str, Parameter]
+    constraints: tuple[Expression, ...]
+    observations: tuple[Observation, ...]
+    method: ParticleSwarmMethod | MonteCarloMethod
+    stopping: Stopping
+    seed: int | None
+    free: tuple[FreeParameter, ...] = field(init=False)
+    free_names: tuple[str, ...] = field(init=False)
+    _template: dict[str, float] = field(init=False, repr=False)
+    _links: tuple[LinkedParameter, ...] = field(init=False, repr=False)
+    _link_limits: tuple[tuple[str, ParameterInfo], ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        free = tuple(p for p in self.parameters.values() if isinstance(p, FreeParameter))
+        links, _ = link_order(self.parameters)
+        template = {
+            name: float(p.value) if isinstance(p, FixedParameter) else math.nan for name, p in self.parameters.items()
+        }
+        infos = {info.name: info for info in self.model.parameters}
+        limits = tuple((link.name, infos[link.name]) for link in links if link.name in infos)
+        derived = {
+            "free": free,
+            "free_names": tuple(p.name for p in free),
+            "_template": template,
+            "_links": links,
+            "_link_limits": limits,
+        }
+        for name, value in derived.items():
+            object.__setattr__(self, name, value)
+
+    def values(self, free_values: Sequence[float]) -> dict[str, float]:
+        """Values of all parameters, in the order of the problem file.
+
+        Parameters
+        ----------
+        free_values
+            Values of the free parameters in the order of :attr:`free_names`, length d.
+
+        Raises
+        ------
+        ValueError
+            The number of values is not that of the free parameters.
+        """
+        values = self._template.copy()
+        values.update(zip(self.free_names, map(float, free_values), strict=True))
+        for link in self._links:
+            values[link.name] = link.expression.value(values)  # type: ignore[assignment]
+        return values
+
+    def satisfies(self, values: Mapping[str, float]) -> bool:
+        """Whether values of all parameters are admissible.
+
+        They are if all are finite, every constraint holds (one over an undefined value does not), linked ones are
+        within the model's limits, and the forward model accepts them.
+        """
+        if not all(map(math.isfinite, values.values())):
+            return False
+        for constraint in self.constraints:
+            if not constraint.value(values):
+                return False
+        for name, info in self._link_limits:
+            if outside_limits(values[name], info) is not None:
+                return False
+        return self.model.check(values) is None
+
+    def document(self) -> dict[str, Any]:
+        """The canonical document: plain JSON values, defaults written out, files inlined.
+
+        ``parse_problem(problem.document())`` gives an equal problem.
+        """
+        document: dict[str, Any] = {
+            "name": self.name,
+            "forward_model": self.forward_model.model_dump(mode="json"),
+            "parameters": {name: _section(parameter) for name, parameter in self.parameters.items()},
+            "constraints": [constraint.text for constraint in self.constraints],
+            "observations": [observation.document() for observation in self.observations],
+            "method": self.method.model_dump(mode="json", exclude_none=True),
+            "stopping": self.stopping.model_dump(mode="json", exclude_none=True),
+        }
+        return document if self.seed is None else document | {"seed": self.seed}
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Problem) and other.document() == self.document()
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.free_names, self.seed))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Compiled expressions and models need not travel to other processes: the document says it all.
+        from solver.problem.assembly import parse_problem
+
+        return parse_problem, (self.document(),)
+
+
+def _section(parameter: Parameter) -> dict[str, Any]:
+    if isinstance(parameter, FixedParameter):
+        return {"value": parameter.value}
+    if isinstance(parameter, LinkedParameter):
+        return {"expression": parameter.expression.text}
+    section: dict[str, Any] = {"lower": parameter.lower, "upper": parameter.upper, "scale": parameter.scale}
+    return section if parameter.initial is None else section | {"initial": parameter.initial}

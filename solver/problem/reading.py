@@ -1,0 +1,199 @@
+"""Reads YAML and JSON problem files: YAML 1.2, no tags, duplicate keys refused, every syntax error in one line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from solver.errors import Issue, ProblemError
+
+__all__ = ["MAX_PROBLEM_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
+
+MAX_PROBLEM_BYTES = 4 * 2**20
+"""Largest problem file; measured data beyond it belong into CSV files."""
+
+_MAX_DEPTH = 30
+_MAX_VALUES = 2_000_000
+
+Form: TypeAlias = Literal["yaml", "json"]
+
+_FORMS: dict[str, Form] = {".json": "json", ".yaml": "yaml", ".yml": "yaml"}
+
+# What the YAML reader raises for text that it cannot make sense of, beside its own YAMLError: impossible dates
+# (ValueError), unhashable keys (TypeError), lone tags (AttributeError, NotImplementedError) and the like.
+_READING_ERRORS = (ValueError, TypeError, LookupError, AttributeError, AssertionError, NotImplementedError)
+
+
+def read_problem_file(path: Path) -> dict[str, Any]:
+    """Read a problem file, JSON when it ends in ``.json``, YAML when it ends in ``.yaml`` or ``.yml``.
+
+    Raises
+    ------
+    ProblemError
+        The file is missing, unreadable, too large, or not as :func:`read_document` wants it.
+    """
+    form = _FORMS.get(path.suffix.lower())
+    if form is None:
+        raise _error(f"{path}: the name of a problem file ends in .yaml, .yml or .json")
+    return read_document(_text(path), form)
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_PROBLEM_BYTES + 1)
+    except FileNotFoundError:
+        raise _error(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise _error(f"{path}: cannot be read: {reason}") from None
+    if len(content) > MAX_PROBLEM_BYTES:
+        raise _too_large()
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise _error(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
+
+
+def read_document(text: str, form: Form) -> dict[str, Any]:
+    """Read the text of a problem.
+
+    Returns
+    -------
+    Mapping of plain values (text, numbers, true, false, null, lists, mappings with text keys), in the text's order.
+
+    Raises
+    ------
+    ProblemError
+        Syntax error or duplicate key (both with line and column), not a mapping, too large or nested too deeply.
+    """
+    if len(text) > MAX_PROBLEM_BYTES:
+        raise _too_large()
+    try:
+        document = _from_json(text) if form == "json" else _from_yaml(text)
+    except RecursionError:
+        raise _too_deep("") from None
+    return plain_document(document)
+
+
+def _from_json(text: str) -> Any:
+    try:
+        return json.loads(text, object_pairs_hook=_without_duplicates)
+    except json.JSONDecodeError as error:
+        raise _error(f"JSON syntax error in line {error.lineno}, column {error.colno}: {error.msg}") from None
+    except ValueError as error:  # a number with thousands of digits
+        raise _error(f"JSON cannot be read: {error}") from None
+
+
+def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    mapping: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in mapping:
+            # The decoder tells no place here, so the neighbours name it.
+            among = ", ".join(dict.fromkeys(name for name, _ in pairs))
+            raise _error(f"key '{_short(key)}' is given twice in the mapping with the keys {_short(among)}")
+        mapping[key] = value
+    return mapping
+
+
+def _from_yaml(text: str) -> Any:
+    from ruamel.yaml import YAML
+    from ruamel.yaml.constructor import DuplicateKeyError
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    yaml = YAML(typ="safe", pure=True)
+    try:
+        return yaml.load(text)
+    except DuplicateKeyError as error:
+        key = str(error.problem).partition('"')[2].partition('"')[0]
+        raise _error(f"key '{_short(key)}' is given twice{_place(error.problem_mark)}") from None
+    except MarkedYAMLError as error:
+        place = _place(error.problem_mark or error.context_mark)
+        raise _error(
+            f"YAML syntax error{place}: {_short(error.problem or error.context or 'not understood')}"
+        ) from None
+    except YAMLError as error:
+        raise _error(f"YAML syntax error: {_short(' '.join(str(error).split()))}") from None
+    except _READING_ERRORS as error:
+        raise _error(f"YAML cannot be read: {_short(' '.join(str(error).split()))}") from None
+
+
+def _place(mark: Any) -> str:
+    return "" if mark is None else f" in line {mark.line + 1}, column {mark.column + 1}"
+
+
+def plain_document(document: Any) -> dict[str, Any]:
+    """Copy a document of any mappings, sequences and NumPy values into plain values, as JSON knows them.
+
+    Raises
+    ------
+    ProblemError
+        It is no mapping, or a value is nothing that JSON knows (a date, bytes ...).
+    """
+    if not isinstance(document, Mapping):
+        given = "empty" if document is None else f"a {_kind(document)}"
+        raise _error(f"a problem is a mapping (name, forward_model, parameters, ...), but this is {given}")
+    mapping: dict[str, Any] = _Plain().copy(document, "", 0)
+    return mapping
+
+
+class _Plain:
+    def __init__(self) -> None:
+        self._values = 0
+
+    def copy(self, value: Any, path: str, depth: int) -> Any:
+        self._values += 1
+        if depth > _MAX_DEPTH:
+            raise _too_deep(path)
+        if self._values > _MAX_VALUES:  # aliases let a short YAML text stand for a huge document
+            raise ProblemError([Issue(path, f"the problem has more than {_MAX_VALUES} values")])
+        if isinstance(value, np.ndarray | np.generic):
+            return self.copy(value.tolist(), path, depth)
+        if value is None or isinstance(value, str | bool | int | float):
+            return self._scalar(value, path)
+        if isinstance(value, Mapping):
+            return self._mapping(value, path, depth)
+        if isinstance(value, list | tuple):
+            return [self.copy(item, f"{path}[{index}]", depth + 1) for index, item in enumerate(value)]
+        raise ProblemError([Issue(path, f"{_short(str(value))} is a {_kind(value)}; write text in quotes or a number")])
+
+    def _mapping(self, mapping: Mapping[Any, Any], path: str, depth: int) -> dict[str, Any]:
+        copied = {}
+        for key, value in mapping.items():
+            if not isinstance(key, str):
+                raise ProblemError([Issue(path, f"key {_short(str(key))} is a {_kind(key)}; write it in quotes")])
+            copied[key] = self.copy(value, f"{path}.{key}" if path else key, depth + 1)
+        return copied
+
+    @staticmethod
+    def _scalar(value: Any, path: str) -> Any:
+        if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 2**1024:
+            raise ProblemError([Issue(path, "number is too large; the largest is 1.79e308")])
+        if isinstance(value, str) and any("\ud800" <= character <= "\udfff" for character in value):
+            raise ProblemError([Issue(path, "text holds half a Unicode character")])
+        return value
+
+
+def _kind(value: Any) -> str:
+    names = {"bool": "truth value", "int": "number", "float": "number", "str": "text", "NoneType": "null"}
+    return names.get(type(value).__name__, type(value).__name__)
+
+
+def _short(text: str, length: int = 200) -> str:
+    return text if len(text) <= length else f"{text[:length]}..."
+
+
+def _error(message: str) -> ProblemError:
+    return ProblemError([Issue("", message)])
+
+
+def _too_large() -> ProblemError:
+    return _error(f"problem is larger than {MAX_PROBLEM_BYTES} bytes; put long series into CSV files (file: ...)")
+
+
+def _too_deep(path: str) -> ProblemError:
+    return ProblemError([Issue(path[:100], f"nested more than {_MAX_DEPTH} levels deep")])

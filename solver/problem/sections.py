@@ -1,0 +1,205 @@
+"""The sections of a problem file as pydantic models: names, types, limits and defaults of everything written in it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from solver.forward.registry import AnyForwardModelSpec
+
+__all__ = [
+    "METHODS",
+    "FixedSection",
+    "FreeSection",
+    "LinkedSection",
+    "MethodSection",
+    "MonteCarloMethod",
+    "ObservationSection",
+    "PARAMETER_FORMS",
+    "ParameterSection",
+    "ParticleSwarmMethod",
+    "PointsSection",
+    "ProblemFile",
+    "Settings",
+    "Scale",
+    "Stopping",
+]
+
+Scale: TypeAlias = Literal["linear", "log"]
+
+_LARGEST_SEED = 2**53 - 1  # every JSON reader keeps whole numbers up to here exactly
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class FreeSection(_Section):
+    """A parameter to be identified between bounds."""
+
+    lower: float = Field(description="lowest value, in the parameter's unit")
+    upper: float = Field(description="highest value")
+    scale: Scale = Field("linear", description="log: the search runs over the logarithm; both bounds above 0")
+    initial: float | None = Field(None, description="estimate to start from; the first particle of the swarm")
+
+
+class FixedSection(_Section):
+    """A parameter with a known value."""
+
+    value: float = Field(description="the value, in the parameter's unit")
+
+
+class LinkedSection(_Section):
+    """A parameter that follows from others."""
+
+    expression: str = Field(description='value as an expression of other parameters, such as "0.5 * lambda_star"')
+
+
+ParameterSection: TypeAlias = FreeSection | FixedSection | LinkedSection
+
+PARAMETER_FORMS: dict[str, type[FreeSection] | type[FixedSection] | type[LinkedSection]] = {
+    "free": FreeSection,
+    "fixed": FixedSection,
+    "linked": LinkedSection,
+}
+"""The three forms of a parameter; no key belongs to two of them."""
+
+
+class PointsSection(_Section):
+    """Measured points inside the problem file."""
+
+    x: list[float] = Field(min_length=1, description="x of the points, in x_unit")
+    y: list[float] = Field(min_length=1, description="measured y, in y_unit")
+    weight: list[Annotated[float, Field(ge=0)]] | None = Field(
+        None, description="weights w_h of the points; all 1 if absent"
+    )
+
+
+class ObservationSection(_Section):
+    """Measured points of one series."""
+
+    series: str = Field(description="name of a series of the forward model")
+    points: PointsSection | None = Field(None, description="the points themselves; give these or file")
+    file: str | None = Field(
+        None, min_length=1, description="CSV file with columns x, y[, weight], relative to this file"
+    )
+    x_column: str | None = Field(None, min_length=1, description="header of the file's x column, if it is not x")
+    y_column: str | None = Field(None, min_length=1, description="header of the file's y column, if it is not y")
+    weight_column: str | None = Field(
+        None, min_length=1, description="header of the weight column, if it is not weight"
+    )
+    x_unit: str | None = Field(None, description="unit of x in the data; the series' base unit if absent")
+    y_unit: str | None = Field(None, description="unit of y in the data; the series' base unit if absent")
+    weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
+
+    @model_validator(mode="after")
+    def _one_source(self) -> ObservationSection:
+        if (self.points is None) == (self.file is None):
+            given = "both are given" if self.file else "none is given"
+            raise PydanticCustomError("one_source", "give either points or file; {given}", {"given": given})
+        columns = [name for name in ("x_column", "y_column", "weight_column") if getattr(self, name) is not None]
+        if self.file is None and columns:
+            raise PydanticCustomError(
+                "columns", "{columns} can only be given with file", {"columns": ", ".join(columns)}
+            )
+        return self
+
+
+class ParticleSwarmMethod(_Section):
+    """Particle swarm: generations of particles, each evaluated in parallel."""
+
+    kind: Literal["particle_swarm"] = "particle_swarm"
+    particles: int = Field(10, ge=2, le=1000, description="particles in a generation")
+    form: Literal["constriction", "inertia_weight"] = Field("constriction", description="form of the velocity equation")
+    inertia_weight: float | None = Field(
+        None, ge=0, le=1, description="w; 0.7298 if absent; only with form inertia_weight"
+    )
+    cognitive_coefficient: float | None = Field(
+        None, ge=0, le=10, description="pull to the particle's own best; 2.05 (constriction) or 1.49618 if absent"
+    )
+    social_coefficient: float | None = Field(
+        None, ge=0, le=10, description="pull to the best of the neighbourhood; 2.05 (constriction) or 1.49618 if absent"
+    )
+    topology: Literal["global", "ring"] = Field(
+        "global", description="whose best a particle knows: all or two neighbours"
+    )
+    boundary: Literal["reflect", "absorb", "resample"] = Field("reflect", description="what happens at the bounds")
+    max_velocity: float = Field(
+        0.5, gt=0, le=1, description="largest step as a fraction of the range between the bounds"
+    )
+
+    @field_validator("inertia_weight")
+    @classmethod
+    def _only_with_its_form(cls, value: float | None, info: Any) -> float | None:
+        if value is not None and info.data.get("form") == "constriction":
+            raise PydanticCustomError("form", "only used with form: inertia_weight; leave it out or set form")
+        return value
+
+    @model_validator(mode="after")
+    def _constriction_exists(self) -> ParticleSwarmMethod:
+        if self.form == "constriction":
+            cognitive = 2.05 if self.cognitive_coefficient is None else self.cognitive_coefficient
+            social = 2.05 if self.social_coefficient is None else self.social_coefficient
+            if not cognitive + social > 4:
+                raise PydanticCustomError(
+                    "constriction",
+                    "form constriction needs cognitive_coefficient + social_coefficient above 4, not {total}",
+                    {"total": f"{cognitive + social:g}"},
+                )
+        return self
+
+
+class MonteCarloMethod(_Section):
+    """Monte Carlo sampling of the space between the bounds, for the statistics."""
+
+    kind: Literal["monte_carlo"] = "monte_carlo"
+    samples: int = Field(ge=1, le=10_000_000, description="number of evaluations")
+    sampling: Literal["random", "latin_hypercube", "sobol"] = Field("random", description="how the points are chosen")
+    batch: int = Field(50, ge=1, le=1000, description="evaluations in a generation")
+
+
+METHODS: dict[str, type[ParticleSwarmMethod] | type[MonteCarloMethod]] = {
+    "particle_swarm": ParticleSwarmMethod,
+    "monte_carlo": MonteCarloMethod,
+}
+"""Methods by kind."""
+
+MethodSection: TypeAlias = Annotated[ParticleSwarmMethod | MonteCarloMethod, Field(discriminator="kind")]
+
+
+class Stopping(_Section):
+    """When a calibration ends: as soon as one criterion is satisfied."""
+
+    max_evaluations: int | None = Field(None, ge=1, description="largest number of forward calculations")
+    max_seconds: float | None = Field(None, gt=0, description="largest running time in seconds")
+    target_objective: float | None = Field(None, ge=0, description="the objective is at or below this value")
+    stagnation_generations: int | None = Field(None, ge=1, description="generations without a lower objective")
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is no criterion at all."""
+        return all(getattr(self, name) is None for name in Stopping.model_fields)
+
+
+class Settings(_Section):
+    """What of a problem is neither physics nor method."""
+
+    name: str = Field("calibration", min_length=1, max_length=200, description="name of the problem")
+    constraints: list[str] = Field(
+        default=[], max_length=100, description='comparisons that hold for every proposal: "lambda_star > kappa_star"'
+    )
+    seed: int | None = Field(
+        None, ge=0, le=_LARGEST_SEED, description="fixes all random numbers; chosen and reported if absent"
+    )
+
+
+class ProblemFile(Settings):
+    """A calibration problem: what to calculate, what to identify, what was measured, how to search and when to stop."""
+
+    forward_model: AnyForwardModelSpec = Field(description="what is calculated; its kind decides about the other keys")
+    parameters: dict[str, ParameterSection] = Field(min_length=1, max_length=100, description="parameters by name")
+    observations: list[ObservationSection] = Field(min_length=1, max_length=1000, description="what was measured")
+    method: MethodSection = Field(default=ParticleSwarmMethod(), description="how to search")
+    stopping: Stopping = Field(default=Stopping(), description="when to stop; a particle swarm needs one criterion")

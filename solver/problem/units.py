@@ -1,0 +1,104 @@
+"""Units at the door: factors between the units that users write and the base units of series (kN, m, day, degree)."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache, lru_cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from solver.arrays import FloatArray
+
+__all__ = ["UnitError", "convert", "same_unit"]
+
+_MAX_LENGTH = 50
+_DIMENSIONLESS = frozenset({"", "1", "-", "dimensionless"})
+_EXAMPLES = {
+    "day": "s, min, h, day, week",
+    "m": "um, mm, cm, m",
+    "kPa": "Pa, kPa, MPa, bar, kN/m^2",
+    "degree": "degree, rad",
+    "dimensionless": "1, %",
+}
+
+
+class UnitError(ValueError):
+    """A unit is unknown or of the wrong dimension."""
+
+
+def same_unit(first: str, second: str) -> bool:
+    """Whether two names obviously mean the same unit."""
+    return _canonical(first) == _canonical(second)
+
+
+def _canonical(unit: str) -> str:
+    unit = unit.strip()
+    return "dimensionless" if unit in _DIMENSIONLESS else unit
+
+
+def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:
+    """Convert values, any shape, from ``unit`` to ``base``; exact for factors such as 1/1000 or 1/1440.
+
+    Raises
+    ------
+    UnitError
+        ``unit`` is unknown, has an offset (degC) or is of another dimension than ``base``.
+    """
+    array = np.array(values, dtype=np.float64)
+    if same_unit(unit, base):
+        return array
+    factor = _factor(_canonical(unit), _canonical(base))
+    # Two roundings of whole numbers keep 1440 min exactly one day, which one rounded factor would not.
+    with np.errstate(all="ignore"):
+        return np.asarray(array * float(factor.numerator) / float(factor.denominator))
+
+
+@lru_cache(maxsize=256)
+def _factor(unit: str, base: str) -> Fraction:
+    examples = _EXAMPLES.get(base, base)
+    factor, dimension = _root(unit, examples)
+    base_factor, base_dimension = _root(base, examples)
+    if dimension != base_dimension:
+        raise UnitError(f"unit '{unit}' cannot be converted to {base}; accepted are for example {examples}")
+    quotient = factor / base_factor
+    if not 1e-30 < quotient < 1e30:
+        raise UnitError(f"unit '{unit}' is out of all proportion to {base}; accepted are for example {examples}")
+    # The registry knows some factors (pi) to 28 digits only; floats need 17.
+    return quotient.limit_denominator(10**15) if quotient.denominator > 10**15 else quotient
+
+
+@cache
+def _registry() -> Any:
+    # Imported and built on first use: it costs a quarter of a second, and many problems need no conversion at all.
+    from decimal import Decimal
+
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _root(unit: str, examples: str) -> tuple[Fraction, str]:
+    """Factor to root units (second, meter, gram, radian ...) and the root units' name."""
+    from tokenize import TokenError
+
+    from pint.errors import PintError
+
+    unknown = UnitError(f"unknown unit '{unit[:_MAX_LENGTH]}'; accepted are for example {examples}")
+    if len(unit) > _MAX_LENGTH:
+        raise unknown
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(unit)
+        offset = registry.Quantity(0, parsed).to_root_units().magnitude
+        factor, root = registry.get_root_units(parsed)
+        exact = Fraction(factor)
+    except (PintError, TokenError, SyntaxError, ValueError, TypeError, AssertionError, LookupError, ArithmeticError):
+        # The parser of units answers nonsense with whatever its internals raise.
+        raise unknown from None
+    if offset != 0 or exact <= 0:
+        raise UnitError(
+            f"unit '{unit}' is no plain multiple of {examples.split(',')[-1].strip()}; use a unit without offset"
+        )
+    return exact, str(root)
