@@ -191,25 +191,35 @@ def confined_load(
 
 
 @kernel
-def creep_direction(axial: float, lateral: float, confined: bool, soil: SoftSoilCreep) -> tuple[float, float]:
-    """Axial and lateral strain rate for each unit of creep volume strain rate, at constant axial stress."""
+def creep_direction(axial: float, lateral: float, confined: bool, soil: SoftSoilCreep) -> tuple[float, float, float]:
+    """How a specimen under constant axial stress moves while it creeps.
+
+    Returns
+    -------
+    axial_rate, lateral_rate, pace
+        Strain rates for each unit of creep volume strain rate; and d(eps_v^c)/d(ln t) over mu* once creep is under way:
+        1 where stress is constant, less where p_eq falls while the soil creeps.
+    """
     p, q = (axial + 2.0 * lateral) / 3.0, axial - lateral
-    _, _, dp_eq_dq2, P, _ = equivalent_pressure(p, q * q, soil)
+    p_eq, dp_eq_dp, dp_eq_dq2, P, _ = equivalent_pressure(p, q * q, soil)
     alpha = 1.0 - q * q * dp_eq_dq2 / P
     if alpha < ALPHA_GUARD:
         alpha = ALPHA_GUARD * ALPHA_GUARD / (2.0 * ALPHA_GUARD - alpha)
     deviator = 3.0 * dp_eq_dq2 / alpha * q
     axial_rate, lateral_rate = (1.0 + 2.0 * deviator) / 3.0, (1.0 - deviator) / 3.0
     if not confined:
-        return axial_rate, lateral_rate
+        return axial_rate, lateral_rate, 1.0
     lower, upper, lower_flow, upper_flow = lateral_limits(axial, soil)
     tolerance = 1.0e-11 * (abs(axial) + abs(lateral))
     if lateral <= lower + tolerance and lateral_rate > 0.0:
-        return axial_rate + lower_flow * lateral_rate, 0.0
+        return axial_rate + lower_flow * lateral_rate, 0.0, 1.0
     if lateral >= upper - tolerance and lateral_rate < 0.0:
-        return axial_rate + upper_flow * lateral_rate, 0.0
+        return axial_rate + upper_flow * lateral_rate, 0.0, 1.0
     # The lateral stress changes so that elastic strain cancels lateral creep.
-    _, tangent = elastic_strain(p, soil)
+    tangent = elastic_strain(p, soil)[1]
     shear = 0.5 / soil.shear_ratio * tangent
     stress_rate = -3.0 * lateral_rate / (2.0 / 3.0 * tangent + shear)
-    return axial_rate + stress_rate * (2.0 / 3.0 * tangent - 2.0 * shear) / 3.0, 0.0
+    log_rate = stress_rate * (2.0 / 3.0 * dp_eq_dp - 2.0 * q * dp_eq_dq2) / p_eq
+    resistance = 1.0 - (soil.lambda_star - soil.kappa_star) * log_rate
+    pace = 1.0 / resistance if resistance > 0.0 else 1.0
+    return axial_rate + stress_rate * (2.0 / 3.0 * tangent - 2.0 * shear) / 3.0, 0.0, pace

@@ -34,6 +34,7 @@ FAILED_SOIL: Final = 2
 
 _MAX_STEPS = 2000
 _LOCAL_SHARE = 0.25  # share of the tolerance granted to one step
+_FIRST_SHARE = 0.1  # the first step of a stage is at least this share of it
 _NO_CREEP = -30.0  # ln(dt/theta) below which the creep strain, mu* dt/theta, is nothing
 _CUBIC_BULGE = 0.05  # largest value of the cubic part of Hermite's polynomial, 1/(12 sqrt 3), rounded up
 
@@ -81,6 +82,20 @@ def _substeps(
         axial_strain += strain
         log_pp += creep / strength
     return lateral, log_pp, axial_strain, lateral_strain, True
+
+
+@kernel
+def _end_speeds(
+    unit: float, now: float, pace: float, new_pace: float, direction: float, new_direction: float, change: float
+) -> tuple[float, float, float]:
+    """Creep speeds at both ends of a step that make the smoothest cubic, and the largest cubic part of it."""
+    best = (unit, unit * now, math.inf)
+    for start in (1.0, pace):
+        for end in (now, new_pace):
+            bulge = abs(unit * (start * direction + end * new_direction) - 2.0 * change) * _CUBIC_BULGE
+            if bulge < best[2]:
+                best = (unit * start, unit * end, bulge)
+    return best
 
 
 @kernel
@@ -152,7 +167,7 @@ def constant_load_history(
         now = 0.0
         point, last = firsts[stage], firsts[stage + 1]
         log_rate = _log_ratio(axial, lateral, log_pp, soil)
-        direction, lateral_direction = creep_direction(axial, lateral, confined, soil)
+        direction, lateral_direction, pace = creep_direction(axial, lateral, confined, soil)
         steps = 0
         while now < duration:
             log_theta = math.log(soil.tau) - log_rate
@@ -164,6 +179,8 @@ def constant_load_history(
                     output[rest, 1] = lateral_strain
                 break
             whole = x + math.log1p(math.exp(-x)) if x > 0.0 else math.log1p(math.exp(x))
+            if steps == 0:
+                length = max(length, _FIRST_SHARE * whole)
             if length > 0.999 * whole or not confined:
                 length = whole
             elif length > 0.5 * whole:
@@ -199,11 +216,18 @@ def constant_load_history(
                     error = max(error, stiffness * abs(new_pp - 3.0 * three_pp + 2.0 * two_pp))
                     factor = 0.9 * (local / error) ** (1.0 / 3.0) if error > 0.0 else 5.0
                 new_rate = _log_ratio(axial, new_lat, new_pp, soil)
-                new_direction, new_lateral_direction = creep_direction(axial, new_lat, confined, soil)
-                # d strain/d s at both ends, times the length of the step.
-                speed = soil.mu_star * length
-                end_speed = speed * math.exp(new_rate + log_theta - math.log(soil.tau) + length)
-                bulge = abs(speed * direction + end_speed * new_direction - 2.0 * new_ax) * _CUBIC_BULGE
+                new_direction, new_lateral_direction, new_pace = creep_direction(axial, new_lat, confined, soil)
+                # d strain/d s at both ends, times the length of the step: at this very state, or under way. Long steps
+                # in s (large beta) pass the transient between the two at once; the smoother cubic tells which holds.
+                speed, end_speed, bulge = _end_speeds(
+                    soil.mu_star * length,
+                    math.exp(new_rate - log_rate + length),
+                    pace,
+                    new_pace,
+                    direction,
+                    new_direction,
+                    new_ax,
+                )
                 if confined and bulge > 0.0:
                     factor = min(factor, 0.9 * (local / bulge) ** (1.0 / 3.0))
                 if (error <= local and bulge <= local) or not confined:
@@ -238,7 +262,8 @@ def constant_load_history(
             lateral, log_pp = new_lat, new_pp
             axial_strain += new_ax
             lateral_strain += new_ls
-            log_rate, direction, lateral_direction = new_rate, new_direction, new_lateral_direction
+            log_rate, direction, pace = new_rate, new_direction, new_pace
+            lateral_direction = new_lateral_direction
             if confined:
                 length *= min(factor, 4.0)
         ends[stage, 0] = axial_strain
