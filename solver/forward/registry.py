@@ -13,10 +13,10 @@ from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from typing import Annotated, Any
+from typing import Annotated, Any, LiteralString
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, WithJsonSchema
-from pydantic_core import PydanticCustomError
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from solver.errors import BrokenForwardModelError, UnknownForwardModelError
 from solver.forward.base import ForwardModelSpec
@@ -86,24 +86,20 @@ def parse_spec(section: Any) -> ForwardModelSpec:
 
     Raises
     ------
-    PydanticCustomError
-        The kind is missing, unknown or broken.
     pydantic.ValidationError
-        The section does not fit its kind.
+        The kind is missing, unknown or broken, or the section does not fit its kind.
     """
     if isinstance(section, ForwardModelSpec):
         return section
     if not isinstance(section, Mapping):
-        raise PydanticCustomError(
-            "mapping_expected", "a forward model is a mapping with a kind; known kinds: {known}", _known()
-        )
+        raise _refused((), "a forward model is a mapping with a kind; known kinds: {known}", section, _known())
     kind = section.get("kind")
     if not isinstance(kind, str):
-        raise _at_kind("kind_missing", "give the kind of forward model; known kinds: {known}", kind, _known())
+        raise _refused(("kind",), "give the kind of forward model as text; known kinds: {known}", kind, _known())
     try:
         spec = find_spec(kind)
     except (UnknownForwardModelError, BrokenForwardModelError) as error:
-        raise _at_kind("kind_unusable", "{reason}", kind, {"reason": str(error)}) from error
+        raise _refused(("kind",), "{reason}", kind, {"reason": str(error)}) from error
     # Through JSON because strict validation of Python objects would refuse a list where a tuple is meant.
     return spec.model_validate_json(json.dumps(dict(section)), strict=True)
 
@@ -112,9 +108,9 @@ def _known() -> dict[str, str]:
     return {"known": ", ".join(kinds())}
 
 
-def _at_kind(error: Any, message: Any, value: Any, context: dict[str, str]) -> ValidationError:
-    detail = {"type": PydanticCustomError(error, message, context), "loc": ("kind",), "input": value}
-    return ValidationError.from_exception_data("forward_model", [detail])  # type: ignore[list-item]
+def _refused(place: tuple[str, ...], message: LiteralString, value: Any, context: dict[str, str]) -> ValidationError:
+    detail = InitErrorDetails(type=PydanticCustomError("forward_model", message, context), loc=place, input=value)
+    return ValidationError.from_exception_data("forward_model", [detail])
 
 
 AnyForwardModelSpec = Annotated[

@@ -97,8 +97,9 @@ class _Assembly:
         parameters, complete = self._parameters()
         constraints = self._constraints(settings, parameters, complete)
         observations = self._observations(model)
-        if complete and model is not None:
-            self.issues += check_against_model(parameters, model, self._kind)
+        if model is not None and parameters:
+            declared = self.document["parameters"]
+            self.issues += check_against_model(parameters, declared, model, self._kind)
         links, circles = link_order(parameters)
         self.issues += circles
         if complete and not circles:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from solver.errors import Issue, SolverError
+from solver.errors import Issue
 from solver.forward.registry import find_spec
 
 __all__ = ["describe", "did_you_mean", "issues_of", "join_path", "validated"]
@@ -95,7 +95,7 @@ def describe(value: Any) -> str:
         case bool():
             return "true" if value else "false"
         case float() if not math.isfinite(value):
-            return "not a number (nan)" if math.isnan(value) else "infinite"
+            return str(value)
         case int() | float():
             return f"{value:g}" if isinstance(value, float) else str(value)[:40]
         case str():
@@ -149,7 +149,7 @@ def _message(detail: ErrorDetails, accepted: Callable[[], list[str]]) -> str:
             return f"must be {words} {context[limit]:g}, not {given}"
     if kind in ("too_short", "string_too_short"):
         unit = "characters" if kind.startswith("string") else "entries"
-        return f"needs at least {context['min_length']} {unit}, but is {given}"
+        return "must not be empty" if context["min_length"] == 1 else f"needs at least {context['min_length']} {unit}"
     if kind in ("too_long", "string_too_long"):
         unit = "characters" if kind.startswith("string") else "entries"
         return f"may have at most {context['max_length']} {unit}"
@@ -181,8 +181,10 @@ def _accepted_keys(schema: Callable[[], dict[str, Any]], value: Any, steps: Iter
     """Keys that the schema knows at a place in the data."""
     places = _Places(schema())
     for step in steps:
-        places = places.step(value, step)
-        value = value[step]
+        places, value = places.step(value, step), value[step]
+        if places.is_forward_model and isinstance(value, Mapping):
+            # A part of a combined model: what it may hold depends on its kind.
+            places = _Places(find_spec(str(value.get("kind"))).model_json_schema())
     return places.keys(value)
 
 
@@ -199,6 +201,10 @@ class _Places:
         inner = [*node.get("anyOf", ()), *node.get("oneOf", ()), *node.get("allOf", ())]
         return [node, *(branch for part in inner for branch in self._branches(part))]
 
+    @property
+    def is_forward_model(self) -> bool:
+        return any(node.get("x-forward-model") for node in self._nodes)
+
     def step(self, value: Any, step: str | int) -> _Places:
         chosen = [node for node in self._nodes if _fits(node, value)]
         below = []
@@ -207,16 +213,12 @@ class _Places:
                 prefix = node.get("prefixItems", [])
                 below.append(prefix[step] if step < len(prefix) else node.get("items"))
             else:
-                below.append(node.get("properties", {}).get(step, node.get("additionalProperties")))
+                named = node.get("properties", {}).get(step, node.get("additionalProperties"))
+                below += [named, *node.get("patternProperties", {}).values()]
         nodes = [node for node in below if isinstance(node, Mapping)]
         return _Places(self._root, nodes or [{}])
 
     def keys(self, value: Any) -> list[str]:
-        if any(node.get("x-forward-model") for node in self._nodes) and isinstance(value, Mapping):
-            try:
-                return list(find_spec(str(value.get("kind"))).model_fields)
-            except SolverError:
-                return []
         chosen = [node for node in self._nodes if _fits(node, value)]
         return list(dict.fromkeys(key for node in chosen for key in node.get("properties", {})))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import TypeAlias
@@ -141,8 +141,13 @@ def link_order(parameters: Mapping[str, Parameter]) -> tuple[tuple[LinkedParamet
     return tuple(links[name] for name in order), []
 
 
-def check_against_model(parameters: Mapping[str, Parameter], model: ForwardModel, kind: str) -> list[Issue]:
-    """Unknown names, missing names, and values or bounds outside the model's limits."""
+def check_against_model(
+    parameters: Mapping[str, Parameter], declared: Collection[str], model: ForwardModel, kind: str
+) -> list[Issue]:
+    """Unknown names, missing names, and values or bounds outside the model's limits.
+
+    ``declared`` are all names of the problem file, also those of parameters that could not be built.
+    """
     infos = {info.name: info for info in model.parameters}
     linked_from = {name for p in parameters.values() if isinstance(p, LinkedParameter) for name in p.expression.names}
     issues = []
@@ -151,14 +156,14 @@ def check_against_model(parameters: Mapping[str, Parameter], model: ForwardModel
             issues += _limit_issues(parameter, infos[name])
         elif model.open_parameters and name == "x":
             issues.append(Issue("parameters.x", "x is the variable of formulas and cannot name a parameter"))
-        elif not model.open_parameters and name not in linked_from:
-            # A parameter that the model does not know may still serve others as a helper.
+        elif not model.open_parameters and name not in linked_from and len(parameters) == len(declared):
+            # A parameter that the model does not know may still serve linked ones as a helper.
             hint = did_you_mean(name, infos)
             message = f"unknown parameter of forward model {kind}{hint}; known: {', '.join(infos)}"
             issues.append(Issue(f"parameters.{name}", message))
     issues += [
         Issue(f"parameters.{info.name}", f"is missing ({_what(info)}); give bounds, a value or an expression")
-        for info in _missing(model, parameters)
+        for info in _missing(model, declared)
     ]
     return issues
 
@@ -167,7 +172,7 @@ def _what(info: ParameterInfo) -> str:
     return f"{info.description}, {info.unit}" if info.unit else info.description
 
 
-def _missing(model: ForwardModel, declared: Mapping[str, Parameter]) -> list[ParameterInfo]:
+def _missing(model: ForwardModel, declared: Collection[str]) -> list[ParameterInfo]:
     if isinstance(model, CombinedModel):
         return model.missing(declared)
     return [info for info in model.parameters if info.default is None and info.name not in declared]
