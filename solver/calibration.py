@@ -278,13 +278,16 @@ def _update_best(progress: Progress, objectives: FloatArray) -> tuple[Best | Non
 
 def stop_criteria(stopping: Stopping) -> tuple[StopCriterion, ...]:
     """Return the criteria that the problem file names."""
-    made = (
-        (TargetObjective, stopping.target_objective),
-        (MaxEvaluations, stopping.max_evaluations),
-        (MaxSeconds, stopping.max_seconds),
-        (StagnationGenerations, stopping.stagnation_generations),
-    )
-    return tuple(criterion(limit) for criterion, limit in made if limit is not None)
+    criteria: list[StopCriterion] = []
+    if stopping.target_objective is not None:
+        criteria.append(TargetObjective(stopping.target_objective))
+    if stopping.max_evaluations is not None:
+        criteria.append(MaxEvaluations(stopping.max_evaluations))
+    if stopping.max_seconds is not None:
+        criteria.append(MaxSeconds(stopping.max_seconds))
+    if stopping.stagnation_generations is not None:
+        criteria.append(StagnationGenerations(stopping.stagnation_generations))
+    return tuple(criteria)
 
 
 def swarm_settings(method: ParticleSwarmMethod) -> SwarmSettings:

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+
+import pytest
+
+from solver.errors import WorkerLostError
+from solver.local import CalibrationResult, GenerationRecord, calibrate
+from tests.solver.problems import decay_problem
+
+
+def bits(result: CalibrationResult) -> list[tuple[int, int, bytes, bytes | None, str | None]]:
+    """The history without its times."""
+    return [
+        (
+            r.generation,
+            r.particle,
+            r.evaluation.parameters.tobytes(),
+            r.evaluation.responses["y"].tobytes() if r.evaluation.responses else None,
+            r.evaluation.reason,
+        )
+        for r in result.history
+    ]
+
+
+def test_finds_the_parameters_of_exact_data() -> None:
+    records: list[GenerationRecord] = []
+    result = calibrate(decay_problem(), on_generation=records.append)
+    assert result.state == "finished"
+    assert result.stop_reasons == ("target_objective",)
+    assert result.parameters == {"amplitude": pytest.approx(3.0, abs=1e-3), "rate": pytest.approx(0.7, abs=1e-3)}
+    assert result.objective is not None
+    assert result.best is not None
+    assert result.best.objective == result.objective <= 1e-8
+    assert result.evaluations == len(result.history) == 8 * result.generations
+    assert records == result.generation_records
+    objectives = [r.objective for r in records if r.objective is not None]
+    assert objectives == sorted(objectives, reverse=True)
+    assert result.seed == 11
+
+
+def test_the_same_seed_gives_the_same_history_for_any_number_of_workers() -> None:
+    problem = decay_problem(stopping={"max_evaluations": 60})
+    single = calibrate(problem)
+    assert bits(calibrate(problem, workers=3)) == bits(single)
+    assert bits(calibrate(problem, seed=12)) != bits(single)
+
+
+def test_a_run_without_one_success_fails_and_counts_the_reasons() -> None:
+    problem = decay_problem(
+        forward_model={"kind": "formula", "series": {"y": "ln(-amplitude) + rate * x"}},
+        stopping={"stagnation_generations": 3},
+    )
+    result = calibrate(problem)
+    assert (result.state, result.objective, result.parameters, result.best) == ("failed", None, None, None)
+    assert result.stop_reasons == ("stagnation_generations",)
+    assert result.error is not None
+    assert result.error.startswith("all 24 evaluations failed (24 not_finite); first message: series 'y' is nan")
+    assert result.failed_evaluations == 24
+
+
+def test_failed_evaluations_do_not_stop_the_search() -> None:
+    problem = decay_problem(
+        forward_model={"kind": "formula", "series": {"y": "amplitude * exp(-rate * x) + 0 * sqrt(rate - 0.2)"}}
+    )
+    result = calibrate(problem)
+    assert result.stop_reasons == ("target_objective",)
+    assert 0 < result.failed_evaluations < result.evaluations
+
+
+def test_a_killed_worker_process_is_a_clear_error() -> None:
+    def kill_one(_: GenerationRecord) -> None:
+        for child in multiprocessing.active_children():
+            if child.pid is not None:
+                os.kill(child.pid, signal.SIGKILL)
+
+    with pytest.raises(WorkerLostError, match="one of the 2 worker processes ended unexpectedly"):
+        calibrate(decay_problem(), workers=2, on_generation=kill_one)
+
+
+def test_no_worker_is_refused() -> None:
+    with pytest.raises(ValueError, match="workers is 0, at least 1"):
+        calibrate(decay_problem(), workers=0)
