@@ -1,0 +1,260 @@
+"""One time step of a material point under mixed stress and strain control, and its error-controlled sequence."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from solver.arrays import BoolArray, FloatArray
+from solver.constitutive.creep_update import creep_update
+from solver.constitutive.soft_soil_creep import SoftSoilCreep
+from solver.constitutive.tensors import solve_dense
+from solver.jit import kernel
+
+__all__ = ["follow_stage", "mixed_step"]
+
+_ITERATIONS: Final = 40
+_HALVINGS: Final = 8
+_RESIDUAL: Final = 1.0e-12
+_MAX_STEPS: Final = 20000
+_SMALLEST_STEP: Final = 1.0e-13
+_LOCAL_SHARE: Final = 0.25
+
+
+@kernel
+def _residual(
+    rows: FloatArray,
+    of_stress: BoolArray,
+    target: FloatArray,
+    stress: FloatArray,
+    strain: FloatArray,
+    size: float,
+    residual: FloatArray,
+) -> float:
+    """Fill the difference of every control from its target, stresses divided by ``size``; the largest one."""
+    worst = 0.0
+    for i in range(6):
+        value = 0.0
+        for k in range(6):
+            value += rows[i, k] * (stress[k] if of_stress[i] else strain[k])
+        residual[i] = (value - target[i]) / (size if of_stress[i] else 1.0)
+        worst = max(worst, abs(residual[i]))
+    return worst if worst == worst else math.inf
+
+
+@kernel
+def mixed_step(
+    rows: FloatArray,
+    of_stress: BoolArray,
+    target: FloatArray,
+    stress: FloatArray,
+    log_time: float,
+    log_pp: float,
+    guess: FloatArray,
+    soil: SoftSoilCreep,
+) -> tuple[FloatArray, FloatArray, float, bool]:
+    """Strain increment for which all controls meet their targets, by Newton's method with line search.
+
+    Parameters
+    ----------
+    rows, of_stress, target
+        Shapes (6, 6), (6,), (6,): combinations, whether they are of stress or of the strain increment, and their values
+        at the end of the step.
+    stress, log_time, log_pp, soil
+        As for :func:`solver.constitutive.creep_update.creep_update`.
+    guess
+        Shape (6,), strain increment to start from.
+
+    Returns
+    -------
+    stress, strain_increment, log_pp, converged
+    """
+    size = 1.0
+    for k in range(3):
+        size = max(size, abs(stress[k]))
+    strain = guess.copy()
+    residual, trial_residual = np.empty(6), np.empty(6)
+    new, tangent, new_pp, ok = creep_update(stress, strain, log_time, log_pp, soil)
+    if not ok:
+        strain[:] = 0.0
+        new, tangent, new_pp, ok = creep_update(stress, strain, log_time, log_pp, soil)
+        if not ok:
+            return stress.copy(), strain, log_pp, False
+    worst = _residual(rows, of_stress, target, new, strain, size, residual)
+    for _ in range(_ITERATIONS):
+        if worst <= _RESIDUAL:
+            return new, strain, new_pp, True
+        matrix, right = np.zeros((6, 6)), np.empty((6, 1))
+        for i in range(6):
+            right[i, 0] = -residual[i]
+            for k in range(6):
+                if of_stress[i]:
+                    for m in range(6):
+                        matrix[i, m] += rows[i, k] * tangent[k, m] / size
+                else:
+                    matrix[i, k] = rows[i, k]
+        if not solve_dense(matrix, right):
+            return stress.copy(), strain, log_pp, False
+        step = 1.0
+        accepted = False
+        for _ in range(_HALVINGS):
+            trial = strain + step * right[:, 0]
+            trial_stress, trial_tangent, trial_pp, ok = creep_update(stress, trial, log_time, log_pp, soil)
+            if ok:
+                trial_worst = _residual(rows, of_stress, target, trial_stress, trial, size, trial_residual)
+                if trial_worst < (1.0 - 1.0e-4 * step) * worst or trial_worst <= _RESIDUAL:
+                    accepted = True
+                    break
+            step *= 0.5
+        if not accepted:
+            # Rounding may stop the descent close to the solution.
+            return new, strain, new_pp, worst <= 100.0 * _RESIDUAL
+        strain, new, tangent, new_pp, worst = trial, trial_stress, trial_tangent, trial_pp, trial_worst
+        for i in range(6):
+            residual[i] = trial_residual[i]
+    return new, strain, new_pp, False
+
+
+@kernel
+def _substeps(
+    count: int,
+    rows: FloatArray,
+    of_stress: BoolArray,
+    values: FloatArray,
+    start_values: FloatArray,
+    begin: float,
+    end: float,
+    log_time: float,
+    stress: FloatArray,
+    log_pp: float,
+    guess: FloatArray,
+    soil: SoftSoilCreep,
+) -> tuple[FloatArray, FloatArray, float, bool]:
+    """``count`` equal implicit substeps between two fractions of the controls' way; strain is the increment."""
+    strain = np.zeros(6)
+    target = np.empty(6)
+    piece = guess / count
+    for step in range(1, count + 1):
+        fraction = begin + (end - begin) * step / count
+        for i in range(6):
+            if of_stress[i]:
+                target[i] = start_values[i] + (values[i] - start_values[i]) * fraction
+            else:
+                target[i] = values[i] * (end - begin) / count
+        stress, piece, log_pp, ok = mixed_step(rows, of_stress, target, stress, log_time, log_pp, piece, soil)
+        if not ok:
+            return stress, strain, log_pp, False
+        strain = strain + piece
+    return stress, strain, log_pp, True
+
+
+@kernel
+def follow_stage(
+    rows: FloatArray,
+    of_stress: BoolArray,
+    values: FloatArray,
+    duration: float,
+    moving: bool,
+    times: FloatArray,
+    tolerance: float,
+    stress: FloatArray,
+    strain: FloatArray,
+    log_pp: float,
+    soil: SoftSoilCreep,
+) -> tuple[bool, float, FloatArray, FloatArray, FloatArray]:
+    """Follow one movement of the controls, or one hold, with error-controlled steps.
+
+    One, two and three implicit substeps a step are extrapolated to third order; the difference between second and
+    third order, in strain (stress scaled by the elastic, ln p_p by the plastic compliance), is the error. Every
+    requested time ends a step.
+
+    Parameters
+    ----------
+    rows, of_stress, values
+        The controls; ``values`` of strain rows are changes over the whole movement.
+    duration
+        Day; 0: an instantaneous movement.
+    moving
+        Whether the controls move to their values, linearly in time; otherwise all controls stay as they are.
+    times
+        Shape (m,), increasing, in (0, duration]; the last must be ``duration``. For an instantaneous movement [0].
+    tolerance
+        Error admitted in strain.
+    stress, strain, log_pp, soil
+        State at the beginning.
+
+    Returns
+    -------
+    completed, fraction, stresses, strains, log_pps
+        Fraction of the movement reached; states at the times, shapes (m, 6), (m, 6), (m,).
+    """
+    count = times.shape[0]
+    stresses, strains, log_pps = np.empty((count, 6)), np.empty((count, 6)), np.empty(count)
+    start_values, goal = np.zeros(6), np.zeros(6)
+    for i in range(6):
+        if of_stress[i]:
+            for k in range(6):
+                start_values[i] += rows[i, k] * stress[k]
+            goal[i] = values[i] if moving else start_values[i]
+        elif moving:
+            goal[i] = values[i]
+    local = _LOCAL_SHARE * tolerance
+    hardening = soil.lambda_star - soil.kappa_star
+    length, now = 1.0e-3, 0.0
+    guess, guess_length = np.zeros(6), 1.0
+    steps = 0
+    for point in range(count):
+        until = times[point] / duration if duration > 0.0 else 1.0
+        while now < until:
+            steps += 1
+            if steps > _MAX_STEPS or length < _SMALLEST_STEP:
+                return False, now, stresses, strains, log_pps
+            end = now + length
+            cut = end >= until * (1.0 - 1.0e-12)
+            if cut:
+                end = until
+            size = end - now
+            log_time = math.log(duration * size / soil.tau) if duration > 0.0 else -math.inf
+            expected = guess * (size / guess_length)
+            third, half = log_time - math.log(3.0), log_time - math.log(2.0)
+            s1, e1, h1, ok = _substeps(
+                1, rows, of_stress, goal, start_values, now, end, log_time, stress, log_pp, expected, soil
+            )
+            if ok:
+                s2, e2, h2, ok = _substeps(
+                    2, rows, of_stress, goal, start_values, now, end, half, stress, log_pp, e1, soil
+                )
+            if ok:
+                s3, e3, h3, ok = _substeps(
+                    3, rows, of_stress, goal, start_values, now, end, third, stress, log_pp, e1, soil
+                )
+            if not ok:
+                length = 0.25 * size
+                continue
+            new_stress = 4.5 * s3 - 4.0 * s2 + 0.5 * s1
+            new_strain = 4.5 * e3 - 4.0 * e2 + 0.5 * e1
+            new_pp = 4.5 * h3 - 4.0 * h2 + 0.5 * h1
+            error = hardening * abs(new_pp - 3.0 * h3 + 2.0 * h2)
+            pressure = (stress[0] + stress[1] + stress[2]) / 3.0 + soil.shift
+            compliance = soil.kappa_star / max(pressure, soil.pressure_floor)
+            for k in range(6):
+                error = max(error, abs(new_strain[k] - 3.0 * e3[k] + 2.0 * e2[k]))
+                error = max(error, compliance * abs(new_stress[k] - 3.0 * s3[k] + 2.0 * s2[k]))
+            factor = 5.0
+            if error > 0.0:
+                factor = min(5.0, max(0.1, 0.9 * (local / error) ** (1.0 / 3.0)))
+            if not error <= local:
+                length = size * min(factor, 0.9) if error < math.inf else 0.25 * size
+                continue
+            now = end
+            stress, log_pp = new_stress, new_pp
+            strain = strain + new_strain
+            guess, guess_length = new_strain, size
+            # A step that was cut short to end at a time says nothing against the longer one planned.
+            length = max(size * factor, length) if cut else size * factor
+        stresses[point] = stress
+        strains[point] = strain
+        log_pps[point] = log_pp
+    return True, now, stresses, strains, log_pps
