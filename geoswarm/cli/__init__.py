@@ -46,4 +46,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  the last handler: no traceback reaches a user
         return report(error, session)
+    except SystemExit as done:  # click ends like this when the reader of our output has gone
+        return done.code if isinstance(done.code, int) else 0
     return code if isinstance(code, int) else 0

@@ -12,7 +12,7 @@ import click
 
 from geoswarm.cli.failures import BadInputError, FailedRunError
 from geoswarm.cli.options import json_option, problem_argument
-from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
 
 if TYPE_CHECKING:
     from solver.calibration import Evaluation
@@ -76,7 +76,7 @@ def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float
             hint = f"; did you mean {close[0]}?" if close else ""
             raise BadInputError(f"--set {name}: unknown parameter{hint}; known: {', '.join(problem.parameters)}")
         if isinstance(parameter, LinkedParameter):
-            raise BadInputError(f"--set {name}: it is linked ('{parameter.expression}') and follows from the others")
+            raise BadInputError(f"--set {name}: it is linked ('{parameter.expression.text}') and follows from the others")
         if name in given:
             raise BadInputError(f"--set {name}: given twice")
         try:
@@ -97,11 +97,21 @@ def parameter_values(problem: Problem, given: Mapping[str, float]) -> dict[str, 
     BadInputError
         When a free parameter has neither a given nor an initial value.
     """
+    from solver.problem import FixedParameter, LinkedParameter
+
     missing = [p.name for p in problem.free if p.name not in given and p.initial is None]
     if missing:
         options = " ".join(f"--set {name}=..." for name in missing)
         raise BadInputError(f"free parameters without a value (they have no 'initial' either): {options}")
-    return problem.resolve({p.name: p.initial for p in problem.free if p.initial is not None} | dict(given))
+    parameters = problem.parameters.values()
+    values = {p.name: p.initial for p in problem.free if p.initial is not None}
+    values |= {p.name: p.value for p in parameters if isinstance(p, FixedParameter)} | dict(given)
+    pending = [p for p in parameters if isinstance(p, LinkedParameter)]
+    while pending:  # ends: a problem with linked parameters in a circle is refused
+        ready = [p for p in pending if p.expression.names <= values.keys()]
+        values |= {p.name: float(p.expression.value(values)) for p in ready}
+        pending = [p for p in pending if p.name not in values]
+    return {name: values[name] for name in problem.parameters}
 
 
 def _doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
@@ -137,13 +147,7 @@ def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation)
     from geoswarm.cli.labels import parameter_rows, with_unit
     from solver.report import objective_unit, series_curves, series_shares
 
-    echo_facts(
-        problem.name,
-        {
-            "objective": with_unit(number(evaluation.objective), objective_unit(problem)),
-            "forward run": duration(evaluation.seconds),
-        },
-    )
+    echo_facts(problem.name, {"objective": with_unit(number(evaluation.objective), objective_unit(problem))})
     echo_table(None, ("parameter", "", "value", "unit"), parameter_rows(problem, values), right=(2,))
     shares = {share.series: share for share in series_shares(problem, evaluation.misfits)}
     rows = []

@@ -19,7 +19,7 @@ import click
 
 __all__ = ["BAD_INPUT", "FAILED_RUN", "INTERRUPTED", "BadInputError", "CommandError", "FailedRunError", "Session", "report"]
 
-FAILED_RUN, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
+FAILED_RUN, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 @dataclass(slots=True)
@@ -95,14 +95,20 @@ def explain(error: BaseException) -> tuple[str, int] | None:
 
 def _explain_service(error: BaseException) -> tuple[str, int] | None:
     """Judge errors of modules that are loaded only where a command needs them."""
-    for module, base in (("geoswarm.errors", "GeoswarmError"), ("workers.errors", "WorkersError"), ("api.errors", "ApiError")):
+    bases = (
+        ("geoswarm.client.errors", "JobFailedError", FAILED_RUN),
+        ("geoswarm.client.errors", "GeoswarmError", BAD_INPUT),
+        ("workers.errors", "WorkersError", BAD_INPUT),
+        ("api.errors", "ApiError", BAD_INPUT),
+    )
+    for module, base, code in bases:
         loaded = sys.modules.get(module)
         if loaded is not None and isinstance(error, getattr(loaded, base)):
-            return str(error), BAD_INPUT
+            return str(error), code
     return None
 
 
 def _leave_quietly() -> int:
     """The reader of our output has gone (``geoswarm list | head``): say nothing, also not at interpreter exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return BROKEN_PIPE
+    return FAILED_RUN

@@ -79,6 +79,8 @@ def _make_folder(folder: Path) -> None:
 @contextmanager
 def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]:
     """Show progress; when the user interrupts, tell the best found so far."""
+    from solver.check import planned_evaluations
+
     last: list[GenerationRecord] = []
     with progress_bar(problem.name, planned_evaluations(problem)) as update:
 
@@ -93,13 +95,6 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
                 best = ", ".join(f"{name} = {number(value, 5)}" for name, value in last[0].parameters.items())
                 note(f"Best after {last[0].evaluations} evaluations: objective {number(last[0].objective)} at {best}")
             raise
-
-
-def planned_evaluations(problem: Problem) -> int | None:
-    """Return the largest number of evaluations that the problem allows; None when it sets no such limit."""
-    samples: int | None = getattr(problem.method, "samples", None)
-    limits = [limit for limit in (samples, problem.stopping.max_evaluations) if limit is not None]
-    return min(limits, default=None)
 
 
 def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> list[Path]:
@@ -167,7 +162,7 @@ def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[st
         if isinstance(parameter, FreeParameter):
             bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), parameter.scale)
         else:
-            kind = f"= {parameter.expression}" if isinstance(parameter, LinkedParameter) else "fixed"
+            kind = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"
             bounds = ("", "", "", kind)
         rows.append((name, symbol, value, *bounds, unit))
     return rows

@@ -1,0 +1,67 @@
+"""``geoswarm check``: validate a problem, run it once and estimate its cost."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from geoswarm.cli.failures import FailedRunError
+from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number
+
+if TYPE_CHECKING:
+    from solver.check import CheckReport
+    from solver.problem import Problem
+
+__all__ = ["check_command"]
+
+
+@click.command("check")
+@problem_argument
+@json_option
+def check_command(problem: Path, as_json: bool) -> None:
+    """Validate a problem, run it once and estimate its cost.
+
+    Every mistake in the file is listed with its path. The test run uses the 'initial' values of the free parameters
+    and the middle of the bounds of those without. Exit code 1 when the test run fails, 2 when the problem has mistakes.
+    """
+    from solver.check import check_problem
+    from solver.problem import load_problem
+
+    loaded = load_problem(problem)
+    check = check_problem(loaded)
+    if as_json:
+        echo_json({"valid": True, **asdict(check)})
+    else:
+        _show(loaded, check)
+    if check.test_run.reason is not None:
+        raise FailedRunError(f"the test run failed ({check.test_run.reason}): {check.test_run.message}")
+
+
+def _show(problem: Problem, check: CheckReport) -> None:
+    from geoswarm.cli.labels import parameter_rows, with_unit
+    from solver.report import objective_unit
+
+    run = check.test_run
+    planned = check.planned_evaluations
+    cost = "not limited by a number of evaluations"
+    if planned is not None:
+        cost = f"at most {planned} evaluations"
+        if check.estimated_seconds is not None:
+            cost += f", about {duration(check.estimated_seconds)} on one worker"
+    echo_facts(
+        f"{check.name}: valid",
+        {
+            "forward model": check.forward_model,
+            "method": check.method.replace("_", " "),
+            "free parameters": ", ".join(check.free_parameters),
+            "measured points": str(check.data_points),
+            "test run": f"{run.state} in {duration(run.seconds)}",
+            "objective there": with_unit(number(run.objective), objective_unit(problem)),
+            "cost": cost,
+        },
+    )
+    echo_table("Test run", ("parameter", "", "value", "unit"), parameter_rows(problem, run.parameters), right=(2,))

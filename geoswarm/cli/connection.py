@@ -1,0 +1,57 @@
+"""Talks to a service for the commands about jobs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from geoswarm.cli.failures import BadInputError
+
+if TYPE_CHECKING:
+    from geoswarm.client import Client, Job
+
+__all__ = ["connect", "find_job"]
+
+_SEARCHED_PAGES, _PAGE = 10, 200
+_SHORTEST_PREFIX = 4
+
+
+def connect(url: str, api_key: str | None) -> Client:
+    """Return a client, a context manager; nothing is sent yet."""
+    from geoswarm.client import Client
+
+    return Client(url, api_key=api_key)
+
+
+def find_job(client: Client, job: str) -> Job:
+    """Return the job with this id, or the only one whose id begins with it (among the newest 2000).
+
+    Raises
+    ------
+    BadInputError
+        When no job, or several, are meant.
+    """
+    from geoswarm.client import NotFoundError
+
+    try:
+        return client.get(job)
+    except NotFoundError:
+        if len(job) < _SHORTEST_PREFIX:
+            raise BadInputError(f"there is no job '{job}' (an abbreviated id has at least 4 characters)") from None
+    found = _with_prefix(client, job)
+    if len(found) > 1:
+        raise BadInputError(f"'{job}' begins the ids of several jobs: {', '.join(j.id for j in found[:5])}")
+    if not found:
+        raise BadInputError(f"there is no job '{job}'; 'geoswarm list' shows the jobs")
+    return found[0]
+
+
+def _with_prefix(client: Client, prefix: str) -> list[Job]:
+    found: list[Job] = []
+    cursor: str | None = None
+    for _ in range(_SEARCHED_PAGES):
+        page = client.list(limit=_PAGE, cursor=cursor)
+        found += [job for job in page.items if job.id.startswith(prefix)]
+        cursor = page.next_cursor
+        if cursor is None:
+            break
+    return found

@@ -1,0 +1,186 @@
+"""``geoswarm list``, ``show``, ``cancel``, ``pause``, ``resume`` and ``workers``."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.options import connection_options, job_argument, json_option
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number, reasons_in_words
+
+if TYPE_CHECKING:
+    from geoswarm.client import Job
+
+__all__ = [
+    "cancel_command",
+    "jsonable",
+    "list_command",
+    "pause_command",
+    "resume_command",
+    "show_command",
+    "show_job",
+    "workers_command",
+]
+
+STATES = ("queued", "running", "paused", "finished", "failed", "cancelled")
+
+
+def jsonable(record: Any) -> Any:
+    """Return a record of the client as JSON values; times in ISO 8601."""
+    return _plain(asdict(record))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.isoformat().replace("+00:00", "Z") if isinstance(value, datetime) else value
+
+
+def _age(moment: datetime) -> str:
+    return duration(max((datetime.now(UTC) - moment).total_seconds(), 0.0))
+
+
+@click.command("list")
+@click.option("--state", type=click.Choice(STATES), help="Only jobs in this state.")
+@click.option("--limit", type=click.IntRange(1, 200), default=20, show_default=True, help="Number of jobs.")
+@click.option("--cursor", help="Where to go on: 'next_cursor' of the page before.")
+@json_option
+@connection_options
+def list_command(
+    state: str | None, limit: int, cursor: str | None, as_json: bool, url: str, api_key: str | None
+) -> None:
+    """List jobs, newest first."""
+    with connect(url, api_key) as client:
+        page = client.list(state=state, limit=limit, cursor=cursor)
+    if as_json:
+        echo_json({"items": [jsonable(job) for job in page.items], "next_cursor": page.next_cursor})
+        return
+    if not page.items:
+        click.echo("No jobs." if state is None else f"No job is {state}.")
+        return
+    rows = [
+        (j.id, j.name, j.state, _count(j), number(j.objective), duration(j.seconds), _age(j.created_at))
+        for j in page.items
+    ]
+    columns = ("id", "name", "state", "evaluations", "objective", "running time", "age")
+    echo_table(None, columns, rows, right=(3, 4, 5, 6))
+    if page.next_cursor is not None:
+        click.echo(f"More: --cursor {page.next_cursor}")
+
+
+@click.command("show")
+@job_argument
+@json_option
+@connection_options
+def show_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    """Show a job with its best parameters.
+
+    With --json also 'best': the best evaluation with misfits and responses in base units, or null.
+    """
+    from geoswarm.client import NotFoundError
+
+    with connect(url, api_key) as client:
+        found = find_job(client, job)
+        try:
+            best = client.best(found.id)
+        except NotFoundError:
+            best = None
+    if as_json:
+        echo_json(jsonable(found) | {"best": best and jsonable(best)})
+        return
+    show_job(found)
+    if best is not None and len(best.misfits) > 1:
+        rows = [(series, number(misfit)) for series, misfit in best.misfits.items()]
+        echo_table(None, ("series", "misfit"), rows, right=(1,))
+
+
+def show_job(job: Job) -> None:
+    """Write what a job is and has found."""
+    facts = {
+        "id": job.id,
+        "state": job.state,
+        "forward model": job.forward_model,
+        "method": job.method.replace("_", " "),
+        "evaluations": f"{_count(job)} in {job.generations} generations, {job.failed_evaluations} failed",
+        "running time": duration(job.seconds),
+        "stopped": reasons_in_words(job.stop_reasons),
+        "seed": str(job.seed),
+        "objective": number(job.objective),
+    }
+    if job.error:
+        facts["error"] = job.error
+    echo_facts(job.name, facts)
+    if job.parameters is not None:
+        rows = [
+            (name, number(value, 5), "" if name in job.free_parameters else "fixed or linked")
+            for name, value in job.parameters.items()
+        ]
+        heading = "identified" if job.ended else "best so far"
+        echo_table(None, ("parameter", heading, ""), rows, right=(1,))
+
+
+def _count(job: Job) -> str:
+    return f"{job.evaluations}" if job.max_evaluations is None else f"{job.evaluations} of at most {job.max_evaluations}"
+
+
+def _change(action: Literal["cancel", "pause", "resume"], job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    with connect(url, api_key) as client:
+        found = find_job(client, job)
+        changed = getattr(client, action)(found.id)
+    if as_json:
+        echo_json(jsonable(changed))
+    else:
+        click.echo(f"{changed.id} ({changed.name}) is {changed.state}")
+
+
+@click.command("cancel")
+@job_argument
+@json_option
+@connection_options
+def cancel_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    """Cancel a job; its finished evaluations are kept."""
+    _change("cancel", job, as_json, url, api_key)
+
+
+@click.command("pause")
+@job_argument
+@json_option
+@connection_options
+def pause_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    """Pause a job."""
+    _change("pause", job, as_json, url, api_key)
+
+
+@click.command("resume")
+@job_argument
+@json_option
+@connection_options
+def resume_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    """Resume a paused job."""
+    _change("resume", job, as_json, url, api_key)
+
+
+@click.command("workers")
+@json_option
+@connection_options
+def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
+    """List the workers of a service."""
+    with connect(url, api_key) as client:
+        workers = client.workers()
+    if as_json:
+        echo_json({"items": [jsonable(worker) for worker in workers]})
+        return
+    if not workers:
+        click.echo("No workers. Start some with 'geoswarm worker', or serve without --broker.")
+        return
+    rows = [
+        (w.id, w.host, str(w.pid), w.engine, w.state, w.job or "-", _age(w.started_at), _age(w.seen_at))
+        for w in workers
+    ]
+    echo_table(None, ("id", "host", "pid", "engine", "state", "job", "up for", "last seen"), rows, right=(2, 6, 7))

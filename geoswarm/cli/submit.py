@@ -1,0 +1,82 @@
+"""``geoswarm submit`` and ``watch``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.failures import FailedRunError
+from geoswarm.cli.jobs import jsonable, show_job
+from geoswarm.cli.options import connection_options, job_argument, json_option, problem_argument
+from geoswarm.cli.output import echo_json, note
+from geoswarm.cli.progress import progress_bar
+
+if TYPE_CHECKING:
+    from geoswarm.client import Client, Event, Job
+
+__all__ = ["follow", "submit_command", "watch_command"]
+
+
+@click.command("submit")
+@problem_argument
+@click.option("--watch", is_flag=True, help="Follow the job until it ends, as 'geoswarm watch' does.")
+@click.option(
+    "--idempotency-key",
+    metavar="KEY",
+    help="Submitting again with the same key and problem gives the same job instead of a second one.",
+)
+@json_option
+@connection_options
+def submit_command(
+    problem: Path, watch: bool, idempotency_key: str | None, as_json: bool, url: str, api_key: str | None
+) -> None:
+    """Submit a problem as a job.
+
+    Data files that the problem names are read here and sent along. Prints the job's id.
+    """
+    with connect(url, api_key) as client:
+        job = client.submit(problem, idempotency_key=idempotency_key)
+        if watch:
+            note(f"Job {job.id}; Ctrl-C stops watching, the job goes on.")
+            _end(follow(client, job), as_json)
+        elif as_json:
+            echo_json(jsonable(job))
+        else:
+            click.echo(job.id)
+
+
+@click.command("watch")
+@job_argument
+@json_option
+@connection_options
+def watch_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    """Follow a job until it ends.
+
+    Exit code 0 when it finished, 1 when it failed or was cancelled. Ctrl-C stops watching, the job goes on.
+    """
+    with connect(url, api_key) as client:
+        _end(follow(client, find_job(client, job)), as_json)
+
+
+def follow(client: Client, job: Job) -> Job:
+    """Show the progress of a job until it ends; return how it ended."""
+    with progress_bar(job.name, job.max_evaluations) as update:
+        update(job.evaluations, job.generations, job.objective)
+
+        def on_event(event: Event) -> None:
+            if event.kind == "generation":
+                update(event.data["evaluations"], event.data["number"], event.data["objective"])
+
+        return client.wait(job.id, on_event=on_event)
+
+
+def _end(job: Job, as_json: bool) -> None:
+    if as_json:
+        echo_json(jsonable(job))
+    else:
+        show_job(job)
+    if job.state != "finished":
+        raise FailedRunError(f"job {job.id} {job.state}: {job.error}" if job.error else f"job {job.id} was {job.state}")

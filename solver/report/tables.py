@@ -1,0 +1,104 @@
+"""Result, evaluations and generations as files that other programs read."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from solver.local import CalibrationResult
+from solver.problem import Problem
+
+__all__ = ["result_document", "write_evaluations", "write_generations", "write_problem", "write_result"]
+
+_TAKEN = frozenset(
+    ("generation", "particle", "state", "objective", "reason", "message", "attempts", "worker", "started_at")
+    + ("finished_at", "seconds")
+)
+"""Columns that a parameter of the same name must not shadow."""
+
+
+def result_document(problem: Problem, result: CalibrationResult) -> dict[str, Any]:
+    """Return the whole result but its history, JSON-able; values in base units."""
+    best = result.best
+    return {
+        "name": problem.name,
+        "state": result.state,
+        "stop_reasons": list(result.stop_reasons),
+        "objective": result.objective,
+        "parameters": result.parameters,
+        "evaluations": result.evaluations,
+        "failed_evaluations": result.failed_evaluations,
+        "generations": result.generations,
+        "seconds": result.seconds,
+        "seed": result.seed,
+        "error": result.error,
+        "best": best
+        and {
+            "generation": result.best_generation,
+            "particle": result.best_particle,
+            "misfits": best.misfits,
+            "responses": {
+                o.series: {"x": o.x.tolist(), "y": best.responses[o.series].tolist()} for o in problem.observations
+            },
+        },
+    }
+
+
+def write_result(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write :func:`result_document` as JSON."""
+    _write_json(path, result_document(problem, result))
+
+
+def write_problem(path: Path, problem: Problem) -> None:
+    """Write the canonical problem, measured points inlined: running it again needs no other file."""
+    _write_json(path, problem.document())
+
+
+def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write one row an evaluation: place, outcome, free parameters, misfit of each series, why it failed.
+
+    Same columns as the CSV export of a service, without what only a service knows (attempts, worker, times).
+    """
+    series = [o.series for o in problem.observations]
+    before, after = ("generation", "particle", "state", "objective"), ("reason", "message", "seconds")
+    parameters = [f"parameter.{name}" if name in _TAKEN else name for name in problem.free_names]
+    header = [*before, *parameters, *(f"misfit.{name}" for name in series), *after]
+
+    def rows() -> Iterable[Sequence[object]]:
+        for record in result.history:
+            e = record.evaluation
+            state = "finished" if e.reason is None else "failed"
+            misfits = [e.misfits.get(name) for name in series]
+            place = [record.generation, record.particle, state, e.objective]
+            yield [*place, *e.parameters.tolist(), *misfits, e.reason, e.message, e.seconds]
+
+    _write_csv(path, header, rows())
+
+
+def write_generations(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write one row a generation: totals so far, its best objective, the best so far with all parameters."""
+    names = list(problem.parameters)
+    before = ("generation", "evaluations", "failed", "best_objective", "objective")
+    header = [*before, *(f"parameter.{name}" if name in before else name for name in names)]
+
+    def rows() -> Iterable[Sequence[object]]:
+        for r in result.generation_records:
+            values = [None] * len(names) if r.parameters is None else [r.parameters[name] for name in names]
+            yield [r.number, r.evaluations, r.failed, r.best_objective, r.objective, *values]
+
+    _write_csv(path, header, rows())
+
+
+def _write_json(path: Path, data: object) -> None:
+    path.write_text(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a CSV file; None becomes an empty cell, numbers keep every digit."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)

@@ -1,0 +1,71 @@
+"""Numbers, times and tables as the user reads them."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number, reasons_in_words
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "-"),
+        (1590, "1590"),
+        (0.0, "0"),
+        (0.0820134, "0.08201"),
+        (4.98765e-9, "4.988e-9"),
+        (1.46e-3, "0.00146"),
+        (25.0, "25"),
+        (123456.0, "123500"),
+        (1.5e12, "1.5e12"),
+        (-3.57123, "-3.571"),
+    ],
+)
+def test_number_keeps_significant_digits_and_plain_exponents(value: float | None, text: str) -> None:
+    assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (None, "-"),
+        (0.00123, "1.23 ms"),
+        (0.84, "0.8 s"),
+        (59.97, "1 min 00 s"),
+        (125.2, "2 min 05 s"),
+        (7320.0, "2 h 02 min"),
+    ],
+)
+def test_duration_reads_as_people_say_it(seconds: float | None, text: str) -> None:
+    assert duration(seconds) == text
+
+
+def test_json_is_readable_and_refuses_nan(capsys: pytest.CaptureFixture[str]) -> None:
+    echo_json({"objective": 5e-9, "name": "Ton μ"})
+    assert json.loads(capsys.readouterr().out) == {"objective": 5e-9, "name": "Ton μ"}
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        echo_json({"objective": float("nan")})
+    assert capsys.readouterr().out == ""
+
+
+def test_table_shows_every_cell_and_reads_brackets_as_text(capsys: pytest.CaptureFixture[str]) -> None:
+    echo_table("soil", ("parameter", "value"), [("lambda_star", "0.082"), ("[bold]x[/bold]", "1")], right=(1,))
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].strip() == "soil"
+    assert any("lambda_star" in line and line.rstrip().endswith("0.082") for line in lines)
+    assert any("[bold]x[/bold]" in line for line in lines)
+
+
+def test_facts_are_aligned(capsys: pytest.CaptureFixture[str]) -> None:
+    echo_facts("job", {"a": "1", "longer": "2"})
+    assert capsys.readouterr().out == "job\n  a       1\n  longer  2\n"
+
+
+def test_stop_reasons_in_words() -> None:
+    assert reasons_in_words(["target_objective", "max_seconds"]) == (
+        "objective at or below the target, maximum time reached"
+    )
+    assert reasons_in_words([]) == "-"

@@ -1,0 +1,151 @@
+"""``geoswarm run``: the in-process calibration, its summary and its files."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geoswarm.cli import main
+from solver import report
+from tests.solver.problems import decay_document
+
+KEYS = ["state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed"]
+
+
+def write(folder: Path, **changes: Any) -> str:
+    path = folder / "problem.json"
+    path.write_text(json.dumps(decay_document(**changes)), encoding="utf-8")
+    return str(path)
+
+
+def test_json_has_exactly_the_agreed_keys(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", write(tmp_path), "--json"]) == 0
+    captured = capsys.readouterr()
+    document = json.loads(captured.out)
+    assert list(document) == KEYS
+    assert captured.err == ""
+    assert document["state"] == "finished"
+    assert document["stop_reasons"] == ["target_objective"]
+    assert document["parameters"]["amplitude"] == pytest.approx(3.0, abs=1e-3)
+    assert document["parameters"]["rate"] == pytest.approx(0.7, abs=1e-3)
+    assert document["seed"] == 11
+
+
+def test_number_of_workers_and_seed_do_what_they_say(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write(tmp_path)
+    outcomes = []
+    for options in (["--seed", "5"], ["--seed", "5", "--workers", "2"], ["--seed", "6"]):
+        assert main(["run", path, "--json", *options]) == 0
+        document = json.loads(capsys.readouterr().out)
+        del document["seconds"]
+        outcomes.append(document)
+    assert outcomes[0] == outcomes[1]
+    assert outcomes[2]["seed"] == 6
+    assert outcomes[2]["parameters"] != outcomes[0]["parameters"]
+
+
+def test_table_shows_what_was_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", write(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    for words in ("amplitude", "identified", "0.7", "objective at or below the target", "share of the objective"):
+        assert words in text
+
+
+def test_output_folder_holds_tables_figures_and_a_problem_that_runs_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "deep" / "output"
+    assert main(["run", write(tmp_path), "--output", str(folder), "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "convergence.png",
+        "convergence.svg",
+        "evaluations.csv",
+        "fit.png",
+        "fit.svg",
+        "generations.csv",
+        "problem.json",
+        "result.json",
+    ]
+    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    assert {key: result[key] for key in KEYS} == summary
+    with (folder / "evaluations.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == summary["evaluations"]
+    assert min(float(row["objective"]) for row in rows) == summary["objective"]
+    assert list(rows[0]) == (
+        "generation particle state objective amplitude rate misfit.y reason message seconds".split()
+    )
+    with (folder / "generations.csv").open(encoding="utf-8", newline="") as stream:
+        generations = list(csv.DictReader(stream))
+    assert len(generations) == summary["generations"]
+    assert float(generations[-1]["objective"]) == summary["objective"]
+    assert main(["run", str(folder / "problem.json"), "--json"]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again | {"seconds": 0} == summary | {"seconds": 0}
+
+
+def test_without_matplotlib_the_tables_are_still_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(report, "figures_available", lambda: False)
+    folder = tmp_path / "output"
+    assert main(["run", write(tmp_path), "--output", str(folder)]) == 0
+    assert "geoswarm[plots]" in capsys.readouterr().err
+    assert sorted(path.name for path in folder.iterdir()) == (
+        ["evaluations.csv", "generations.csv", "problem.json", "result.json"]
+    )
+
+
+def test_a_run_without_success_fails_with_its_reasons(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = {"kind": "formula", "series": {"y": "ln(-amplitude) * exp(-rate * x)"}}
+    path = write(tmp_path, forward_model=model, stopping={"max_evaluations": 16})
+    folder = tmp_path / "output"
+    assert main(["run", path, "--json", "--output", str(folder)]) == 1
+    captured = capsys.readouterr()
+    document = json.loads(captured.out)
+    assert (document["state"], document["objective"], document["parameters"]) == ("failed", None, None)
+    assert "all 16 evaluations failed (16 not_finite)" in captured.err
+    assert (folder / "evaluations.csv").exists()
+
+
+def test_output_that_cannot_be_made_is_refused_before_the_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    taken = tmp_path / "taken"
+    taken.write_text("a file", encoding="utf-8")
+    assert main(["run", write(tmp_path), "--output", str(taken / "below")]) == 2
+    captured = capsys.readouterr()
+    assert f"--output {taken / 'below'}" in captured.err
+    assert captured.out == ""
+
+
+def test_interrupted_run_tells_the_best_so_far(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from geoswarm.cli import run as run_module
+
+    class Interrupting:
+        def __init__(self, *_arguments: object) -> None:
+            self.calls = 0
+
+        def __enter__(self) -> Any:
+            return self
+
+        def __exit__(self, *_details: object) -> None:
+            return None
+
+        def __call__(self, *_arguments: object) -> None:
+            self.calls += 1
+            if self.calls == 3:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(run_module, "progress_bar", Interrupting)
+    assert main(["run", write(tmp_path)]) == 130
+    captured = capsys.readouterr()
+    assert "Best after 24 evaluations: objective" in captured.err
+    assert "Interrupted." in captured.err

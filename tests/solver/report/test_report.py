@@ -1,0 +1,139 @@
+"""Curves in the user's units, shares, files and figures."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.local import CalibrationResult, calibrate
+from solver.problem import Problem, parse_problem
+from solver.report import (
+    convergence_figure,
+    figures_available,
+    fit_figure,
+    objective_unit,
+    save_figure,
+    series_curves,
+    series_shares,
+    write_evaluations,
+    write_result,
+)
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    """Two straight lines, one measured in mm over minutes, its points not in order of x."""
+    return parse_problem(
+        {
+            "name": "lines",
+            "forward_model": {
+                "kind": "formula",
+                "series": {
+                    "settlement": {
+                        "expression": "rate * x",
+                        "x_unit": "day",
+                        "y_unit": "m",
+                        "x_lower": 0.0,
+                        "x_upper": 10.0,
+                    },
+                    "heave": {"expression": "-0.5 * rate * x", "x_unit": "day", "y_unit": "m"},
+                },
+            },
+            "parameters": {"rate": {"lower": 1e-4, "upper": 1.0, "scale": "log"}},
+            "observations": [
+                {
+                    "series": "settlement",
+                    "points": {"x": [0.0, 1440.0, 2880.0], "y": [0.0, 5.0, 11.0]},
+                    "x_unit": "min",
+                    "y_unit": "mm",
+                },
+                {"series": "heave", "points": {"x": [1.0, 2.0], "y": [-0.003, -0.005]}, "weight": 3.0},
+            ],
+            "stopping": {"max_evaluations": 200},
+            "seed": 3,
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def result(problem: Problem) -> CalibrationResult:
+    """A short calibration."""
+    return calibrate(problem)
+
+
+def test_curves_are_in_the_users_units_and_end_at_the_last_point(problem: Problem) -> None:
+    responses = {"settlement": np.array([0.0, 0.005, 0.010]), "heave": np.array([-0.0025, -0.005])}
+    settlement, heave = series_curves(problem, responses, {"rate": 0.005})
+    assert (settlement.x_unit, settlement.y_unit) == ("min", "mm")
+    assert settlement.measured_x.tolist() == [0.0, 1440.0, 2880.0]
+    assert settlement.at_points.tolist() == pytest.approx([0.0, 5.0, 10.0], rel=1e-12)
+    assert settlement.x[-1] == 2880.0
+    assert settlement.x.size > 20
+    assert np.allclose(settlement.y, settlement.x / 288.0, rtol=1e-9, atol=1e-12)
+    assert heave.x.tolist() == [1.0, 2.0]
+    assert heave.y.tolist() == pytest.approx([-0.0025, -0.005], rel=1e-12)
+
+
+def test_shares_add_up_to_the_objective(problem: Problem) -> None:
+    shares = series_shares(problem, {"settlement": 2.0, "heave": 1.0})
+    assert [(s.series, s.weight, s.misfit) for s in shares] == [("settlement", 1.0, 2.0), ("heave", 3.0, 1.0)]
+    assert [s.share for s in shares] == pytest.approx([0.4, 0.6], rel=1e-12)
+    assert [s.share for s in series_shares(problem, {"settlement": 0.0, "heave": 0.0})] == [0.0, 0.0]
+
+
+def test_unit_of_the_objective(problem: Problem) -> None:
+    assert objective_unit(problem) == "m²"
+    document = problem.document()
+    document["forward_model"]["series"]["heave"]["y_unit"] = "kPa"
+    document["observations"][1] |= {"y_unit": "kPa"}
+    assert objective_unit(parse_problem(document)) == ""
+
+
+def test_result_file_reproduces_the_objective(problem: Problem, result: CalibrationResult, tmp_path: Path) -> None:
+    write_result(tmp_path / "result.json", problem, result)
+    document = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    best = document["best"]
+    again = 0.0
+    for o in problem.observations:
+        again += o.weight * float(np.mean((np.array(best["responses"][o.series]["y"]) - o.y) ** 2))
+    assert document["objective"] == pytest.approx(again, rel=1e-12)
+
+
+def test_evaluations_keep_every_digit(problem: Problem, result: CalibrationResult, tmp_path: Path) -> None:
+    write_evaluations(tmp_path / "evaluations.csv", problem, result)
+    header, *lines = (tmp_path / "evaluations.csv").read_text(encoding="utf-8").splitlines()
+    place = header.split(",").index("rate")
+    rates = [float(line.split(",")[place]) for line in lines]
+    assert rates == [float(record.evaluation.parameters[0]) for record in result.history]
+
+
+def test_figures_show_their_data_and_repeat_to_the_byte(
+    problem: Problem, result: CalibrationResult, tmp_path: Path
+) -> None:
+    assert figures_available()
+    assert result.best is not None
+    assert result.parameters is not None
+    curves = series_curves(problem, result.best.responses, result.parameters)
+    figure = fit_figure("lines", curves)
+    assert [axes.get_ylabel() for axes in figure.axes] == [f"{c.y_quantity} [{c.y_unit}]" for c in curves]
+    calculated, measured = figure.axes[0].get_lines()
+    assert np.array_equal(measured.get_ydata(), curves[0].measured_y)
+    assert np.array_equal(calculated.get_xdata(), curves[0].x)
+    first = [path.read_bytes() for path in save_figure(figure, tmp_path, "fit")]
+    second = [path.read_bytes() for path in save_figure(fit_figure("lines", curves), tmp_path, "fit")]
+    assert first == second
+    assert first[0].startswith(b"\x89PNG")
+    assert b"<svg" in first[1]
+
+
+def test_convergence_is_logarithmic_and_shows_the_target(result: CalibrationResult) -> None:
+    figure = convergence_figure("lines", result.generation_records, "m²", target=1e-7)
+    axes = figure.axes[0]
+    assert axes.get_yscale() == "log"
+    assert axes.get_ylabel() == "objective [m²]"
+    best = axes.get_lines()[1].get_ydata()
+    assert np.all(np.diff(best) <= 0.0)
+    assert [line.get_label() for line in axes.get_lines()] == ["best of a generation", "best so far", "target"]
