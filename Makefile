@@ -1,0 +1,65 @@
+# geoswarm: `make help` lists the commands. Each does the set-up it needs; what is already there is left alone.
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.ONESHELL:
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.geoswarm-installed
+WARM := $(VENV)/.geoswarm-warm
+KERNELS := $(shell find solver -name '*.py' 2>/dev/null)
+PYTEST := $(BIN)/python -m pytest
+# Test processes at once. Each numerical library keeps to one thread (tests/conftest.py).
+JOBS ?= 2
+export PYTHON
+
+.PHONY: help setup servers demo test test-all check format bench clean
+
+help:  ## list the commands
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 20
+
+setup: $(INSTALLED) $(WARM)  ## make .venv with everything that development needs (PYTHON=... chooses the interpreter)
+
+# The virtual environment is made again only when the project's metadata changed since.
+$(INSTALLED): pyproject.toml scripts/make_venv.sh scripts/find_python.sh
+	@scripts/make_venv.sh $(VENV)
+	touch $@
+
+# Numba compiles each kernel once and caches it beside its source: do it here, not in the first calibration.
+$(WARM): $(INSTALLED) $(KERNELS)
+	@$(BIN)/python -m solver.warm
+	touch $@
+
+servers:
+	@scripts/install_servers.sh
+
+demo: setup  ## calibrate the published oedometer test in the embedded service (needs no server)
+	@$(BIN)/geoswarm demo
+
+check: $(INSTALLED)  ## format, lint, types, import rules, spelling
+	@$(BIN)/ruff format --check --quiet . || { echo 'ruff format: run `make format`'; exit 1; }
+	$(BIN)/ruff check --quiet .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/codespell
+	echo 'check: format, lint, types, import rules and spelling are in order'
+
+format: $(INSTALLED)  ## put the sources in the house's format
+	@$(BIN)/ruff check --fix --quiet . || true
+	$(BIN)/ruff format --quiet .
+
+test: setup servers check  ## all checks and the tests, without the long studies
+	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "not slow"
+
+test-all: setup servers check  ## all checks and all tests, with the long studies
+	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "slow or not slow"
+
+bench: setup  ## measure the speed of forward calculations and of the engine
+	@$(BIN)/python -m benchmarks
+
+clean:  ## remove .venv, caches and build output
+	@rm -rf $(VENV) dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# PostgreSQL and Redis for the tests, which start servers of their own on free loopback ports. Nothing happens when both
+# are installed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+shopt -s nullglob
+
+postgres=(/usr/lib/postgresql/*/bin/initdb)
+missing=()
+[ ${#postgres[@]} -gt 0 ] || command -v initdb >/dev/null || missing+=(postgresql)
+command -v redis-server >/dev/null || missing+=(redis-server)
+command -v setpriv >/dev/null || missing+=(util-linux)
+[ ${#missing[@]} -eq 0 ] || scripts/apt_install.sh "the tests' own PostgreSQL and Redis" "${missing[@]}"
