@@ -1,0 +1,114 @@
+"""Puts the HTTP service together."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+from fastapi.staticfiles import StaticFiles
+
+from api.errors import ProblemDetail, install_error_handlers
+from api.feed import EventFeed
+from api.gate import Gate
+from api.pages import router as pages_router
+from api.routes import API_PREFIX, api_router, health_router
+from api.settings import ApiSettings
+from solver.problem import problem_schema
+from workers.service import JobService
+
+__all__ = ["create_app"]
+
+DESCRIPTION = """Finds the parameters of geotechnical models from measurements.
+
+Submit a problem, follow its events, read the best parameters. Units inside: kN, m, day, degree; timestamps are UTC.
+Errors are problem details (RFC 9457)."""
+
+
+def create_app(service: JobService, settings: ApiSettings | None = None) -> FastAPI:
+    """Build the application on a service that the caller opens and closes.
+
+    Parameters
+    ----------
+    service
+        What the routes work on.
+    settings
+        API key and limits; the defaults answer only to loopback names.
+    """
+    settings = settings or ApiSettings()
+    app = FastAPI(
+        title="geoswarm",
+        version=_version(),
+        description=DESCRIPTION,
+        openapi_url="/openapi.json",
+        docs_url=None,  # these pages would load scripts from elsewhere
+        redoc_url=None,
+        generate_unique_id_function=_operation_id,
+    )
+    app.state.service = service
+    app.state.settings = settings
+    app.state.feed = EventFeed(
+        service, poll_seconds=settings.poll_seconds, heartbeat_seconds=settings.heartbeat_seconds
+    )
+    app.include_router(health_router)
+    app.include_router(api_router)
+    app.include_router(pages_router)
+    app.mount("/static", StaticFiles(directory=Path(__file__).parent / "static"), name="static")
+    app.add_middleware(Gate, settings=settings)
+    install_error_handlers(app)
+    app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]
+    return app
+
+
+def _version() -> str:
+    try:
+        return version("geoswarm")
+    except PackageNotFoundError:  # a source tree that is not installed
+        return "0"
+
+
+def _operation_id(route: APIRoute) -> str:
+    return route.name
+
+
+def _openapi(app: FastAPI) -> dict[str, Any]:
+    """The OpenAPI 3.1 document with the schema of the problem file, problem details and the ways to give the key."""
+    if app.openapi_schema is None:
+        document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
+        components = document.setdefault("components", {})
+        schemas = components.setdefault("schemas", {})
+        problem = _relocated(problem_schema())
+        del problem["$schema"]
+        schemas |= problem.pop("$defs", {})
+        schemas["Problem"] = problem
+        detail = ProblemDetail.model_json_schema(ref_template="#/components/schemas/{model}")
+        schemas |= detail.pop("$defs", {})
+        schemas["ProblemDetail"] = detail
+        components["securitySchemes"] = {
+            "bearer": {"type": "http", "scheme": "bearer"},
+            "apiKey": {"type": "apiKey", "in": "header", "name": "X-API-Key"},
+        }
+        for path, operations in document["paths"].items():
+            for operation in operations.values():
+                operation["security"] = [{"bearer": []}, {"apiKey": []}] if path.startswith(API_PREFIX) else []
+                if "422" in operation["responses"]:  # replaces the framework's own form of errors
+                    operation["responses"]["422"]["content"] = {
+                        "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetail"}}
+                    }
+        schemas.pop("HTTPValidationError", None)
+        schemas.pop("ValidationError", None)
+        app.openapi_schema = document
+    return app.openapi_schema
+
+
+def _relocated(value: Any) -> Any:
+    """A JSON schema whose references point into the components of the OpenAPI document."""
+    if isinstance(value, dict):
+        return {
+            key: inner.replace("#/$defs/", "#/components/schemas/") if key == "$ref" else _relocated(inner)
+            for key, inner in value.items()
+        }
+    return [_relocated(inner) for inner in value] if isinstance(value, list) else value

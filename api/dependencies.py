@@ -1,0 +1,50 @@
+"""What routes ask for: the service, the feed, and the errors that they document."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import Depends, Path, Query, Request
+
+from api.errors import ProblemDetail
+from api.feed import EventFeed
+from workers.service import JobService
+
+__all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "problems_of"]
+
+
+def _service(request: Request) -> JobService:
+    service: JobService = request.app.state.service
+    return service
+
+
+def _feed(request: Request) -> EventFeed:
+    feed: EventFeed = request.app.state.feed
+    return feed
+
+
+Service = Annotated[JobService, Depends(_service)]
+Feed = Annotated[EventFeed, Depends(_feed)]
+JobId = Annotated[str, Path(description="id that POST /jobs answered with", max_length=64)]
+Limit = Annotated[int, Query(ge=1, le=1000, description="most items in one answer")]
+Cursor = Annotated[str | None, Query(description="next_cursor of the previous answer", max_length=500)]
+
+MEANINGS = {
+    400: "The body or a cursor cannot be read",
+    401: "An API key is needed",
+    404: "Not found",
+    409: "Not possible in the present state",
+    413: "The body is too large",
+    415: "The media type of the body is not understood",
+    422: "What was sent is wrong; issues lists every mistake",
+    503: "Database or broker cannot be reached",
+}
+
+
+def problems_of(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Describe the problem details that a route may answer with, for the OpenAPI document."""
+    schema = {"$ref": f"#/components/schemas/{ProblemDetail.__name__}"}
+    return {
+        status: {"description": MEANINGS[status], "content": {"application/problem+json": {"schema": schema}}}
+        for status in sorted({*statuses, 401, 503})
+    }

@@ -1,0 +1,213 @@
+"""What can go wrong at the HTTP side, and how it is told: RFC 9457 problem details, never a traceback.
+
+::
+
+    ApiError
+    ├── PortInUseError        the address to listen on is taken or not available
+    ├── ApiSettingsError      a setting of the service is wrong
+    └── DetailError           a request that is answered with a problem detail (status, type, title, detail)
+
+Errors of ``workers`` and ``solver`` are translated by :func:`install_error_handlers`.
+"""
+
+from __future__ import annotations
+
+import logging
+import uuid
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, Field
+from starlette.exceptions import HTTPException
+
+from solver.errors import InfeasibleSpaceError, Issue, ProblemError
+from workers.errors import (
+    BrokerUnavailableError,
+    IdempotencyConflictError,
+    InvalidCursorError,
+    InvalidTransitionError,
+    JobNotFoundError,
+    StoreUnavailableError,
+)
+
+__all__ = [
+    "ApiError",
+    "ApiSettingsError",
+    "DetailError",
+    "IssueDetail",
+    "PortInUseError",
+    "ProblemDetail",
+    "detail_response",
+    "install_error_handlers",
+]
+
+logger = logging.getLogger("geoswarm.api")
+
+MEDIA_TYPE = "application/problem+json"
+TYPE_PREFIX = "urn:geoswarm:error:"
+
+
+class ApiError(Exception):
+    """Base of the errors that the HTTP side raises on purpose."""
+
+
+class PortInUseError(ApiError):
+    """The address to listen on cannot be had."""
+
+
+class ApiSettingsError(ApiError):
+    """A setting of the service is wrong; the message names it and what it accepts."""
+
+
+class IssueDetail(BaseModel):
+    """One mistake in what was sent."""
+
+    path: str = Field(description="where it is, for example parameters.c.lower")
+    message: str = Field(description="what is wrong there and what is accepted")
+
+
+class ProblemDetail(BaseModel):
+    """An error as RFC 9457 describes it (application/problem+json)."""
+
+    type: str = Field(description="URI that names the kind of error; about:blank when the status says it all")
+    title: str
+    status: int
+    detail: str
+    instance: str | None = Field(default=None, description="identifies this occurrence; it is also in the server's log")
+    issues: list[IssueDetail] | None = Field(default=None, description="every mistake, when what was sent is wrong")
+
+
+class DetailError(ApiError):
+    """Answered with a problem detail of this status.
+
+    Parameters
+    ----------
+    status
+        HTTP status code.
+    detail
+        What happened and what would be accepted, in one or two sentences.
+    kind
+        Last part of the ``type`` URI; None gives ``about:blank``.
+    title
+        Short name of the kind; the status phrase unless given.
+    issues
+        Mistakes in what was sent.
+    headers
+        Further response headers.
+    """
+
+    def __init__(
+        self,
+        status: int,
+        detail: str,
+        *,
+        kind: str | None = None,
+        title: str | None = None,
+        issues: Sequence[Issue] = (),
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.status = status
+        self.detail = detail
+        self.kind = kind
+        self.title = title
+        self.issues = tuple(issues)
+        self.headers = dict(headers or {})
+
+
+def detail_response(error: DetailError, *, instance: str | None = None) -> JSONResponse:
+    """Build the application/problem+json response of an error."""
+    body = ProblemDetail(
+        type=TYPE_PREFIX + error.kind if error.kind else "about:blank",
+        title=error.title or HTTPStatus(error.status).phrase,
+        status=error.status,
+        detail=error.detail,
+        instance=instance,
+        issues=[IssueDetail(path=issue.path, message=issue.message) for issue in error.issues] or None,
+    )
+    return JSONResponse(
+        body.model_dump(exclude_none=True), status_code=error.status, headers=error.headers, media_type=MEDIA_TYPE
+    )
+
+
+def invalid_problem(issues: Sequence[Issue]) -> DetailError:
+    """The answer to a problem that cannot be accepted, with its mistakes."""
+    count = len(issues)
+    detail = str(issues[0]) if count == 1 else f"{count} mistakes; the first: {issues[0]}"
+    return DetailError(422, detail, kind="invalid-problem", title="Invalid problem", issues=issues)
+
+
+def translate(error: Exception) -> DetailError:
+    """The problem detail that stands for an error of ``solver``, ``workers`` or the web framework."""
+    match error:
+        case DetailError():
+            return error
+        case ProblemError():
+            return invalid_problem(error.issues)
+        case InfeasibleSpaceError():
+            return invalid_problem([Issue("constraints", str(error))])
+        case RequestValidationError():
+            issues = [Issue(".".join(str(part) for part in item["loc"]), item["msg"]) for item in error.errors()]
+            return DetailError(
+                422, "; ".join(map(str, issues)), kind="invalid-request", title="Invalid request", issues=issues
+            )
+        case JobNotFoundError():
+            return DetailError(404, str(error), kind="job-not-found", title="Job not found")
+        case InvalidTransitionError():
+            return DetailError(409, str(error), kind="invalid-transition", title="Not possible in this state")
+        case IdempotencyConflictError():
+            return DetailError(409, str(error), kind="idempotency-conflict", title="Idempotency key already used")
+        case InvalidCursorError():
+            return DetailError(400, str(error), kind="invalid-cursor", title="Invalid cursor")
+        case StoreUnavailableError() | BrokerUnavailableError():
+            title = "Database" if isinstance(error, StoreUnavailableError) else "Broker"
+            return DetailError(
+                503, str(error), kind="unavailable", title=f"{title} unavailable", headers={"Retry-After": "5"}
+            )
+        case HTTPException():
+            return DetailError(error.status_code, str(error.detail), headers=error.headers)
+    raise TypeError(f"no problem detail is defined for {type(error).__name__}")
+
+
+TRANSLATED: tuple[type[Exception], ...] = (
+    DetailError,
+    ProblemError,
+    InfeasibleSpaceError,
+    RequestValidationError,
+    JobNotFoundError,
+    InvalidTransitionError,
+    IdempotencyConflictError,
+    InvalidCursorError,
+    StoreUnavailableError,
+    BrokerUnavailableError,
+)
+
+
+def install_error_handlers(app: FastAPI) -> None:
+    """Make the application answer every error with a problem detail."""
+
+    async def known(_: Request, error: Exception) -> JSONResponse:
+        return detail_response(translate(error))
+
+    async def http(request: Request, error: Exception) -> JSONResponse:
+        found = translate(error)
+        if found.status == 404:
+            found.detail = f"There is nothing at {request.url.path}. The routes are listed in /openapi.json."
+        elif found.status == 405:
+            allowed = found.headers.get("allow") or found.headers.get("Allow") or "other methods"
+            found.detail = f"{request.method} is not possible at {request.url.path}; possible: {allowed}."
+        return detail_response(found)
+
+    async def unexpected(request: Request, error: Exception) -> JSONResponse:
+        occurrence = f"urn:uuid:{uuid.uuid4()}"
+        logger.error("unexpected error %s at %s %s", occurrence, request.method, request.url.path, exc_info=error)
+        detail = "Something went wrong in the service. The log has the cause under the given instance."
+        return detail_response(DetailError(500, detail), instance=occurrence)
+
+    for kind in TRANSLATED:
+        app.add_exception_handler(kind, known)
+    app.add_exception_handler(HTTPException, http)
+    app.add_exception_handler(Exception, unexpected)

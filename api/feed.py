@@ -1,0 +1,185 @@
+"""Live events of jobs: one poller a watched job, however many listeners.
+
+The database is the only source, so a listener of any process sees the events of every process, and what was missed
+between two connections is read again. Reads run in a few threads of their own; a waiting listener holds neither a
+thread nor a connection.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import AsyncGenerator, Callable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import anyio
+import anyio.to_thread
+
+from workers.errors import JobNotFoundError, StoreUnavailableError
+from workers.service import JobService
+from workers.views import EventView
+
+__all__ = ["ENDED_STATES", "EventFeed", "ends_job"]
+
+logger = logging.getLogger("geoswarm.api")
+
+ENDED_STATES = frozenset({"finished", "failed", "cancelled"})
+KEPT_EVENTS = 500
+BATCH = 500
+RETRY_SECONDS = 2.0
+READING_THREADS = 4
+
+T = TypeVar("T")
+
+
+def ends_job(event: EventView) -> bool:
+    """Whether nothing can follow this event."""
+    return event.kind == "state" and event.data.get("state") in ENDED_STATES
+
+
+@dataclass(eq=False, slots=True)
+class _Tail:
+    """The newest events of one watched job: all with an id above ``floor`` are in ``events``."""
+
+    floor: int
+    last: int
+    events: deque[EventView] = field(default_factory=deque)
+    changed: asyncio.Event = field(default_factory=asyncio.Event)
+    listeners: int = 0
+    gone: bool = False
+    poller: asyncio.Task[None] | None = None
+
+    def wake(self) -> None:
+        changed, self.changed = self.changed, asyncio.Event()
+        changed.set()
+
+    def add(self, batch: list[EventView]) -> None:
+        self.events.extend(batch)
+        self.last = batch[-1].id
+        while len(self.events) > KEPT_EVENTS:
+            self.floor = self.events.popleft().id
+        self.wake()
+
+
+class EventFeed:
+    """Event streams of one process; lives in its event loop.
+
+    Parameters
+    ----------
+    service
+        Where events are read.
+    poll_seconds
+        Interval at which a watched job is looked at [s].
+    heartbeat_seconds
+        Silence after which :meth:`listen` yields None [s].
+    """
+
+    def __init__(self, service: JobService, *, poll_seconds: float = 0.2, heartbeat_seconds: float = 10.0) -> None:
+        self._service = service
+        self._poll = poll_seconds
+        self._heartbeat = heartbeat_seconds
+        self._tails: dict[str, _Tail] = {}
+        self._limiter: anyio.CapacityLimiter | None = None
+        self._closed = False
+
+    @property
+    def watched(self) -> int:
+        """Number of jobs that are being polled."""
+        return len(self._tails)
+
+    async def read(self, job_id: str, after: int) -> list[EventView]:
+        """Read the events that follow ``after`` from the database, at most one batch.
+
+        Raises
+        ------
+        JobNotFoundError, StoreUnavailableError
+        """
+        return await self._in_thread(lambda: self._service.events(job_id, after=after, limit=BATCH))
+
+    async def has_ended(self, job_id: str) -> bool:
+        """Whether the job is finished, failed or cancelled.
+
+        Raises
+        ------
+        JobNotFoundError, StoreUnavailableError
+        """
+        return await self._in_thread(lambda: self._service.get(job_id).state in ENDED_STATES)
+
+    async def listen(self, job_id: str, after: int) -> AsyncGenerator[EventView | None, None]:
+        """Yield the events that follow ``after`` as they come, None as a sign of life in silence.
+
+        Ends after the event that ends the job, when the job is deleted, and when the feed is closed.
+        """
+        tail = self._join(job_id, after)
+        try:
+            while not self._closed:
+                changed = tail.changed
+                batch = [event for event in tail.events if event.id > after]
+                if after < tail.floor:  # further back than what is kept
+                    try:
+                        batch = await self.read(job_id, after) or batch
+                    except JobNotFoundError:
+                        return
+                    except StoreUnavailableError:
+                        batch = []
+                for event in batch:
+                    yield event
+                    after = event.id
+                if batch:
+                    if ends_job(batch[-1]):
+                        return
+                    continue
+                if tail.gone:
+                    return
+                try:
+                    await asyncio.wait_for(changed.wait(), self._heartbeat)
+                except TimeoutError:
+                    yield None
+        finally:
+            self._leave(job_id, tail)
+
+    def close(self) -> None:
+        """End every stream at once; called in the event loop."""
+        self._closed = True
+        for tail in self._tails.values():
+            tail.wake()
+
+    async def _in_thread(self, call: Callable[[], T]) -> T:
+        if self._limiter is None:
+            self._limiter = anyio.CapacityLimiter(READING_THREADS)
+        return await anyio.to_thread.run_sync(call, limiter=self._limiter)
+
+    def _join(self, job_id: str, after: int) -> _Tail:
+        tail = self._tails.get(job_id)
+        if tail is None or tail.gone:
+            tail = self._tails[job_id] = _Tail(floor=after, last=after)
+            tail.poller = asyncio.create_task(self._follow(job_id, tail), name=f"events of job {job_id}")
+        tail.listeners += 1
+        return tail
+
+    def _leave(self, job_id: str, tail: _Tail) -> None:
+        tail.listeners -= 1
+        if tail.listeners == 0:
+            if tail.poller is not None:
+                tail.poller.cancel()
+            if self._tails.get(job_id) is tail:
+                del self._tails[job_id]
+
+    async def _follow(self, job_id: str, tail: _Tail) -> None:
+        while True:
+            try:
+                batch = await self.read(job_id, tail.last)
+            except JobNotFoundError:
+                tail.gone = True
+                tail.wake()
+                return
+            except StoreUnavailableError as error:
+                logger.warning("events of job %s cannot be read now: %s", job_id, error)
+                await asyncio.sleep(RETRY_SECONDS)
+                continue
+            if batch:
+                tail.add(batch)
+            else:
+                await asyncio.sleep(self._poll)

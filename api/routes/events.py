@@ -1,0 +1,71 @@
+"""Live events of a job as server-sent events."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator
+from contextlib import aclosing
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Query, Response
+from fastapi.responses import StreamingResponse
+
+from api.dependencies import Feed, JobId, problems_of
+from api.errors import DetailError
+from api.feed import EventFeed
+from workers.views import EventView
+
+__all__ = ["encode_event", "router"]
+
+router = APIRouter(prefix="/jobs/{job_id}", tags=["results"])
+
+RECONNECT_MILLISECONDS = 1000
+MAX_EVENT_ID = 2**63 - 1
+
+
+@router.get(
+    "/events",
+    response_class=StreamingResponse,
+    responses={
+        200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}, "description": "A stream of events"},
+        204: {"description": "The job has ended and there is nothing after the given event: do not come again"},
+        **problems_of(404, 422),
+    },
+)
+async def events(
+    job_id: JobId,
+    feed: Feed,
+    after: Annotated[int | None, Query(ge=0, le=MAX_EVENT_ID, description="id of the last event received")] = None,
+    last_event_id: Annotated[str | None, Header(description="sent by clients that reconnect; wins over after")] = None,
+) -> Response:
+    """Follow a job: ``state`` and ``generation`` events, from the first one or after a given one.
+
+    Comments keep a silent connection alive. The stream ends after the event that ends the job.
+    """
+    start = _start(after, last_event_id)
+    if not await feed.read(job_id, start) and await feed.has_ended(job_id):
+        return Response(status_code=204)
+    return StreamingResponse(
+        _stream(feed, job_id, start), media_type="text/event-stream", headers={"X-Accel-Buffering": "no"}
+    )
+
+
+def _start(after: int | None, last_event_id: str | None) -> int:
+    if last_event_id is None:
+        return after or 0
+    if last_event_id.isascii() and last_event_id.isdigit() and int(last_event_id) <= MAX_EVENT_ID:
+        return int(last_event_id)
+    raise DetailError(422, f"Last-Event-ID {last_event_id!r} is not the id of an event (a whole number).")
+
+
+async def _stream(feed: EventFeed, job_id: str, after: int) -> AsyncIterator[str]:
+    yield f"retry: {RECONNECT_MILLISECONDS}\n\n"
+    async with aclosing(feed.listen(job_id, after)) as listening:
+        async for event in listening:
+            yield ": still here\n\n" if event is None else encode_event(event)
+
+
+def encode_event(event: EventView) -> str:
+    """Write an event as the lines of an event stream; ``data`` is one line of JSON."""
+    data = json.dumps(event.data, allow_nan=False, separators=(",", ":"))
+    return f"id: {event.id}\nevent: {event.kind}\ndata: {data}\n\n"

@@ -1,0 +1,98 @@
+"""Jobs: submit, list, show, cancel, pause, resume, delete."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Query, Request, Response
+
+from api.bodies import ProblemDocument
+from api.dependencies import Cursor, JobId, Limit, Service, problems_of
+from api.schemas import Job, JobPage, JobState
+from solver.problem import parse_problem
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+
+PROBLEM_BODY = {
+    "required": True,
+    "description": "the problem, as in a problem file; observations carry their points",
+    "content": {
+        "application/json": {"schema": {"$ref": "#/components/schemas/Problem"}},
+        "application/yaml": {"schema": {"type": "string"}},
+    },
+}
+
+
+@router.post(
+    "",
+    status_code=201,
+    responses={
+        200: {"model": Job, "description": "The job that the same request has created before"},
+        **problems_of(400, 409, 413, 415, 422),
+    },
+    openapi_extra={"requestBody": PROBLEM_BODY},
+)
+def submit(
+    document: ProblemDocument,
+    service: Service,
+    request: Request,
+    response: Response,
+    idempotency_key: Annotated[
+        str | None,
+        Header(min_length=1, max_length=200, description="the same key with the same body creates one job only"),
+    ] = None,
+) -> Job:
+    """Submit a problem. It is checked as a whole first; nothing is stored when anything is wrong with it."""
+    view, created = service.submit(parse_problem(document), idempotency_key=idempotency_key)
+    response.status_code = 201 if created else 200
+    response.headers["Location"] = request.app.url_path_for("show", job_id=view.id)
+    return Job.model_validate(view)
+
+
+@router.get("", responses=problems_of(400, 422), name="list")
+def list_jobs(
+    service: Service,
+    state: Annotated[JobState | None, Query(description="only jobs in this state")] = None,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+) -> JobPage:
+    """List jobs, newest first."""
+    return JobPage.model_validate(service.list(state=state, limit=limit, cursor=cursor))
+
+
+@router.get("/{job_id}", responses=problems_of(404))
+def show(job_id: JobId, service: Service) -> Job:
+    """Show a job."""
+    return Job.model_validate(service.get(job_id))
+
+
+@router.get("/{job_id}/problem", responses=problems_of(404))
+def problem(job_id: JobId, service: Service) -> dict[str, Any]:
+    """Show the problem that was submitted, complete: it can be submitted again."""
+    return service.problem(job_id)
+
+
+@router.post("/{job_id}/cancel", responses=problems_of(404, 409))
+def cancel(job_id: JobId, service: Service) -> Job:
+    """End a job now; what it has found stays. Cancelling a cancelled job changes nothing."""
+    return Job.model_validate(service.cancel(job_id))
+
+
+@router.post("/{job_id}/pause", responses=problems_of(404, 409))
+def pause(job_id: JobId, service: Service) -> Job:
+    """Hold a queued or running job."""
+    return Job.model_validate(service.pause(job_id))
+
+
+@router.post("/{job_id}/resume", responses=problems_of(404, 409))
+def resume(job_id: JobId, service: Service) -> Job:
+    """Go on with a paused job."""
+    return Job.model_validate(service.resume(job_id))
+
+
+@router.delete("/{job_id}", status_code=204, response_class=Response, responses=problems_of(404, 409))
+def delete(job_id: JobId, service: Service) -> None:
+    """Delete an ended job with everything that belongs to it."""
+    service.delete(job_id)

@@ -1,0 +1,143 @@
+"""What a job has found: generations, the best evaluation, all evaluations as JSON or CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
+from datetime import datetime
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import StreamingResponse
+
+from api.dependencies import Cursor, JobId, Limit, Service, problems_of
+from api.errors import DetailError
+from api.schemas import Best, Evaluation, EvaluationPage, EvaluationState, Generation, GenerationList
+from api.schemas import Response as ResponseValues
+from solver.problem import parse_problem
+from workers.views import EvaluationView
+
+__all__ = ["csv_header", "csv_lines", "router"]
+
+router = APIRouter(prefix="/jobs/{job_id}", tags=["results"])
+
+BEFORE = ("generation", "particle", "state", "objective")
+AFTER = ("reason", "message", "attempts", "worker", "started_at", "finished_at", "seconds")
+LINES_A_CHUNK = 200
+
+
+@router.get("/generations", responses=problems_of(404, 422))
+def generations(
+    job_id: JobId,
+    service: Service,
+    after: Annotated[int, Query(ge=-1, description="only generations with a higher number")] = -1,
+    limit: Annotated[int, Query(ge=1, le=10_000)] = 1000,
+) -> GenerationList:
+    """Show how the search went, one item a generation."""
+    views = service.generations(job_id, after=after, limit=limit)
+    return GenerationList(items=[Generation.model_validate(view) for view in views])
+
+
+@router.get("/best", responses=problems_of(404))
+def best(job_id: JobId, service: Service) -> Best:
+    """Show the evaluation of the lowest objective so far, with its responses."""
+    view = service.best(job_id)
+    if view is None or view.objective is None:
+        state = service.get(job_id).state
+        raise DetailError(
+            404,
+            f"Job {job_id} ({state}) has no successful evaluation yet, so there is no best one.",
+            kind="no-best-evaluation",
+            title="No best evaluation yet",
+        )
+    problem = parse_problem(service.problem(job_id))
+    return Best(
+        generation=view.generation,
+        particle=view.particle,
+        objective=view.objective,
+        parameters=problem.values([view.parameters[name] for name in problem.free_names]),
+        misfits=dict(view.misfits),
+        responses={name: ResponseValues.model_validate(xy) for name, xy in (view.responses or {}).items()},
+    )
+
+
+@router.get(
+    "/evaluations",
+    response_model=EvaluationPage,
+    responses={
+        200: {"content": {"text/csv": {"schema": {"type": "string"}}}, "description": "Evaluations"},
+        **problems_of(400, 404, 422),
+    },
+)
+def evaluations(
+    job_id: JobId,
+    request: Request,
+    service: Service,
+    format: Annotated[Literal["json", "csv"] | None, Query(description="wins over the Accept header")] = None,
+    generation: Annotated[int | None, Query(ge=0, description="only this generation")] = None,
+    state: Annotated[EvaluationState | None, Query(description="only evaluations in this state")] = None,
+    max_objective: Annotated[
+        float | None, Query(allow_inf_nan=False, description="only evaluations with an objective up to this")
+    ] = None,
+    limit: Limit = 100,
+    cursor: Cursor = None,
+    responses: Annotated[bool, Query(description="with the calculated series (JSON only)")] = False,
+) -> Response | EvaluationPage:
+    """Show evaluations, ordered by generation and particle.
+
+    JSON comes in pages. CSV is a stream of all that match (``limit`` and ``cursor`` are for JSON), one column a free
+    parameter and one a misfit, numbers with all their digits.
+    """
+    chosen = format or ("csv" if "text/csv" in request.headers.get("accept", "") else "json")
+    if chosen == "json":
+        page = service.evaluations(
+            job_id,
+            generation=generation,
+            state=state,
+            max_objective=max_objective,
+            limit=limit,
+            cursor=cursor,
+            responses=responses,
+        )
+        return EvaluationPage(items=[Evaluation.model_validate(v) for v in page.items], next_cursor=page.next_cursor)
+    names = service.get(job_id).free_parameters
+    series = list(dict.fromkeys(item["series"] for item in service.problem(job_id)["observations"]))
+    views = service.iterate_evaluations(job_id, generation=generation, state=state, max_objective=max_objective)
+    return StreamingResponse(
+        itertools.chain([_line(csv_header(names, series))], csv_lines(views, names, series)),
+        media_type="text/csv; charset=utf-8; header=present",
+        headers={"Content-Disposition": f'attachment; filename="evaluations-{job_id}.csv"'},
+    )
+
+
+def csv_header(names: Sequence[str], series: Sequence[str]) -> list[str]:
+    """Column names; a parameter that is called like another column gets the prefix ``parameter.``."""
+    taken = {*BEFORE, *AFTER}
+    parameters = [f"parameter.{name}" if name in taken else name for name in names]
+    return [*BEFORE, *parameters, *(f"misfit.{name}" for name in series), *AFTER]
+
+
+def csv_lines(views: Iterable[EvaluationView], names: Sequence[str], series: Sequence[str]) -> Iterator[str]:
+    """CSV of evaluations without the header, some hundred lines at a time."""
+    remaining = iter(views)
+    while chunk := list(itertools.islice(remaining, LINES_A_CHUNK)):
+        yield "".join(_line(_row(view, names, series)) for view in chunk)
+
+
+def _row(view: EvaluationView, names: Sequence[str], series: Sequence[str]) -> list[object]:
+    return [
+        *(getattr(view, column) for column in BEFORE),
+        *(view.parameters.get(name) for name in names),
+        *(view.misfits.get(name) for name in series),
+        *(getattr(view, column) for column in AFTER),
+    ]
+
+
+def _line(cells: Sequence[object]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\r\n").writerow(
+        [cell.isoformat() if isinstance(cell, datetime) else cell for cell in cells]
+    )
+    return text.getvalue()

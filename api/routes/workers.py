@@ -1,0 +1,18 @@
+"""Who runs forward calculations."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from api.dependencies import Service, problems_of
+from api.schemas import Worker, WorkerList
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/workers", tags=["workers"])
+
+
+@router.get("", responses=problems_of())
+def list_workers(service: Service) -> WorkerList:
+    """List the workers, what they do and when they were last seen."""
+    return WorkerList(items=[Worker.model_validate(view) for view in service.workers()])

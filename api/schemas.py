@@ -1,0 +1,259 @@
+"""Models of every response, in the words of the project; units: day, m, kPa, degree, seconds where named so.
+
+Timestamps are ISO 8601 in UTC. Numbers that are not finite are null: JSON knows no NaN.
+"""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+__all__ = [
+    "Best",
+    "CheckResult",
+    "Evaluation",
+    "EvaluationPage",
+    "ForwardModelDetail",
+    "ForwardModelList",
+    "ForwardModelSummary",
+    "Generation",
+    "GenerationList",
+    "Health",
+    "Job",
+    "JobPage",
+    "Liveness",
+    "Parameter",
+    "Response",
+    "Series",
+    "TestRun",
+    "Worker",
+    "WorkerList",
+]
+
+
+def _finite(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+Number = Annotated[float | None, BeforeValidator(_finite)]
+JobState = Literal["queued", "running", "paused", "finished", "failed", "cancelled"]
+EvaluationState = Literal["pending", "running", "finished", "failed"]
+
+
+class Model(BaseModel):
+    """Read from the attributes of a view."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+
+class Job(Model):
+    """A submitted problem and how far it is; ``objective`` and ``parameters`` are the best so far."""
+
+    id: str
+    name: str
+    state: JobState
+    forward_model: str
+    method: str
+    stop_reasons: list[str] = Field(description="every stop criterion that was satisfied at the end")
+    objective: Number = Field(description="lowest objective f so far; null before the first success")
+    parameters: dict[str, float] | None = Field(description="all parameters (free, fixed, linked) at that objective")
+    evaluations: int = Field(description="counted in finished generations")
+    generations: int
+    failed_evaluations: int
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    seconds: float | None = Field(description="running time so far")
+    error: str | None = Field(description="why the job failed")
+    seed: int
+    free_parameters: list[str]
+    max_evaluations: int | None = Field(description="planned number of evaluations, when there is one")
+
+
+class JobPage(Model):
+    """Jobs, newest first."""
+
+    items: list[Job]
+    next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
+
+
+class Response(Model):
+    """Calculated values of a series at its observed points, in base units."""
+
+    x: list[Number]
+    y: list[Number]
+
+
+class Evaluation(Model):
+    """One particle's forward calculation in one generation; ``parameters`` are the free ones."""
+
+    generation: int
+    particle: int
+    state: EvaluationState
+    parameters: dict[str, float]
+    objective: Number
+    misfits: dict[str, Number]
+    responses: dict[str, Response] | None = Field(description="only when asked for with responses=true")
+    reason: str | None = Field(description="kind of failure")
+    message: str | None = Field(description="what happened")
+    attempts: int
+    worker: str | None
+    started_at: datetime | None
+    finished_at: datetime | None
+    seconds: float | None
+
+
+class EvaluationPage(Model):
+    """Evaluations ordered by generation and particle."""
+
+    items: list[Evaluation]
+    next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
+
+
+class Best(Model):
+    """The evaluation of the lowest objective; ``parameters`` are all of them, by name."""
+
+    generation: int
+    particle: int
+    objective: float
+    parameters: dict[str, float]
+    misfits: dict[str, Number]
+    responses: dict[str, Response]
+
+
+class Generation(Model):
+    """One finished generation."""
+
+    number: int
+    evaluations: int = Field(description="total so far")
+    failed: int = Field(description="failed evaluations so far")
+    best_objective: Number = Field(description="lowest objective inside this generation")
+    objective: Number = Field(description="lowest objective so far")
+    parameters: dict[str, float] | None = Field(description="parameters of the lowest objective so far")
+    created_at: datetime
+    finished_at: datetime
+
+
+class GenerationList(Model):
+    """Generations in order."""
+
+    items: list[Generation]
+
+
+class Worker(Model):
+    """A process that runs forward calculations."""
+
+    id: str
+    host: str
+    pid: int
+    engine: str
+    state: str
+    job: str | None
+    started_at: datetime
+    seen_at: datetime
+
+
+class WorkerList(Model):
+    """Workers that have been seen lately."""
+
+    items: list[Worker]
+
+
+class TestRun(Model):
+    """One forward calculation, made to see whether the problem works."""
+
+    __test__ = False
+
+    state: Literal["finished", "failed"]
+    parameters: dict[str, float] = Field(description="all parameters, by name")
+    objective: Number
+    misfits: dict[str, Number]
+    seconds: float
+    reason: str | None
+    message: str | None
+
+
+class CheckResult(Model):
+    """What a valid problem would do and cost."""
+
+    valid: Literal[True] = True
+    name: str
+    forward_model: str
+    method: str
+    free_parameters: list[str]
+    data_points: int
+    planned_evaluations: int | None = Field(description="null when only time or quality ends the search")
+    test_run: TestRun
+    estimated_seconds: float | None = Field(description="time of all planned evaluations on one worker")
+
+
+class Parameter(Model):
+    """A parameter that a forward model knows; limits in its unit."""
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    default: float | None = Field(description="null: the problem must give it")
+    lower: Number
+    upper: Number
+    lower_open: bool = Field(description="the lower limit itself is refused")
+    upper_open: bool
+    typical: tuple[float, float] | None
+
+
+class Series(Model):
+    """An output of a forward model: y over x, in base units."""
+
+    name: str
+    description: str
+    x_quantity: str
+    x_unit: str
+    y_quantity: str
+    y_unit: str
+    x_lower: Number
+    x_upper: Number
+    x_integer: bool
+    x_increasing: bool
+
+
+class ForwardModelSummary(Model):
+    """A kind of forward model."""
+
+    kind: str
+    description: str
+
+
+class ForwardModelList(Model):
+    """Installed kinds of forward models."""
+
+    items: list[ForwardModelSummary]
+
+
+class ForwardModelDetail(ForwardModelSummary):
+    """A kind of forward model in full."""
+
+    json_schema: dict[str, Any] = Field(description="JSON schema of the forward_model section")
+    example: dict[str, Any] | None = Field(description="a forward_model section of this kind")
+    depends_on_section: bool = Field(
+        description="parameters and series follow from the section (a formula, a combination); listed for the example"
+    )
+    note: str | None
+    parameters: list[Parameter]
+    series: list[Series]
+
+
+class Liveness(Model):
+    """The process answers."""
+
+    status: Literal["ok"] = "ok"
+
+
+class Health(Model):
+    """Whether everything that the service needs can be reached."""
+
+    status: Literal["ok", "unavailable"]
+    dependencies: dict[str, str] = Field(description="ok, embedded, or why it cannot be used")

@@ -1,0 +1,155 @@
+"""Runs the HTTP service under uvicorn."""
+
+from __future__ import annotations
+
+import errno
+import signal
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+import uvicorn
+
+from api.app import create_app
+from api.errors import PortInUseError
+from api.feed import EventFeed
+from api.settings import ApiSettings
+from workers.service import JobService
+
+__all__ = ["DEFAULT_HOST", "DEFAULT_PORT", "Server", "bind", "serve"]
+
+DEFAULT_HOST = "127.0.0.1"
+DEFAULT_PORT = 8765
+GRACE_SECONDS = 2
+
+
+def bind(host: str, port: int) -> socket.socket:
+    """Take an address to listen on; port 0 takes any free one.
+
+    Raises
+    ------
+    PortInUseError
+        When it is taken, forbidden or unknown.
+    """
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    except (OSError, OverflowError) as error:
+        raise PortInUseError(f"cannot listen on {host}:{port}: {error}") from None
+    listener = socket.socket(family, kind, protocol)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(1024)
+    except OSError as error:
+        listener.close()
+        if error.errno == errno.EADDRINUSE:
+            why = "the port is already in use; stop the other program or choose another port"
+        elif error.errno == errno.EACCES:
+            why = "not permitted; choose a port above 1023"
+        else:
+            why = error.strerror or str(error)
+        raise PortInUseError(f"cannot listen on {host}:{port}: {why}") from None
+    listener.setblocking(False)
+    return listener
+
+
+class Server(uvicorn.Server):
+    """uvicorn that ends event streams first when it stops, and returns to its caller after a signal."""
+
+    def __init__(self, config: uvicorn.Config, feed: EventFeed, on_started: Callable[[], None] | None = None) -> None:
+        super().__init__(config)
+        self._feed = feed
+        self._on_started = on_started
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started and self._on_started is not None:
+            self._on_started()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._feed.close()
+        await super().shutdown(sockets)
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Stop gracefully on SIGINT and SIGTERM without raising them again: the caller has things to close."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        previous = {number: signal.signal(number, self._stop) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in previous.items():
+                signal.signal(number, handler)
+
+    def _stop(self, _number: int, _frame: FrameType | None) -> None:
+        self.force_exit = self.should_exit
+        self.should_exit = True
+
+
+def serve(
+    service: JobService,
+    host: str = DEFAULT_HOST,
+    port: int = DEFAULT_PORT,
+    settings: ApiSettings | None = None,
+    *,
+    listener: socket.socket | None = None,
+    on_started: Callable[[str], None] | None = None,
+) -> None:
+    """Serve until SIGINT or SIGTERM, then stop gracefully within some 2 s and return.
+
+    Parameters
+    ----------
+    service
+        What the routes work on; the caller closes it afterwards.
+    host, port
+        Address to listen on.
+    settings
+        API key and limits.
+    listener
+        From :func:`bind`, to have the port checked before the engine starts; replaces ``host`` and ``port``.
+    on_started
+        Called with the base URL as soon as requests are accepted.
+
+    Raises
+    ------
+    PortInUseError
+        Before anything starts.
+    """
+    taken = listener or bind(host, port)
+    try:
+        server = build_server(service, taken, settings, on_started)
+        server.run(sockets=[taken])
+    finally:
+        taken.close()
+
+
+def build_server(
+    service: JobService,
+    listener: socket.socket,
+    settings: ApiSettings | None = None,
+    on_started: Callable[[str], None] | None = None,
+) -> Server:
+    """Put application and uvicorn together for a listening socket."""
+    app = create_app(service, settings)
+    config = uvicorn.Config(
+        app,
+        log_config=None,
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        lifespan="off",
+        timeout_graceful_shutdown=GRACE_SECONDS,
+    )
+    url = base_url(listener)
+    return Server(config, app.state.feed, None if on_started is None else lambda: on_started(url))
+
+
+def base_url(listener: socket.socket) -> str:
+    """Address under which a listening socket is reached from this machine."""
+    host, port = listener.getsockname()[:2]
+    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"

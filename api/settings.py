@@ -1,0 +1,90 @@
+"""What the operator of the HTTP service can choose."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator
+
+from api.errors import ApiSettingsError
+
+__all__ = ["LOOPBACK_HOSTS", "ApiSettings"]
+
+LOOPBACK_HOSTS: frozenset[str] = frozenset({"localhost", "127.0.0.1", "[::1]"})
+"""Host names under which the service answers when no API key protects it."""
+
+VARIABLES: dict[str, str] = {
+    "api_key": "GEOSWARM_API_KEY",
+    "allowed_hosts": "GEOSWARM_ALLOWED_HOSTS",
+    "max_body_bytes": "GEOSWARM_MAX_BODY_BYTES",
+}
+
+
+class ApiSettings(BaseModel):
+    """Settings of the HTTP service.
+
+    Attributes
+    ----------
+    api_key
+        When set, every route except ``/health`` and ``/openapi.json`` asks for it.
+    allowed_hosts
+        Further names in the ``Host`` header to answer to (without port) when no API key is set; loopback names are
+        always allowed. This keeps a web page in the user's browser from reaching the service by DNS rebinding.
+    max_body_bytes
+        Largest request body that is read.
+    heartbeat_seconds
+        Pause after which a silent event stream sends a comment, so that proxies and clients know it is alive.
+    poll_seconds
+        Interval at which a watched job is looked at for new events (once a job, however many watch it).
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    api_key: SecretStr | None = None
+    allowed_hosts: frozenset[str] = frozenset()
+    max_body_bytes: int = Field(default=5_000_000, ge=1_000)
+    heartbeat_seconds: float = Field(default=10.0, gt=0.0, le=20.0)
+    poll_seconds: float = Field(default=0.2, gt=0.0, le=10.0)
+
+    @field_validator("api_key")
+    @classmethod
+    def _key_is_usable(cls, key: SecretStr | None) -> SecretStr | None:
+        if key is not None:
+            text = key.get_secret_value()
+            if len(text) < 8 or not text.isascii() or not text.isprintable() or " " in text:
+                raise ValueError("an API key needs at least 8 printable ASCII characters without spaces")
+        return key
+
+    @classmethod
+    def from_environment(cls, **overrides: Any) -> ApiSettings:
+        """Read GEOSWARM_API_KEY, GEOSWARM_ALLOWED_HOSTS (comma-separated) and GEOSWARM_MAX_BODY_BYTES.
+
+        ``overrides`` that are not None win over the environment.
+
+        Raises
+        ------
+        ApiSettingsError
+            Naming the variable and what it accepts.
+        """
+        return cls._from_mapping(os.environ, overrides)
+
+    @classmethod
+    def _from_mapping(cls, environment: Mapping[str, str], overrides: Mapping[str, Any]) -> ApiSettings:
+        values: dict[str, Any] = {
+            field: environment[variable] for field, variable in VARIABLES.items() if environment.get(variable)
+        }
+        if "allowed_hosts" in values:
+            values["allowed_hosts"] = [
+                host.strip().lower() for host in values["allowed_hosts"].split(",") if host.strip()
+            ]
+        values |= {field: value for field, value in overrides.items() if value is not None}
+        try:
+            return cls.model_validate(values)
+        except ValidationError as error:
+            lines = []
+            for item in error.errors():
+                field = str(item["loc"][0]) if item["loc"] else "settings"
+                lines.append(f"{VARIABLES.get(field, field)}: {item['msg']}")
+            raise ApiSettingsError("; ".join(lines)) from None

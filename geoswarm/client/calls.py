@@ -1,0 +1,296 @@
+"""What is asked of the service and how its answers are read; no input or output, so that both clients share it."""
+
+from __future__ import annotations
+
+import json
+import os
+import uuid
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, Generic, Literal, TypeVar
+from urllib.parse import quote
+
+import httpx
+from pydantic import TypeAdapter, ValidationError
+
+from geoswarm.client.errors import (
+    ConflictError,
+    ConnectionFailedError,
+    GeoswarmError,
+    HttpError,
+    InvalidProblemError,
+    Issue,
+    NotFoundError,
+    ServerError,
+    UnauthorizedError,
+)
+from geoswarm.client.models import (
+    Best,
+    CheckResult,
+    Evaluation,
+    ForwardModel,
+    ForwardModelInfo,
+    Generation,
+    Health,
+    Job,
+    Page,
+    Worker,
+)
+
+__all__ = [
+    "DEFAULT_URL",
+    "Call",
+    "Problem",
+    "best",
+    "change",
+    "check",
+    "connection_failed",
+    "connection_settings",
+    "delete",
+    "error_of",
+    "evaluations",
+    "evaluations_file",
+    "events",
+    "forward_model",
+    "forward_models",
+    "generations",
+    "get",
+    "health",
+    "list_jobs",
+    "problem",
+    "submit",
+    "workers",
+]
+
+DEFAULT_URL = "http://127.0.0.1:8765"
+API = "/api/v1"
+
+T = TypeVar("T")
+Problem = Mapping[str, Any] | str | Path
+"""A problem as a mapping, or the path of a problem file."""
+
+Json = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Generic[T]):
+    """One request and how to read its answer."""
+
+    method: str
+    path: str
+    read: Callable[[httpx.Response], T]
+    query: Mapping[str, str | int | float] = field(default_factory=dict)
+    headers: Mapping[str, str] = field(default_factory=dict)
+    content: str | None = None
+    accepted: frozenset[int] = frozenset()
+    """Statuses beside 2xx that ``read`` understands."""
+
+
+def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str, dict[str, str]]:
+    """Base URL and headers from arguments or GEOSWARM_URL and GEOSWARM_API_KEY.
+
+    Raises
+    ------
+    GeoswarmError
+        When the URL is not one of HTTP.
+    """
+    url = base_url or os.environ.get("GEOSWARM_URL") or DEFAULT_URL
+    try:
+        parsed = httpx.URL(url)
+    except httpx.InvalidURL as error:
+        raise GeoswarmError(f"the address {url!r} of the service is not a URL: {error}") from None
+    if parsed.scheme not in ("http", "https") or not parsed.host:
+        raise GeoswarmError(f"the address {url!r} of the service must look like {DEFAULT_URL}")
+    key = api_key or os.environ.get("GEOSWARM_API_KEY")
+    return url, {"Authorization": f"Bearer {key}"} if key else {}
+
+
+@cache
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)
+
+
+def _reader(kind: Any, item: str | None = None) -> Callable[[httpx.Response], Any]:
+    def read(response: httpx.Response) -> Any:
+        try:
+            if item is None:
+                return _adapter(kind).validate_json(response.content)
+            return _adapter(kind).validate_python(response.json()[item])
+        except (ValidationError, ValueError, LookupError, TypeError) as error:
+            raise GeoswarmError(
+                f"the answer from {response.url} is not one of a geoswarm service: {str(error).splitlines()[0]}"
+            ) from None
+
+    return read
+
+
+def _nothing(_: httpx.Response) -> None:
+    return None
+
+
+def _job_path(job_id: str) -> str:
+    if not job_id:
+        raise ValueError("job_id is empty; give the id of a job")
+    return f"{API}/jobs/{quote(job_id, safe='')}"
+
+
+def _present(**query: Any) -> dict[str, str | int | float]:
+    return {name: value for name, value in query.items() if value is not None}
+
+
+def _problem_text(problem: Problem) -> str:
+    """A problem as JSON with its measured points in it.
+
+    Raises
+    ------
+    solver.errors.ProblemError
+        When the file, or one that it refers to, cannot be read or is wrong.
+    """
+    if isinstance(problem, str | Path):
+        from solver.problem import load_problem  # slow; only needed for files
+
+        problem = load_problem(Path(problem)).document()
+    return json.dumps(problem, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    """Arrays and numbers of NumPy, and other mappings, as JSON knows them."""
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, Path):
+        return str(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"a problem cannot hold {value!r} ({type(value).__name__})")
+
+
+JSON_BODY = {"Content-Type": "application/json"}
+
+
+def submit(problem: Problem, idempotency_key: str | None) -> Call[Job]:
+    """Create a job; without a key a fresh one is used, so that a repeated request never creates two."""
+    key = idempotency_key or str(uuid.uuid4())
+    headers = {**JSON_BODY, "Idempotency-Key": key}
+    return Call("POST", f"{API}/jobs", _reader(Job), headers=headers, content=_problem_text(problem))
+
+
+def check(problem: Problem) -> Call[CheckResult]:
+    """Validate, run once, estimate."""
+    content = _problem_text(problem)
+    return Call("POST", f"{API}/problems/check", _reader(CheckResult), headers=JSON_BODY, content=content)
+
+
+def list_jobs(state: str | None, limit: int, cursor: str | None) -> Call[Page[Job]]:
+    """List jobs."""
+    return Call("GET", f"{API}/jobs", _reader(Page[Job]), _present(state=state, limit=limit, cursor=cursor))
+
+
+def get(job_id: str) -> Call[Job]:
+    """Show a job."""
+    return Call("GET", _job_path(job_id), _reader(Job))
+
+
+def problem(job_id: str) -> Call[dict[str, Any]]:
+    """Show the problem of a job."""
+    return Call("GET", f"{_job_path(job_id)}/problem", _reader(dict[str, Any]))
+
+
+def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
+    """Cancel, pause or resume."""
+    return Call("POST", f"{_job_path(job_id)}/{action}", _reader(Job))
+
+
+def delete(job_id: str) -> Call[None]:
+    """Delete an ended job."""
+    return Call("DELETE", _job_path(job_id), _nothing)
+
+
+def best(job_id: str) -> Call[Best]:
+    """Show the best evaluation."""
+    return Call("GET", f"{_job_path(job_id)}/best", _reader(Best))
+
+
+def generations(job_id: str, after: int, limit: int) -> Call[tuple[Generation, ...]]:
+    """Show generations."""
+    query = _present(after=after, limit=limit)
+    return Call("GET", f"{_job_path(job_id)}/generations", _reader(tuple[Generation, ...], "items"), query)
+
+
+def evaluations(job_id: str, **filters: Any) -> Call[Page[Evaluation]]:
+    """Show one page of evaluations."""
+    query = _present(**filters, format="json")
+    query["responses"] = "true" if query.get("responses") else "false"
+    return Call("GET", f"{_job_path(job_id)}/evaluations", _reader(Page[Evaluation]), query)
+
+
+def evaluations_file(job_id: str, **filters: Any) -> Call[None]:
+    """Stream all evaluations as CSV."""
+    return Call("GET", f"{_job_path(job_id)}/evaluations", _nothing, _present(**filters, format="csv"))
+
+
+def events(job_id: str, after: int) -> Call[None]:
+    """Stream events."""
+    headers = {"Accept": "text/event-stream", "Last-Event-ID": str(after)}
+    return Call("GET", f"{_job_path(job_id)}/events", _nothing, headers=headers)
+
+
+def forward_models() -> Call[tuple[ForwardModelInfo, ...]]:
+    """List kinds of forward model."""
+    return Call("GET", f"{API}/forward-models", _reader(tuple[ForwardModelInfo, ...], "items"))
+
+
+def forward_model(kind: str) -> Call[ForwardModel]:
+    """Show a kind of forward model."""
+    return Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", _reader(ForwardModel))
+
+
+def workers() -> Call[tuple[Worker, ...]]:
+    """List workers."""
+    return Call("GET", f"{API}/workers", _reader(tuple[Worker, ...], "items"))
+
+
+def health() -> Call[Health]:
+    """Show health; unavailable is an answer, not an error."""
+    return Call("GET", "/health/ready", _reader(Health), accepted=frozenset({503}))
+
+
+ERRORS: dict[int, type[HttpError]] = {
+    401: UnauthorizedError,
+    403: UnauthorizedError,
+    404: NotFoundError,
+    409: ConflictError,
+    422: InvalidProblemError,
+}
+
+
+def error_of(response: httpx.Response) -> HttpError:
+    """The error that a refusal (status 4xx, 5xx, or a redirection) stands for; its content has been read."""
+    status = response.status_code
+    kind = ERRORS.get(status, ServerError if status >= 500 else HttpError)
+    try:
+        detail = response.json()
+    except ValueError:
+        detail = None
+    if not isinstance(detail, dict) or "title" not in detail:  # from a proxy, or from something else on this port
+        phrase = httpx.codes.get_reason_phrase(status) or "Error"
+        return kind(status, phrase, f"{response.request.method} {response.url} was answered without a problem detail")
+    return kind(
+        status,
+        str(detail["title"]),
+        str(detail.get("detail", "")),
+        [Issue(item.get("path", ""), item.get("message", "")) for item in detail.get("issues") or []],
+        type=detail.get("type", "about:blank"),
+        instance=detail.get("instance"),
+    )
+
+
+def connection_failed(url: str, error: Exception) -> ConnectionFailedError:
+    """What to tell about a request that got no complete answer."""
+    why = str(error) or type(error).__name__
+    if isinstance(error, httpx.ConnectError):
+        return ConnectionFailedError(f"no geoswarm service answers at {url} ({why}); 'geoswarm serve' starts one")
+    if isinstance(error, httpx.TimeoutException):
+        return ConnectionFailedError(f"the geoswarm service at {url} did not answer in time ({why})")
+    return ConnectionFailedError(f"the connection to {url} broke: {why}")

@@ -1,0 +1,250 @@
+"""Frozen records of the service's answers; fields as in the HTTP contract, units kN, m, day, degree.
+
+Fields that a newer service adds are ignored.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Generic, TypeVar
+
+__all__ = [
+    "ENDED_STATES",
+    "Best",
+    "CheckResult",
+    "Curve",
+    "Evaluation",
+    "Event",
+    "ForwardModel",
+    "ForwardModelInfo",
+    "Generation",
+    "Health",
+    "Job",
+    "Page",
+    "Parameter",
+    "Series",
+    "TestRun",
+    "Worker",
+]
+
+ENDED_STATES = frozenset({"finished", "failed", "cancelled"})
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A job and how far it is; ``objective`` and ``parameters`` (all, by name) are the best so far."""
+
+    id: str
+    name: str
+    state: str
+    forward_model: str
+    method: str
+    stop_reasons: list[str]
+    objective: float | None
+    parameters: dict[str, float] | None
+    evaluations: int
+    generations: int
+    failed_evaluations: int
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    seconds: float | None
+    error: str | None
+    seed: int
+    free_parameters: list[str]
+    max_evaluations: int | None
+
+    @property
+    def ended(self) -> bool:
+        """Whether the job is finished, failed or cancelled."""
+        return self.state in ENDED_STATES
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[Item]):
+    """Some items of a list; ``next_cursor`` gets those that follow, None at the end."""
+
+    items: list[Item]
+    next_cursor: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Calculated values of a series at its observed points, base units; None where not finite."""
+
+    x: list[float | None]
+    y: list[float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """One particle's forward calculation in one generation; ``parameters`` are the free ones."""
+
+    generation: int
+    particle: int
+    state: str
+    parameters: dict[str, float]
+    objective: float | None
+    misfits: dict[str, float | None]
+    responses: dict[str, Curve] | None
+    reason: str | None
+    message: str | None
+    attempts: int
+    worker: str | None
+    started_at: datetime | None
+    finished_at: datetime | None
+    seconds: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Best:
+    """The evaluation of the lowest objective; ``parameters`` are all of them."""
+
+    generation: int
+    particle: int
+    objective: float
+    parameters: dict[str, float]
+    misfits: dict[str, float | None]
+    responses: dict[str, Curve]
+
+
+@dataclass(frozen=True, slots=True)
+class Generation:
+    """One finished generation; everything but ``best_objective`` is a total, or the best, so far."""
+
+    number: int
+    evaluations: int
+    failed: int
+    best_objective: float | None
+    objective: float | None
+    parameters: dict[str, float] | None
+    created_at: datetime
+    finished_at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened to a job: ``kind`` is state or generation, ``id`` grows with time."""
+
+    id: int
+    kind: str
+    data: dict[str, Any]
+
+    @property
+    def ends_job(self) -> bool:
+        """Whether the job has ended with this event."""
+        return self.kind == "state" and self.data.get("state") in ENDED_STATES
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """A process that runs forward calculations; ``state`` is idle, busy or lost."""
+
+    id: str
+    host: str
+    pid: int
+    engine: str
+    state: str
+    job: str | None
+    started_at: datetime
+    seen_at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class TestRun:
+    """One forward calculation, made to see whether a problem works; ``reason`` and ``message`` when it failed."""
+
+    __test__ = False
+
+    state: str
+    parameters: dict[str, float]
+    objective: float | None
+    misfits: dict[str, float | None]
+    seconds: float
+    reason: str | None
+    message: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """What a valid problem would do and cost; ``estimated_seconds`` is for one worker."""
+
+    valid: bool
+    name: str
+    forward_model: str
+    method: str
+    free_parameters: list[str]
+    data_points: int
+    planned_evaluations: int | None
+    test_run: TestRun
+    estimated_seconds: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class ForwardModelInfo:
+    """A kind of forward model."""
+
+    kind: str
+    description: str
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter that a forward model knows; ``default`` None: the problem must give it."""
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    default: float | None
+    lower: float | None
+    upper: float | None
+    lower_open: bool
+    upper_open: bool
+    typical: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Series:
+    """An output of a forward model: y over x, in base units."""
+
+    name: str
+    description: str
+    x_quantity: str
+    x_unit: str
+    y_quantity: str
+    y_unit: str
+    x_lower: float | None
+    x_upper: float | None
+    x_integer: bool
+    x_increasing: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ForwardModel:
+    """A kind of forward model in full; with ``depends_on_section`` the lists are those of ``example``."""
+
+    kind: str
+    description: str
+    json_schema: dict[str, Any]
+    example: dict[str, Any] | None
+    depends_on_section: bool
+    note: str | None
+    parameters: list[Parameter]
+    series: list[Series]
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """Whether the service can work; ``dependencies`` says ok, embedded, or why one cannot be used."""
+
+    status: str
+    dependencies: dict[str, str]
+
+    @property
+    def ok(self) -> bool:
+        """Whether everything that the service needs can be reached."""
+        return self.status == "ok"

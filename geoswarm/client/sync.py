@@ -1,0 +1,319 @@
+"""The synchronous client."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing
+from pathlib import Path
+from types import TracebackType
+from typing import Any, TypeVar
+
+import httpx
+
+from geoswarm.client import calls
+from geoswarm.client.calls import Call, Problem
+from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
+from geoswarm.client.files import partial_file
+from geoswarm.client.follow import Follower, SilentStreamError, pause_before
+from geoswarm.client.models import (
+    Best,
+    CheckResult,
+    Evaluation,
+    Event,
+    ForwardModel,
+    ForwardModelInfo,
+    Generation,
+    Health,
+    Job,
+    Page,
+    Worker,
+)
+
+__all__ = ["Client"]
+
+T = TypeVar("T")
+
+
+class Client:
+    """Talks to a geoswarm service. Safe to use from several threads; close it, or use it in a ``with`` statement.
+
+    Parameters
+    ----------
+    base_url
+        Address of the service; GEOSWARM_URL or http://127.0.0.1:8765 when not given.
+    api_key
+        GEOSWARM_API_KEY when not given.
+    timeout
+        How long one request may take to answer [s].
+    patience
+        How long the service may be out of reach while events are followed, for example in a restart [s].
+    stream_timeout
+        A connection with events is renewed when nothing, not even a sign of life, came for so long [s].
+    transport
+        Replaces the network, for tests.
+
+    Raises
+    ------
+    GeoswarmError
+        Every method: see :mod:`geoswarm.client.errors`.
+    """
+
+    def __init__(
+        self,
+        base_url: str | None = None,
+        api_key: str | None = None,
+        *,
+        timeout: float = 60.0,
+        patience: float = 60.0,
+        stream_timeout: float = 45.0,
+        transport: httpx.BaseTransport | None = None,
+    ) -> None:
+        self.base_url, headers = calls.connection_settings(base_url, api_key)
+        self._patience = patience
+        self._stream_timeout = stream_timeout
+        self._timeout = timeout
+        self._http = httpx.Client(
+            base_url=self.base_url,
+            headers=headers,
+            timeout=httpx.Timeout(timeout, connect=min(timeout, 10.0)),
+            transport=transport or httpx.HTTPTransport(retries=2),
+        )
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close all connections."""
+        self._http.close()
+
+    def submit(self, problem: Problem, idempotency_key: str | None = None) -> Job:
+        """Submit a problem, a mapping or the path of a problem file; files with measurements are sent along.
+
+        The same ``idempotency_key`` with the same problem gives the same job, however often it is sent.
+        """
+        return self._send(calls.submit(problem, idempotency_key))
+
+    def check(self, problem: Problem) -> CheckResult:
+        """Validate a problem, let the service make one test run and estimate the cost."""
+        return self._send(calls.check(problem))
+
+    def list(self, *, state: str | None = None, limit: int = 50, cursor: str | None = None) -> Page[Job]:
+        """List jobs, newest first."""
+        return self._send(calls.list_jobs(state, limit, cursor))
+
+    def iterate_jobs(self, *, state: str | None = None) -> Iterator[Job]:
+        """Go through all jobs, newest first."""
+        cursor = None
+        while True:
+            page = self.list(state=state, limit=200, cursor=cursor)
+            yield from page.items
+            if (cursor := page.next_cursor) is None:
+                return
+
+    def get(self, job_id: str) -> Job:
+        """Show a job."""
+        return self._send(calls.get(job_id))
+
+    def problem(self, job_id: str) -> dict[str, Any]:
+        """Show the problem of a job, complete: it can be submitted again."""
+        return self._send(calls.problem(job_id))
+
+    def cancel(self, job_id: str) -> Job:
+        """End a job now; what it has found stays."""
+        return self._send(calls.change(job_id, "cancel"))
+
+    def pause(self, job_id: str) -> Job:
+        """Hold a job."""
+        return self._send(calls.change(job_id, "pause"))
+
+    def resume(self, job_id: str) -> Job:
+        """Go on with a paused job."""
+        return self._send(calls.change(job_id, "resume"))
+
+    def delete(self, job_id: str) -> None:
+        """Delete an ended job with everything that belongs to it."""
+        self._send(calls.delete(job_id))
+
+    def best(self, job_id: str) -> Best:
+        """Show the best evaluation with its responses; NotFoundError when there is none yet."""
+        return self._send(calls.best(job_id))
+
+    def generations(self, job_id: str, *, after: int = -1, limit: int = 1000) -> tuple[Generation, ...]:
+        """Show finished generations with a number above ``after``."""
+        return self._send(calls.generations(job_id, after, limit))
+
+    def evaluations(
+        self,
+        job_id: str,
+        *,
+        generation: int | None = None,
+        state: str | None = None,
+        max_objective: float | None = None,
+        limit: int = 100,
+        cursor: str | None = None,
+        responses: bool = False,
+    ) -> Page[Evaluation]:
+        """Show one page of evaluations, ordered by generation and particle."""
+        return self._send(
+            calls.evaluations(
+                job_id,
+                generation=generation,
+                state=state,
+                max_objective=max_objective,
+                limit=limit,
+                cursor=cursor,
+                responses=responses,
+            )
+        )
+
+    def iterate_evaluations(
+        self,
+        job_id: str,
+        *,
+        generation: int | None = None,
+        state: str | None = None,
+        max_objective: float | None = None,
+        responses: bool = False,
+    ) -> Iterator[Evaluation]:
+        """Go through all evaluations that match."""
+        cursor = None
+        while True:
+            page = self.evaluations(
+                job_id,
+                generation=generation,
+                state=state,
+                max_objective=max_objective,
+                limit=500,
+                cursor=cursor,
+                responses=responses,
+            )
+            yield from page.items
+            if (cursor := page.next_cursor) is None:
+                return
+
+    def download_evaluations(
+        self,
+        job_id: str,
+        path: str | Path,
+        *,
+        generation: int | None = None,
+        state: str | None = None,
+        max_objective: float | None = None,
+    ) -> Path:
+        """Write all evaluations that match to a CSV file; the file appears only when it is complete."""
+        call = calls.evaluations_file(job_id, generation=generation, state=state, max_objective=max_objective)
+        with partial_file(Path(path)) as file:
+            try:
+                with self._http.stream(call.method, call.path, params=dict(call.query)) as response:
+                    if not response.is_success:
+                        response.read()
+                        raise calls.error_of(response)
+                    for chunk in response.iter_bytes():
+                        file.write(chunk)
+            except httpx.HTTPError as error:
+                raise calls.connection_failed(self.base_url, error) from error
+        return Path(path)
+
+    def events(self, job_id: str, after: int = 0) -> Iterator[Event]:
+        """Follow a job: every event after the given one, as it comes, until the job has ended.
+
+        A broken connection is taken up again where it broke; no event is lost or doubled.
+        """
+        with closing(self._follow(job_id, after, None)) as events:
+            yield from events
+
+    def wait(self, job_id: str, timeout: float | None = None, on_event: Callable[[Event], object] | None = None) -> Job:
+        """Wait until a job has ended.
+
+        Parameters
+        ----------
+        timeout
+            Longest time to wait [s]; None waits as long as it takes.
+        on_event
+            Called with every event of the job.
+
+        Returns
+        -------
+        The finished or cancelled job.
+
+        Raises
+        ------
+        WaitTimeoutError
+            It did not end in time.
+        JobFailedError
+            It has failed.
+        """
+        deadline = None if timeout is None else time.monotonic() + timeout
+        self.get(job_id)  # an unknown job, or no service, is told at once
+        try:
+            with closing(self._follow(job_id, 0, deadline)) as events:
+                for event in events:
+                    if on_event is not None:
+                        on_event(event)
+            job = self.get(job_id)
+        except SilentStreamError:
+            while not (job := self.get(job_id)).ended and (pause := pause_before(deadline)) > 0.0:
+                time.sleep(pause)
+        if job.state == "failed":
+            raise JobFailedError(job)
+        if not job.ended:
+            raise WaitTimeoutError(job_id, timeout or 0.0)
+        return job
+
+    def forward_models(self) -> tuple[ForwardModelInfo, ...]:
+        """List the kinds of forward model that the service has."""
+        return self._send(calls.forward_models())
+
+    def forward_model(self, kind: str) -> ForwardModel:
+        """Show a kind of forward model: schema, parameters, series, units."""
+        return self._send(calls.forward_model(kind))
+
+    def workers(self) -> tuple[Worker, ...]:
+        """List the workers."""
+        return self._send(calls.workers())
+
+    def health(self) -> Health:
+        """Show whether the service can work."""
+        return self._send(calls.health())
+
+    def _send(self, call: Call[T]) -> T:
+        try:
+            response = self._http.request(
+                call.method, call.path, params=dict(call.query), headers=dict(call.headers), content=call.content
+            )
+        except httpx.HTTPError as error:
+            raise calls.connection_failed(self.base_url, error) from error
+        if not response.is_success and response.status_code not in call.accepted:
+            raise calls.error_of(response)
+        return call.read(response)
+
+    def _follow(self, job_id: str, after: int, deadline: float | None) -> Generator[Event, None, None]:
+        follower = Follower(after, patience=self._patience, silence=self._stream_timeout, deadline=deadline)
+        while not follower.expired:
+            call = calls.events(job_id, follower.last_id)
+            timeout = httpx.Timeout(self._timeout, read=follower.read_timeout())
+            try:
+                with self._http.stream(call.method, call.path, headers=dict(call.headers), timeout=timeout) as response:
+                    if response.status_code == httpx.codes.NO_CONTENT:
+                        return
+                    if not response.is_success:
+                        response.read()
+                        raise calls.error_of(response)
+                    for line in response.iter_lines():
+                        event = follower.hear(line)
+                        if event is not None:
+                            yield event
+                        if follower.ended or follower.expired:
+                            return
+                        if follower.should_reconnect:
+                            break
+                    else:
+                        time.sleep(follower.broken(None))
+            except (httpx.HTTPError, GeoswarmError) as error:
+                time.sleep(follower.broken(error))

@@ -1,0 +1,145 @@
+"""Tries a problem before it becomes a job: one forward calculation and an estimate of the cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation, choose_seed
+from solver.problem import MonteCarloMethod, Problem
+
+__all__ = ["CheckReport", "TestRunReport", "check_problem"]
+
+WARM_UP_LIMIT = 5.0
+"""A first calculation shorter than this [s] is repeated: it may have been compiling."""
+
+
+@dataclass(frozen=True, slots=True)
+class TestRunReport:
+    """Outcome of the one forward calculation.
+
+    Parameters
+    ----------
+    state
+        ``finished`` or ``failed``.
+    parameters
+        Values of all parameters (free, fixed, linked) that it was made for.
+    objective, misfits
+        f and f'_g of every observed series, in base units squared; None and empty when failed.
+    seconds
+        Wall time of the calculation when warm [s].
+    reason, message
+        Kind of failure and what happened, or None.
+    """
+
+    __test__ = False
+
+    state: str
+    parameters: dict[str, float]
+    objective: float | None
+    misfits: dict[str, float]
+    seconds: float
+    reason: str | None
+    message: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class CheckReport:
+    """What a valid problem would do and cost.
+
+    Parameters
+    ----------
+    name, forward_model, method
+        As in the problem.
+    free_parameters
+        Names in the order of the problem.
+    data_points
+        Number of measured points in all observations.
+    planned_evaluations
+        Most evaluations that the job makes; None when only time or quality ends it.
+    test_run
+        The one forward calculation.
+    estimated_seconds
+        Time of the planned evaluations on one worker, at most ``max_seconds`` [s]; None without a plan.
+    """
+
+    name: str
+    forward_model: str
+    method: str
+    free_parameters: tuple[str, ...]
+    data_points: int
+    planned_evaluations: int | None
+    test_run: TestRunReport
+    estimated_seconds: float | None
+
+
+def check_problem(problem: Problem) -> CheckReport:
+    """Make one test run of a problem and estimate its cost.
+
+    The run is made at the initial values where given and in the middle of the bounds (in search coordinates) elsewhere,
+    or at the first feasible proposal of the search when that point violates a constraint. A failed run is reported,
+    not raised.
+
+    Raises
+    ------
+    InfeasibleSpaceError
+        When no proposal satisfies the constraints.
+    ProblemError
+        When the forward model cannot be prepared for the observed points.
+    """
+    calibration = Calibration(problem, choose_seed(problem.seed))
+    proposals = calibration.start().positions
+    point = middle(calibration)
+    if not calibration.space.feasible(point):
+        point = proposals[0]
+    run = calibration.evaluate(point)
+    if run.seconds < WARM_UP_LIMIT:
+        run = calibration.evaluate(point)
+    planned = planned_evaluations(problem)
+    return CheckReport(
+        name=problem.name,
+        forward_model=problem.forward_model.kind,
+        method=problem.method.kind,
+        free_parameters=problem.free_names,
+        data_points=sum(len(observation.x) for observation in problem.observations),
+        planned_evaluations=planned,
+        test_run=_report(run, problem.values(point.tolist())),
+        estimated_seconds=_estimate(run.seconds, planned, problem.stopping.max_seconds),
+    )
+
+
+def middle(calibration: Calibration) -> FloatArray:
+    """Initial values where given, else the middle of the bounds in search coordinates; natural values, shape (d,)."""
+    space = calibration.space
+    centre = space.to_natural((space.search_lower + space.search_upper) / 2)
+    initial = [parameter.initial for parameter in calibration.problem.free]
+    return np.array([c if i is None else i for c, i in zip(centre, initial, strict=True)], dtype=np.float64)
+
+
+def planned_evaluations(problem: Problem) -> int | None:
+    """Return the most evaluations that a job of this problem makes, or None when no number limits it."""
+    limit = problem.stopping.max_evaluations
+    if isinstance(problem.method, MonteCarloMethod):
+        return problem.method.samples if limit is None else min(limit, problem.method.samples)
+    return limit
+
+
+def _estimate(seconds: float, planned: int | None, max_seconds: float | None) -> float | None:
+    if planned is None:
+        return max_seconds
+    whole = seconds * planned
+    return whole if max_seconds is None else min(whole, max_seconds)
+
+
+def _report(run: Evaluation, parameters: dict[str, float]) -> TestRunReport:
+    return TestRunReport(
+        state="finished" if run.reason is None else "failed",
+        parameters=parameters,
+        objective=run.objective,
+        misfits=run.misfits,
+        seconds=run.seconds,
+        reason=run.reason,
+        message=run.message,
+    )
