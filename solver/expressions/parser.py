@@ -82,7 +82,7 @@ class _Token:
     column: int
 
     def __str__(self) -> str:
-        return "the end" if self.kind == "end" else f"'{self.text}' at character {self.column}"
+        return f"'{self.text}' at character {self.column}"
 
 
 def parse_tree(text: str) -> Node:
@@ -144,6 +144,8 @@ class _Parser:
         return self._next.kind in ("symbol", "name") and self._next.text in texts
 
     def _unexpected(self, wanted: str) -> ExpressionError:
+        if self._next.kind == "end":
+            return ExpressionError(f"expression ends where {wanted} is expected")
         return ExpressionError(f"unexpected {self._next}; {wanted} is expected there")
 
     def _truth(self) -> Node:

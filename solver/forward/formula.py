@@ -95,7 +95,7 @@ class FormulaModel:
             for parameter in sorted(series.expression.names - {VARIABLE}):
                 users.setdefault(parameter, []).append(name)
         self._parameters = tuple(
-            ParameterInfo(name, name, "dimensionless", f"used by {', '.join(names)}") for name, names in users.items()
+            ParameterInfo(name, name, "", f"Used by {', '.join(names)}.") for name, names in users.items()
         )
 
     @property
@@ -141,14 +141,18 @@ class FormulaModel:
         return run
 
 
+def _base(unit: str) -> str:
+    return "" if unit in ("dimensionless", "1", "-") else unit
+
+
 def _series(name: str, section: FormulaSeries) -> _Series:
     info = SeriesInfo(
         name=name,
         description=section.description or section.expression,
         x_quantity=VARIABLE,
-        x_unit=section.x_unit,
+        x_unit=_base(section.x_unit),
         y_quantity=name,
-        y_unit=section.y_unit,
+        y_unit=_base(section.y_unit),
         x_lower=section.x_lower,
         x_upper=section.x_upper,
         x_increasing=False,

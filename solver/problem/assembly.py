@@ -286,7 +286,7 @@ class _Assembly:
         if not isinstance(section, dict):
             self._report("method", f"must be a mapping with kind {' or '.join(METHODS)}, not {describe(section)}")
         elif not isinstance(kind, str) or kind not in METHODS:
-            given = "is missing" if "kind" not in section else f"unknown kind {describe(kind)}"
+            given = "is missing" if "kind" not in section else f"unknown kind {describe(kind).removeprefix('text ')}"
             hint = did_you_mean(kind, METHODS) if isinstance(kind, str) else ""
             self._report("method.kind", f"{given}{hint}; known: {', '.join(METHODS)}")
         else:

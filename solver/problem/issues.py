@@ -15,11 +15,12 @@ from pydantic_core import ErrorDetails
 from solver.errors import Issue
 from solver.forward.registry import find_spec
 
-__all__ = ["describe", "did_you_mean", "issues_of", "join_path", "validated"]
+__all__ = ["describe", "did_you_mean", "issues_of", "join_path", "number", "validated"]
 
 Model = TypeVar("Model", bound=BaseModel)
 
 _MOST_ISSUES = 20
+_ABSENT = ("missing", "forward_model")  # errors whose place may be a key that is not there
 _TYPES = {
     "float_type": "a number",
     "float_parsing": "a number",
@@ -87,6 +88,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {close[0]}?" if close else ""
 
 
+def number(value: float) -> str:
+    """A number with all its digits, as a user would write it: 3, not 3.0."""
+    return repr(value).removesuffix(".0")[:40]
+
+
 def describe(value: Any) -> str:
     """A value as it stands in the file, shortened."""
     match value:
@@ -97,7 +103,7 @@ def describe(value: Any) -> str:
         case float() if not math.isfinite(value):
             return str(value)
         case int() | float():
-            return f"{value:g}" if isinstance(value, float) else str(value)[:40]
+            return number(value)
         case str():
             return f"text '{value[:60]}{'...' if len(value) > 60 else ''}'"
         case Mapping():
@@ -118,7 +124,7 @@ def _steps(detail: ErrorDetails, section: Any) -> list[str | int]:
         ):
             value = value[step]  # type: ignore[index]
             steps.append(step)
-    if detail["type"] == "missing":
+    if detail["loc"] and detail["type"] in _ABSENT and steps[-1:] != [detail["loc"][-1]]:
         steps.append(detail["loc"][-1])
     return steps
 
@@ -146,7 +152,7 @@ def _message(detail: ErrorDetails, accepted: Callable[[], list[str]]) -> str:
         )
     for limit, words in (("gt", "above"), ("ge", "at least"), ("lt", "below"), ("le", "at most")):
         if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal") and limit in context:
-            return f"must be {words} {context[limit]:g}, not {given}"
+            return f"must be {words} {number(context[limit])}, not {given}"
     if kind in ("too_short", "string_too_short"):
         unit = "characters" if kind.startswith("string") else "entries"
         return "must not be empty" if context["min_length"] == 1 else f"needs at least {context['min_length']} {unit}"

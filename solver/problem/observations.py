@@ -11,7 +11,7 @@ import numpy as np
 from solver.arrays import FloatArray
 from solver.errors import Issue
 from solver.forward.base import ForwardModel, SeriesInfo
-from solver.problem.issues import did_you_mean
+from solver.problem.issues import did_you_mean, number
 from solver.problem.sections import ObservationSection
 from solver.problem.tables import TableError, read_table
 from solver.problem.units import UnitError, convert
@@ -115,7 +115,7 @@ def _weight_issues(points: Points, path: str) -> list[Issue]:
     negative = [index for index, weight in enumerate(points.weight) if weight < 0]
     if negative:
         first = negative[0]
-        return [Issue(path, f"weight of point {first + 1} is {points.weight[first]:g}; weights are 0 or above")]
+        return [Issue(path, f"weight of point {first + 1} is {number(points.weight[first])}; weights are 0 or above")]
     if not any(points.weight):
         return [Issue(path, "all weights are 0; at least one must be above 0")]
     return []
@@ -188,14 +188,14 @@ def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -
     """Points x fit for the series, or what is wrong with them; messages show x as the user ``given`` it in ``unit``."""
 
     def shown(index: int) -> str:
-        return f"x = {given[index]:g}{_suffix(unit)} (point {index + 1})"
+        return f"x = {number(given[index])}{_suffix(unit)} (point {index + 1})"
 
     if info.x_integer:
         whole = np.round(x)
         apart = np.abs(x - whole) > _ROUNDING * np.maximum(1.0, np.abs(x))
         if apart.any():
             where = shown(int(np.argmax(apart)))
-            return x, f"series '{info.name}' has values at whole {info.x_quantity} only, not at {where}"
+            return x, f"series '{info.name}' has values only at whole numbers of {info.x_quantity}, not at {where}"
         x = whole
     low = -np.inf if info.x_lower is None else info.x_lower
     high = np.inf if info.x_upper is None else info.x_upper
@@ -219,10 +219,10 @@ def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -
 def _range(info: SeriesInfo) -> str:
     unit = _suffix(info.x_unit)
     if info.x_lower is None:
-        return f"up to {info.x_upper:g}{unit}"
+        return f"up to {number(info.x_upper)}{unit}"
     if info.x_upper is None:
-        return f"from {info.x_lower:g}{unit}"
-    return f"from {info.x_lower:g} to {info.x_upper:g}{unit}"
+        return f"from {number(info.x_lower)}{unit}"
+    return f"from {number(info.x_lower)} to {number(info.x_upper)}{unit}"
 
 
 def _suffix(unit: str) -> str:

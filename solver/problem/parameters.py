@@ -12,7 +12,7 @@ from solver.errors import ExpressionError, Issue
 from solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
 from solver.forward.base import ForwardModel, ParameterInfo
 from solver.forward.combined import CombinedModel
-from solver.problem.issues import did_you_mean
+from solver.problem.issues import did_you_mean, number
 from solver.problem.sections import FixedSection, FreeSection, LinkedSection, Scale
 
 __all__ = [
@@ -114,16 +114,19 @@ def _bound_mistakes(path: str, section: FreeSection) -> list[Issue]:
     lower, upper, initial = section.lower, section.upper, section.initial
     issues = []
     if lower >= upper:
-        issues.append(Issue(f"{path}.lower", f"must be below upper ({upper:g}), not {lower:g}"))
+        issues.append(Issue(f"{path}.lower", f"must be below upper ({number(upper)}), not {number(lower)}"))
     if section.scale == "log":
         issues += [
-            Issue(f"{path}.{bound}", f"must be above 0 on a log scale, not {value:g}")
+            Issue(f"{path}.{bound}", f"must be above 0 on a log scale, not {number(value)}")
             for bound, value in (("lower", lower), ("upper", upper))
             if value <= 0
         ]
     if initial is not None and lower < upper and not lower <= initial <= upper:
         issues.append(
-            Issue(f"{path}.initial", f"must lie between lower {lower:g} and upper {upper:g}, not {initial:g}")
+            Issue(
+                f"{path}.initial",
+                f"must lie between lower {number(lower)} and upper {number(upper)}, not {number(initial)}",
+            )
         )
     return issues
 
@@ -169,7 +172,8 @@ def check_against_model(
 
 
 def _what(info: ParameterInfo) -> str:
-    return f"{info.description}, {info.unit}" if info.unit else info.description
+    what = info.description.rstrip(".")
+    return f"{what}, {info.unit}" if info.unit else what
 
 
 def _missing(model: ForwardModel, declared: Collection[str]) -> list[ParameterInfo]:
@@ -193,7 +197,7 @@ def outside_limits(value: float, info: ParameterInfo) -> str | None:
     """What is wrong with a value in view of the model's limits, or None."""
     unit = f" {info.unit}" if info.unit and info.unit != "dimensionless" else ""
     if info.lower is not None and (value < info.lower or (info.lower_open and value == info.lower)):
-        return f"must be {'above' if info.lower_open else 'at least'} {info.lower:g}{unit}, not {value:g}"
+        return f"must be {'above' if info.lower_open else 'at least'} {number(info.lower)}{unit}, not {number(value)}"
     if info.upper is not None and (value > info.upper or (info.upper_open and value == info.upper)):
-        return f"must be {'below' if info.upper_open else 'at most'} {info.upper:g}{unit}, not {value:g}"
+        return f"must be {'below' if info.upper_open else 'at most'} {number(info.upper)}{unit}, not {number(value)}"
     return None

@@ -110,16 +110,20 @@ def _from_yaml(text: str) -> Any:
         return yaml.load(text)
     except DuplicateKeyError as error:
         key = str(error.problem).partition('"')[2].partition('"')[0]
-        raise _error(f"key '{_short(key)}' is given twice{_place(error.problem_mark)}") from None
+        raise _error(f"key '{_short(key)}' is given twice, again{_place(error.problem_mark)}") from None
     except MarkedYAMLError as error:
         place = _place(error.problem_mark or error.context_mark)
         raise _error(
-            f"YAML syntax error{place}: {_short(error.problem or error.context or 'not understood')}"
+            f"YAML syntax error{place}: {_syntax(error.problem or error.context or 'not understood')}"
         ) from None
     except YAMLError as error:
         raise _error(f"YAML syntax error: {_short(' '.join(str(error).split()))}") from None
     except _READING_ERRORS as error:
         raise _error(f"YAML cannot be read: {_short(' '.join(str(error).split()))}") from None
+
+
+def _syntax(problem: str) -> str:
+    return _short(problem.replace("'<scalar>'", "text or a number"))
 
 
 def _place(mark: Any) -> str:
@@ -159,7 +163,9 @@ class _Plain:
             return self._mapping(value, path, depth)
         if isinstance(value, list | tuple):
             return [self.copy(item, f"{path}[{index}]", depth + 1) for index, item in enumerate(value)]
-        raise ProblemError([Issue(path, f"{_short(str(value))} is a {_kind(value)}; write text in quotes or a number")])
+        raise ProblemError(
+            [Issue(path, f"{_short(str(value))} is a {_kind(value)}; if text is meant, write it in quotes")]
+        )
 
     def _mapping(self, mapping: Mapping[Any, Any], path: str, depth: int) -> dict[str, Any]:
         copied = {}

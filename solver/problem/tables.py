@@ -121,7 +121,7 @@ class _Cells:
     def __init__(self, name: str, header: list[str]) -> None:
         self._name = name
         self._header = header
-        self._messages: list[str] = []
+        self._messages: list[tuple[int, str]] = []
 
     def number(self, cells: list[str], place: int, line: int) -> float:
         cell = cells[place] if place < len(cells) else ""
@@ -136,12 +136,12 @@ class _Cells:
 
     def _bad(self, cell: str, place: int, line: int) -> float:
         what = f"'{cell[:50]}' is no finite number" if cell else "the cell is empty"
-        self._messages.append(f"{self._name} line {line}, column {self._header[place]}: {what}")
+        self._messages.append((line, f"{self._name} line {line}, column {self._header[place]}: {what}"))
         return 0.0
 
     def raise_errors(self) -> None:
         if not self._messages:
             return
-        shown = self._messages[:_MOST_MESSAGES]
+        shown = [message for _, message in sorted(self._messages)[:_MOST_MESSAGES]]
         more = len(self._messages) - len(shown)
         raise TableError(*shown, *([f"{self._name}: {more} more bad cells"] if more else []))

@@ -1,0 +1,114 @@
+"""Reading of YAML and JSON text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver.errors import ProblemError
+from solver.problem import MAX_PROBLEM_BYTES, load_problem, read_document
+from solver.problem.reading import plain_document
+
+
+def test_numbers_are_those_of_yaml_1_2() -> None:
+    text = "a: 1e-7\nb: [010, 1., .5, -2E3, 0x10]\nc: yes\nd: ~\ne: true\n"
+    assert read_document(text, "yaml") == {
+        "a": 1e-7,
+        "b": [10, 1.0, 0.5, -2000.0, 16],
+        "c": "yes",
+        "d": None,
+        "e": True,
+    }
+
+
+def test_anchors_are_resolved() -> None:
+    text = "a: &stage {stress: 1}\nb: [*stage, *stage]\n"
+    assert read_document(text, "yaml") == {"a": {"stress": 1}, "b": [{"stress": 1}, {"stress": 1}]}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: 1\nb:\n  c: 1\n  c: 2\n", "key 'c' is given twice, again in line 4, column 3"),
+        ("a: [1\nb: 2\n", "YAML syntax error in line 2, column 2: expected ',' or ']', but got ':'"),
+        ("\ta: 1", r"YAML syntax error in line 1, column 1: found character '\\t' that cannot start any token"),
+        ("a: \x00", "YAML syntax error: unacceptable character"),
+        ("a: !!python/object:os.system x", "YAML syntax error in line 1, column 4: could not determine a constructor"),
+        ("a: 2001-99-99", "YAML cannot be read: month must be in"),
+        ("a: 2001-01-01", "a: 2001-01-01 is a date; if text is meant, write it in quotes"),
+        ("1: 2", "key 1 is a number; write it in quotes"),
+        ("a: {b: {3: 1}}", "a.b: key 3 is a number"),
+        ("- 1", "a problem is a mapping .*, but this is a list"),
+        ("", "a problem is a mapping .*, but this is empty"),
+        ("a: &x [*x]", "nested more than 30 levels deep"),
+        ("[" * 5000, "nested more than 30 levels deep"),
+        ("a: 1" + "0" * 400, "a: number is too large"),
+        ('a: "\\ud800"', "a: text holds half a Unicode character"),
+        ("a: 1\n---\nb: 1", "YAML syntax error in line 2, column 1: but found another document"),
+    ],
+)
+def test_yaml_that_cannot_be_used(text: str, message: str) -> None:
+    with pytest.raises(ProblemError, match=message) as caught:
+        read_document(text, "yaml")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"a": {"b": 1, "c": 2, "b": 3}}', "key 'b' is given twice in the mapping with the keys b, c"),
+        ('{"a": 1,\n}', "JSON syntax error in line 1, column 8|JSON syntax error in line 2, column 1"),
+        ("[1]", "a problem is a mapping"),
+        ('{"a":' * 100_000, "nested more than 30 levels deep"),
+        ('{"a": ' + "9" * 5000 + "}", "JSON cannot be read"),
+    ],
+)
+def test_json_that_cannot_be_used(text: str, message: str) -> None:
+    with pytest.raises(ProblemError, match=message):
+        read_document(text, "json")
+
+
+def test_many_aliases_do_not_fill_the_memory() -> None:
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 9)]
+    with pytest.raises(ProblemError, match="more than 2000000 values"):
+        read_document("\n".join(lines), "yaml")
+
+
+def test_size_is_limited(tmp_path: Path) -> None:
+    with pytest.raises(ProblemError, match=f"larger than {MAX_PROBLEM_BYTES} bytes"):
+        read_document("#" * (MAX_PROBLEM_BYTES + 1), "yaml")
+    path = tmp_path / "large.yaml"
+    path.write_text("#" * (MAX_PROBLEM_BYTES + 1), encoding="utf-8")
+    with pytest.raises(ProblemError, match=f"larger than {MAX_PROBLEM_BYTES} bytes"):
+        load_problem(path)
+
+
+def test_text_must_be_utf_8(tmp_path: Path) -> None:
+    path = tmp_path / "latin.yaml"
+    path.write_bytes(b"name: Corvar\xe0\n")
+    with pytest.raises(ProblemError, match=r"not UTF-8 text: .* at byte 12"):
+        load_problem(path)
+
+
+def test_numpy_values_become_plain_ones() -> None:
+    document = plain_document({"a": np.array([1.0, 2.0]), "b": (np.float64(3), np.int64(4), np.bool_(True))})
+    assert document == {"a": [1.0, 2.0], "b": [3.0, 4, True]}
+    assert [type(value) for value in document["b"]] == [float, int, bool]
+    with pytest.raises(ProblemError, match=r"a\[0\]: b'x' is a bytes"):
+        plain_document({"a": [b"x"]})
+
+
+@given(st.text(alphabet=st.sampled_from(list("ab:{}[],-&*!|>'\"%@`#?~ \n\t01.e\\<=é\x07")), max_size=60))
+def test_no_text_gives_anything_but_a_document_or_a_problem_error(text: str) -> None:
+    for form in ("yaml", "json"):
+        outcome: object
+        try:
+            outcome = read_document(text, form)  # type: ignore[arg-type]
+        except ProblemError as error:
+            outcome = error
+        assert isinstance(outcome, dict | ProblemError)

@@ -1,0 +1,89 @@
+"""CSV files of measured points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from solver.problem.tables import MAX_TABLE_BYTES, Table, TableError, read_table
+
+
+def _write(folder: Path, content: str | bytes) -> Path:
+    path = folder / "data.csv"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("content", "table"),
+    [
+        ("x,y\n1,2\n3,4\n", Table([1.0, 3.0], [2.0, 4.0], None)),
+        ("x,y,weight\n1,2,0.5\n", Table([1.0], [2.0], [0.5])),
+        ("X ; Y\n1,5 ; 2,25e-3\n", Table([1.5], [0.00225], None)),
+        ("x;y\n1.5;-2\n", Table([1.5], [-2.0], None)),
+        ("x\ty\n1\t2\n", Table([1.0], [2.0], None)),
+        ("# a comment\n\ny,x\n# another\n1,2\n\n,\n3,4\n", Table([2.0, 4.0], [1.0, 3.0], None)),
+        ("\ufeffx,y\r\n1,2\r\n", Table([1.0], [2.0], None)),
+        ('x,y\n"1,5","2"\n', Table([1.5], [2.0], None)),
+        ("x,y,note\n1,2,good\n3,4\n", Table([1.0, 3.0], [2.0, 4.0], None)),
+        ("x,y\n1,2\n".encode("utf-16"), Table([1.0], [2.0], None)),
+        ("x,y,Höhe\n1,2,3\n".encode("latin-1"), Table([1.0], [2.0], None)),
+    ],
+)
+def test_accepted(tmp_path: Path, content: str | bytes, table: Table) -> None:
+    assert read_table(_write(tmp_path, content)) == table
+
+
+def test_columns_by_name(tmp_path: Path) -> None:
+    path = _write(tmp_path, "Time [min];Weg;Gewicht\n1;2;3\n")
+    assert read_table(path, "time [min]", "weg") == Table([1.0], [2.0], None)
+    assert read_table(path, "time [min]", "weg", "gewicht") == Table([1.0], [2.0], [3.0])
+
+
+@pytest.mark.parametrize(
+    ("content", "messages"),
+    [
+        ("", ["data.csv is empty; a header line x,y is expected"]),
+        ("# only a comment\n", ["data.csv is empty; a header line x,y is expected"]),
+        ("x,y\n", ["data.csv has a header but no points"]),
+        ("time,y\n1,2\n", ["data.csv line 1: there is no column 'x'; the header has: time, y"]),
+        ("x,y,X\n1,2,3\n", ["data.csv line 1: there are several columns 'x'; the header has: x, y, X"]),
+        (
+            "x,y\n1,\nnan,2\n\n3,inf\n1e999,0\n5\n1_0,１\n",
+            [
+                "data.csv line 2, column y: the cell is empty",
+                "data.csv line 3, column x: 'nan' is no finite number",
+                "data.csv line 5, column y: 'inf' is no finite number",
+                "data.csv line 6, column x: '1e999' is no finite number",
+                "data.csv line 7, column y: the cell is empty",
+                "data.csv line 8, column x: '1_0' is no finite number",
+                "data.csv line 8, column y: '１' is no finite number",
+            ],
+        ),
+        ("x;y\n1.234,5;2\n", ["data.csv line 2, column x: '1.234,5' is no finite number"]),
+        ('x,y\n"1,2\n', ["data.csv line 2: unexpected end of data"]),
+    ],
+)
+def test_refused(tmp_path: Path, content: str, messages: list[str]) -> None:
+    with pytest.raises(TableError) as caught:
+        read_table(_write(tmp_path, content))
+    assert list(caught.value.messages) == messages
+
+
+def test_only_the_first_bad_cells_are_named(tmp_path: Path) -> None:
+    with pytest.raises(TableError) as caught:
+        read_table(_write(tmp_path, "x,y\n" + "a,1\n" * 25))
+    assert len(caught.value.messages) == 11
+    assert caught.value.messages[-1] == "data.csv: 15 more bad cells"
+
+
+def test_missing_and_too_large_files(tmp_path: Path) -> None:
+    with pytest.raises(TableError, match="no such file"):
+        read_table(tmp_path / "data.csv")
+    with pytest.raises(TableError, match="cannot be read"):
+        read_table(tmp_path)
+    with (tmp_path / "large.csv").open("wb") as file:
+        file.truncate(MAX_TABLE_BYTES + 1)
+    with pytest.raises(TableError, match="larger than"):
+        read_table(tmp_path / "large.csv")

@@ -1,0 +1,98 @@
+"""Conversion of units."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver.problem.units import UnitError, convert, same_unit
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "base", "expected"),
+    [
+        (1440.0, "min", "day", 1.0),
+        (3.57, "mm", "m", 0.00357),
+        (36.0, "h", "day", 1.5),
+        (1.0, "week", "day", 7.0),
+        (86400.0, "s", "day", 1.0),
+        (1.0, "MPa", "kPa", 1000.0),
+        (2.0, "kN/m^2", "kPa", 2.0),
+        (2.0, "kN/m**2", "kPa", 2.0),
+        (1.0, "bar", "kPa", 100.0),
+        (5.0, "%", "", 0.05),
+        (5.0, "%", "dimensionless", 0.05),
+        (5.0, "1", "", 5.0),
+        (5.0, "-", "dimensionless", 5.0),
+        (5.0, "µm", "m", 5e-6),
+        (4.0, "day", "day", 4.0),
+    ],
+)
+def test_exact(value: float, unit: str, base: str, expected: float) -> None:
+    assert convert([value], unit, base).tolist() == [expected]
+
+
+def test_radians() -> None:
+    assert convert(math.pi, "rad", "degree") == pytest.approx(180.0, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        "mm",
+        "kPa",
+        "%",
+        "",
+        "foo",
+        "min*min",
+        "2 min",
+        "((((",
+        "min/",
+        "-min",
+        "\x00",
+        "m" * 1000,
+        "min+h",
+        "'",
+        "[min]",
+    ],
+)
+def test_refused(unit: str) -> None:
+    with pytest.raises(UnitError, match=r"accepted are for example s, min, h, day, week$"):
+        convert([1.0], unit, "day")
+
+
+def test_units_with_an_offset_are_refused() -> None:
+    with pytest.raises(UnitError, match="'degC' is no plain multiple of kelvin"):
+        convert([1.0], "degC", "kelvin")
+
+
+@pytest.mark.parametrize("unit", ["degree", "rad"])
+def test_an_angle_is_no_number(unit: str) -> None:
+    with pytest.raises(UnitError, match=f"'{unit}' cannot be converted to dimensionless"):
+        convert([1.0], unit, "")
+
+
+def test_same_unit() -> None:
+    assert same_unit(" day", "day")
+    assert same_unit("1", "")
+    assert not same_unit("min", "day")
+
+
+@given(st.floats(-1e12, 1e12), st.sampled_from([("min", "day"), ("mm", "m"), ("MPa", "kPa"), ("%", "")]))
+def test_there_and_back(value: float, units: tuple[str, str]) -> None:
+    unit, base = units
+    back = convert(convert([value], unit, base), base or "dimensionless", unit)
+    np.testing.assert_allclose(back, [value], rtol=1e-15, atol=0)
+
+
+def test_base_units_need_no_registry() -> None:
+    use = "from solver.problem.units import convert; convert([1.0], 'day', 'day')"
+    code = f"import sys; {use}; print('pint' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
