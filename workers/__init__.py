@@ -1,0 +1,1 @@
+"""The distributed engine: store, coordinator, worker processes and the service that the API sees."""

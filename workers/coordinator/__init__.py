@@ -1,0 +1,1 @@
+"""The coordinator: pure state machines, and the runtime that applies them to the store."""

@@ -1,0 +1,118 @@
+"""What goes back and forth between a worker and the runtime."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from solver.arrays import FloatArray
+from solver.calibration import Evaluation
+from workers.coordinator.machine import Job, Joined, Transition
+
+__all__ = ["Claim", "Exchange", "HandIn", "Leap", "Result", "Sizing", "joined"]
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """Evaluations that a worker holds, all of one generation.
+
+    Parameters
+    ----------
+    particles, attempts
+        Numbers of the particles, and of this try at each.
+    positions
+        Natural values of their free parameters, shape (k, d).
+    now, run_seconds
+        The database's time and the job's running time when they were claimed [s].
+    job
+        Given when the claim is a whole generation that is cheap enough to run several in a row; else None.
+    """
+
+    job_id: str
+    generation: int
+    particles: tuple[int, ...]
+    attempts: tuple[int, ...]
+    positions: FloatArray
+    now: float
+    run_seconds: float
+    job: Job | None
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """Outcome of one try; times are the database's [s]."""
+
+    particle: int
+    attempt: int
+    evaluation: Evaluation
+    started_at: float
+    finished_at: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leap:
+    """A generation that one worker ran alone, with what the state machine made of it."""
+
+    generation: int
+    results: Sequence[Result]
+    transition: Transition
+    finished_at: float
+
+
+@dataclass(frozen=True, slots=True)
+class HandIn:
+    """What a worker returns for a claim: whole generations in order, then results of the last one begun."""
+
+    claim: Claim | None = None
+    leaps: Sequence[Leap] = ()
+    generation: int = -1
+    results: Sequence[Result] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """What the runtime answers.
+
+    Parameters
+    ----------
+    claim
+        The next evaluations, None when there is nothing for this worker now.
+    rings
+        How many other workers should be woken.
+    queued
+        The job has not started: its generation 0 must be asked for first.
+    left
+        Something is left for others.
+    """
+
+    claim: Claim | None = None
+    rings: int = 0
+    queued: bool = False
+    left: bool = False
+
+
+def joined(evaluations: Sequence[Evaluation]) -> list[Joined]:
+    """Return what the state machine needs of the results of a generation."""
+    return [Joined(e.objective, e.reason, e.message) for e in evaluations]
+
+
+@dataclass(frozen=True, slots=True)
+class Sizing:
+    """How many evaluations a worker takes at once.
+
+    Cheap ones go in as many chunks as there are workers, expensive or unknown ones singly, and generations that cost
+    less than handing them out stay whole in one worker.
+    """
+
+    cheap_seconds: float
+    burst_seconds: float
+
+    def burst(self, typical_seconds: float | None, particles: int) -> bool:
+        """Whether whole generations are to stay in one worker."""
+        return typical_seconds is not None and typical_seconds * particles < self.burst_seconds
+
+    def chunk(self, typical_seconds: float | None, particles: int, live_workers: int) -> int:
+        """Return the number of evaluations that go out together."""
+        if typical_seconds is None or typical_seconds > self.cheap_seconds:
+            return 1
+        return particles if self.burst(typical_seconds, particles) else -(-particles // max(live_workers, 1))

@@ -1,0 +1,34 @@
+"""The doorbell: tells workers that a job may have work. A ring may be lost or doubled, nothing depends on it."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+__all__ = ["Doorbell", "MuteDoorbell"]
+
+
+class Doorbell(Protocol):
+    """How workers are woken."""
+
+    def ring(self, job_id: str, times: int = 1) -> None:
+        """Wake up to ``times`` workers for a job; never raises."""
+
+    def health(self) -> str:
+        """Return ``ok``, ``embedded``, or why the doorbell does not work."""
+
+    def close(self) -> None:
+        """Let go of what it holds."""
+
+
+class MuteDoorbell:
+    """Rings nobody: workers find the work when they look, or through a sweep."""
+
+    def ring(self, job_id: str, times: int = 1) -> None:
+        """Do nothing."""
+
+    def health(self) -> str:
+        """Return ``embedded``."""
+        return "embedded"
+
+    def close(self) -> None:
+        """Do nothing."""

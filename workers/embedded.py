@@ -1,0 +1,189 @@
+"""The embedded engine: worker processes on this machine, supervised, with a pipe as doorbell. No broker."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import logging
+import os
+import select
+import struct
+import subprocess
+import sys
+import termios
+import threading
+import time
+from dataclasses import dataclass
+
+from workers.coordinator.runtime import Runtime
+from workers.errors import StoreUnavailableError
+from workers.identity import Identity
+from workers.settings import Settings
+from workers.store.evaluations import overdue
+from workers.store.workers import forget_worker
+from workers.sweep import Sweeper
+
+__all__ = ["ONE_THREAD", "PipeDoorbell", "Supervisor"]
+
+log = logging.getLogger(__name__)
+
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+"""Environment of a worker process: one numerical thread, as there is one worker a core."""
+
+# The child takes over the parent's import path, as it may not be installed but run from its sources. What it needs
+# comes over its standard input, which then stays open: its end tells that the parent has died.
+BOOTSTRAP = (
+    "import json, sys; given = json.loads(sys.stdin.readline()); sys.path[:] = given['path'];"
+    "from workers.embedded_worker import main; main(given)"
+)
+WATCH_SECONDS = 0.05
+SHORT_LIFE_SECONDS = 10.0
+LONGEST_BACK_OFF_SECONDS = 5.0
+
+
+class PipeDoorbell:
+    """A pipe in which every byte wakes one worker. A killed process takes at most one ring with it.
+
+    Parameters
+    ----------
+    capacity
+        Rings that may wait; with one for every worker, more would only wake them for nothing.
+    """
+
+    def __init__(self, capacity: int, ends: tuple[int, int] | None = None) -> None:
+        self.capacity = max(capacity, 1)
+        self.read_end, self.write_end = os.pipe() if ends is None else ends
+        os.set_blocking(self.read_end, False)
+        os.set_blocking(self.write_end, False)
+
+    def ring(self, job_id: str, times: int = 1) -> None:  # noqa: ARG002  the protocol of all doorbells
+        """Wake up to ``times`` workers; they look themselves what there is to do, whatever the job."""
+        with contextlib.suppress(BlockingIOError, BrokenPipeError):
+            room = self.capacity - self._waiting()
+            if room > 0:
+                os.write(self.write_end, b"." * min(times, room))
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for a ring; False when there was none in time [s]."""
+        ready, _, _ = select.select([self.read_end], [], [], seconds)
+        if not ready:
+            return False
+        try:
+            return bool(os.read(self.read_end, 1))
+        except BlockingIOError:  # another worker was faster
+            return False
+
+    def health(self) -> str:
+        """Return ``embedded``."""
+        return "embedded"
+
+    def close(self) -> None:
+        """Close the pipe."""
+        os.close(self.read_end)
+        os.close(self.write_end)
+
+    def _waiting(self) -> int:
+        answer = fcntl.ioctl(self.read_end, termios.FIONREAD, b"\0" * 4)
+        return int(struct.unpack("i", answer)[0])
+
+
+@dataclass(slots=True)
+class _Child:
+    process: subprocess.Popen[bytes]
+    identity: Identity
+    started: float
+
+
+class Supervisor:
+    """Keeps ``settings.workers`` worker processes alive, and frees at once what a dead one held."""
+
+    def __init__(self, runtime: Runtime, doorbell: PipeDoorbell, sweeper: Sweeper) -> None:
+        self.runtime = runtime
+        self.doorbell = doorbell
+        self.sweeper = sweeper
+        self.settings: Settings = runtime.settings
+        self._stopping = threading.Event()
+        self._children: list[_Child] = []
+        self._thread = threading.Thread(target=self._watch, name="geoswarm-supervisor", daemon=True)
+
+    @property
+    def pids(self) -> list[int]:
+        """Process numbers of the workers."""
+        return [child.process.pid for child in self._children]
+
+    def start(self) -> None:
+        """Start the workers and watch them."""
+        self._children = [self._spawn() for _ in range(self.settings.workers)]
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End all workers: those in an evaluation have ``grace_seconds`` to finish it, then they are killed."""
+        self._stopping.set()
+        if self._thread.is_alive():
+            self._thread.join()
+        for child in self._children:
+            child.process.terminate()
+        self.doorbell.ring("", len(self._children))  # those that wait need not wait to the end
+        deadline = time.monotonic() + self.settings.grace_seconds
+        for child in self._children:
+            try:
+                child.process.wait(max(0.0, deadline - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                child.process.kill()
+                child.process.wait()
+            self._bury(child, clean=child.process.returncode == 0)
+        self._children = []
+
+    def _spawn(self) -> _Child:
+        ends = (self.doorbell.read_end, self.doorbell.write_end)
+        process = subprocess.Popen(
+            [sys.executable, "-c", BOOTSTRAP],
+            stdin=subprocess.PIPE,
+            pass_fds=ends,
+            env={**os.environ, **ONE_THREAD},
+            process_group=0,  # Ctrl-C in a terminal reaches this process alone, which then ends its workers in order
+        )
+        identity = Identity.new("embedded", process.pid)
+        given = {
+            "path": sys.path,
+            "settings": self.settings.model_dump(),
+            "worker_id": identity.id,
+            "doorbell": ends,
+            "log_level": logging.getLogger().getEffectiveLevel(),
+        }
+        with contextlib.suppress(BrokenPipeError):  # died at once: the watch sees it
+            if process.stdin is not None:
+                process.stdin.write(json.dumps(given).encode() + b"\n")
+                process.stdin.flush()
+        return _Child(process, identity, time.monotonic())
+
+    def _watch(self) -> None:
+        back_off = 0.0
+        while not self._stopping.wait(WATCH_SECONDS):
+            for place, child in enumerate(self._children):
+                if child.process.poll() is None:
+                    continue
+                log.warning("worker %s ended with code %d", child.identity.id, child.process.returncode)
+                self._bury(child, clean=False)
+                lived = time.monotonic() - child.started
+                back_off = min(max(2 * back_off, 0.1), LONGEST_BACK_OFF_SECONDS) if lived < SHORT_LIFE_SECONDS else 0.0
+                if self._stopping.wait(back_off):
+                    return
+                self._children[place] = self._spawn()
+
+    def _bury(self, child: _Child, *, clean: bool) -> None:
+        """Close what belongs to a dead worker and free what it held."""
+        if child.process.stdin is not None:
+            with contextlib.suppress(BrokenPipeError):
+                child.process.stdin.close()
+        if clean:
+            return
+        lost = [child.identity.id]
+        store = self.runtime.store
+        try:
+            for row in store.read(lambda connection: overdue(connection, lost)):
+                self.sweeper.release(row.job_id, row.generation, lost)
+            store.write(lambda connection: forget_worker(connection, lost[0]))
+        except StoreUnavailableError as error:
+            log.warning("what worker %s held comes back through its lease: %s", lost[0], error)

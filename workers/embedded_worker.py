@@ -1,0 +1,73 @@
+"""The main program of a worker process of the embedded engine."""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import sys
+import threading
+from collections.abc import Mapping
+from typing import Any
+
+from workers.embedded import PipeDoorbell
+from workers.errors import StoreUnavailableError
+from workers.identity import Identity, this_machine
+from workers.settings import Settings
+from workers.store import Store
+from workers.sweep import Sweeper, with_signals
+from workers.warm import warm_up
+from workers.worker import Worker
+
+__all__ = ["main"]
+
+log = logging.getLogger(__name__)
+
+
+def main(given: Mapping[str, Any]) -> None:
+    """Work until the parent asks for the end, or dies."""
+    logging.basicConfig(level=given["log_level"])
+    settings = Settings(**given["settings"])
+    read_end, write_end = given["doorbell"]
+    doorbell = PipeDoorbell(settings.workers, (read_end, write_end))
+    identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")
+    try:
+        store = Store(settings)
+        worker = Worker(store, doorbell, settings, identity)
+        worker.start()
+    except StoreUnavailableError as error:
+        log.warning("worker %s cannot start: %s", identity.id, error)
+        sys.exit(1)
+    with_signals(worker.stopping.set)
+    threading.Thread(target=_follow_parent, args=(worker, settings.grace_seconds), daemon=True).start()
+    sweeper = Sweeper(worker.runtime, doorbell)
+    sweeper.start()
+    warm_up()
+    _work(worker, doorbell, settings)
+    sweeper.stop()
+    worker.close()
+    store.close()
+
+
+def _work(worker: Worker, doorbell: PipeDoorbell, settings: Settings) -> None:
+    wait = settings.poll_seconds
+    while not worker.stopping.is_set():
+        try:
+            job_id = worker.next_job()
+        except StoreUnavailableError as error:
+            log.warning("worker %s: %s", worker.identity.id, error)
+            worker.stopping.wait(wait)
+            continue
+        if job_id is None:
+            doorbell.wait(wait)
+        else:
+            worker.serve(job_id)
+
+
+def _follow_parent(worker: Worker, grace: float) -> None:
+    """Wait for the end of standard input, which comes when the parent dies, and then do not outlive it for long."""
+    while os.read(sys.stdin.fileno(), 1):
+        pass
+    worker.stopping.set()
+    threading.Event().wait(grace)
+    os._exit(1)

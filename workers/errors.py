@@ -1,0 +1,81 @@
+"""Everything that can go wrong in the engine.
+
+::
+
+    WorkersError
+    ├── SettingsError               the engine cannot be configured like this
+    ├── JobNotFoundError            no job has this id
+    ├── InvalidTransitionError      the job's state does not admit the request
+    ├── IdempotencyConflictError    the key was used before, with another problem
+    ├── InvalidCursorError          the cursor does not come from the listing that it was given to
+    ├── StoreUnavailableError       the database does not answer, or cannot be used
+    └── BrokerUnavailableError      the broker does not answer
+
+Messages are single lines and never hold a password.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+__all__ = [
+    "BrokerUnavailableError",
+    "IdempotencyConflictError",
+    "InvalidCursorError",
+    "InvalidTransitionError",
+    "JobNotFoundError",
+    "SettingsError",
+    "StoreUnavailableError",
+    "WorkersError",
+]
+
+
+class WorkersError(Exception):
+    """Base of all errors that the engine raises on purpose."""
+
+
+class SettingsError(WorkersError):
+    """The engine cannot be configured like this."""
+
+
+class JobNotFoundError(WorkersError):
+    """No job has this id."""
+
+    def __init__(self, job_id: str) -> None:
+        self.job_id = job_id
+        super().__init__(f"there is no job {job_id!r}")
+
+
+class InvalidTransitionError(WorkersError):
+    """The job's state does not admit the request."""
+
+    def __init__(self, action: str, state: str, accepted: Sequence[str]) -> None:
+        self.action = action
+        self.state = state
+        self.accepted = tuple(accepted)
+        super().__init__(f"cannot {action} a job that is {state}; accepted states: {', '.join(accepted)}")
+
+
+class IdempotencyConflictError(WorkersError):
+    """The idempotency key was used before, with another problem."""
+
+    def __init__(self, key: str, job_id: str) -> None:
+        self.key = key
+        self.job_id = job_id
+        super().__init__(f"idempotency key {key!r} was used for job {job_id} with another problem; use a new key")
+
+
+class InvalidCursorError(WorkersError):
+    """The cursor does not come from the listing that it was given to."""
+
+    def __init__(self, cursor: str) -> None:
+        self.cursor = cursor
+        super().__init__(f"cursor {cursor[:80]!r} is not one that this listing returned in next_cursor")
+
+
+class StoreUnavailableError(WorkersError):
+    """The database does not answer, or cannot be used."""
+
+
+class BrokerUnavailableError(WorkersError):
+    """The broker does not answer."""

@@ -1,0 +1,141 @@
+"""Settings of the engine, from code or from the environment."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from sqlalchemy.engine import URL, make_url
+from sqlalchemy.exc import ArgumentError
+
+from workers.errors import SettingsError
+
+__all__ = ["Settings", "mask_url"]
+
+ENVIRONMENT = {
+    "GEOSWARM_DATABASE_URL": "database_url",
+    "GEOSWARM_BROKER_URL": "broker_url",
+    "GEOSWARM_WORKERS": "workers",
+}
+DRIVERS = {
+    "sqlite": "sqlite",
+    "postgresql": "postgresql+psycopg",
+    "postgres": "postgresql+psycopg",
+    "postgresql+psycopg": "postgresql+psycopg",
+}
+BROKER_SCHEMES = ("redis://", "rediss://", "redis+socket://", "unix://")
+
+
+def mask_url(url: str) -> str:
+    """Return a database or broker address fit for messages: without its password."""
+    try:
+        return make_url(url).render_as_string(hide_password=True)
+    except ArgumentError:
+        return "(address that cannot be parsed)"
+
+
+class Settings(BaseModel):
+    """How the engine works; everything but the two addresses has a sensible default.
+
+    Parameters
+    ----------
+    database_url
+        ``sqlite:///file.db`` or ``postgresql://user:password@host/database``.
+    broker_url
+        ``redis://host:6379/0``; None: the embedded engine runs the workers.
+    workers
+        Worker processes of the embedded engine.
+    lease_seconds, heartbeat_seconds
+        A worker that is silent for longer than its lease [s] is lost; it renews the lease every heartbeat [s].
+    sweep_seconds
+        Time between two sweeps [s].
+    poll_seconds
+        How long an embedded worker waits for the doorbell before it looks by itself [s].
+    slice_seconds
+        After this time [s] a worker lets other jobs in.
+    chunk_seconds
+        A worker hands in what it has at least this often [s], as long as single evaluations allow it.
+    cheap_seconds
+        Evaluations that typically take less [s] go out in chunks, others one by one.
+    burst_seconds
+        Generations that take less in total [s] are run several at a time inside one worker; 0 turns that off.
+    max_attempts
+        Tries at an evaluation whose worker is lost before it counts as failed.
+    connect_seconds
+        How long to wait for a database or broker that does not answer [s].
+    grace_seconds
+        How long a stopping engine waits for an evaluation that is being calculated [s].
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
+
+    database_url: str = "sqlite:///geoswarm.db"
+    broker_url: str | None = None
+    workers: int = Field(default_factory=lambda: os.cpu_count() or 1, ge=0, le=1024)
+    lease_seconds: float = Field(15.0, gt=0)
+    heartbeat_seconds: float = Field(4.0, gt=0)
+    sweep_seconds: float = Field(2.0, gt=0)
+    poll_seconds: float = Field(0.5, gt=0)
+    slice_seconds: float = Field(1.0, gt=0)
+    chunk_seconds: float = Field(0.25, gt=0)
+    cheap_seconds: float = Field(0.05, ge=0)
+    burst_seconds: float = Field(0.02, ge=0)
+    max_attempts: int = Field(3, ge=1)
+    connect_seconds: float = Field(3.0, gt=0)
+    grace_seconds: float = Field(3.0, ge=0)
+
+    @field_validator("database_url")
+    @classmethod
+    def _known_database(cls, value: str) -> str:
+        try:
+            url: URL = make_url(value)
+        except ArgumentError:
+            raise ValueError(
+                "is not an address; accepted: sqlite:///file.db, postgresql://user:password@host/name"
+            ) from None
+        if url.drivername not in DRIVERS:
+            raise ValueError(f"names the database {url.drivername!r}; accepted: sqlite, postgresql")
+        if url.drivername == "sqlite" and url.database in (None, "", ":memory:"):
+            raise ValueError("must name a file (sqlite:///geoswarm.db): worker processes share the database")
+        return url.set(drivername=DRIVERS[url.drivername]).render_as_string(hide_password=False)
+
+    @field_validator("broker_url")
+    @classmethod
+    def _known_broker(cls, value: str | None) -> str | None:
+        if value is not None and not value.startswith(BROKER_SCHEMES):
+            raise ValueError(f"must be a Redis address; accepted: {', '.join(BROKER_SCHEMES)}")
+        return value
+
+    @model_validator(mode="after")
+    def _heartbeat_keeps_lease(self) -> Settings:
+        if self.heartbeat_seconds * 2 > self.lease_seconds:
+            raise ValueError(
+                f"heartbeat_seconds {self.heartbeat_seconds} must be at most half of lease_seconds {self.lease_seconds}"
+            )
+        return self
+
+    @classmethod
+    def from_environment(cls, **overrides: Any) -> Settings:
+        """Read GEOSWARM_DATABASE_URL, GEOSWARM_BROKER_URL and GEOSWARM_WORKERS; overrides that are not None win.
+
+        Raises
+        ------
+        SettingsError
+            Names the setting and what would be accepted.
+        """
+        values: dict[str, Any] = {
+            field: os.environ[variable] for variable, field in ENVIRONMENT.items() if os.environ.get(variable)
+        }
+        values |= {field: value for field, value in overrides.items() if value is not None}
+        try:
+            return cls(**values)
+        except ValidationError as error:
+            raise SettingsError(
+                "; ".join(_describe(".".join(map(str, e["loc"])), e["msg"]) for e in error.errors(include_input=False))
+            ) from None
+
+
+def _describe(field: str, message: str) -> str:
+    message = message.removeprefix("Value error, ")
+    return f"{field} {message}" if field else message

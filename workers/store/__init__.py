@@ -1,0 +1,7 @@
+"""The store: tables, migrations, and the queries on them."""
+
+from __future__ import annotations
+
+from workers.store.database import Store
+
+__all__ = ["Store"]

@@ -1,0 +1,92 @@
+"""How values lie in the database: exact floats, no pickle, no NaN in JSON."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import FloatArray
+
+__all__ = [
+    "clean_text",
+    "pack_array",
+    "pack_json",
+    "pack_responses",
+    "to_datetime",
+    "to_optional_datetime",
+    "unpack_array",
+    "unpack_json",
+    "unpack_responses",
+]
+
+RAW = b"\x00"
+DEFLATED = b"\x01"
+WORTH_DEFLATING = 512  # bytes; smaller ones cost more time than they save
+
+
+def clean_text(text: str) -> str:
+    """Return text that every database takes: no NUL, no lone surrogates."""
+    return text.replace("\x00", "").encode("utf-8", "replace").decode("utf-8")
+
+
+def pack_json(value: Any) -> str:
+    """Return JSON text; floats come back exactly.
+
+    Raises
+    ------
+    ValueError
+        When a number is NaN or infinite.
+    """
+    return json.dumps(value, allow_nan=False, separators=(",", ":"))
+
+
+def unpack_json(text: str) -> Any:
+    """Invert :func:`pack_json`."""
+    return json.loads(text)
+
+
+def pack_array(array: FloatArray) -> bytes:
+    """Return the little-endian float64 of an array, shape (n,)."""
+    return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def unpack_array(data: bytes) -> FloatArray:
+    """Invert :func:`pack_array`."""
+    return np.frombuffer(data, dtype="<f8").astype(np.float64)
+
+
+def pack_responses(responses: Mapping[str, FloatArray]) -> bytes:
+    """Return a mark, the lengths by series as one JSON line, and the float64 values, deflated when that pays."""
+    header = json.dumps({name: len(values) for name, values in responses.items()}, separators=(",", ":"))
+    body = header.encode() + b"\n" + b"".join(pack_array(values) for values in responses.values())
+    if len(body) < WORTH_DEFLATING:
+        return RAW + body
+    deflated = zlib.compress(body, 1)
+    return DEFLATED + deflated if len(deflated) < len(body) else RAW + body
+
+
+def unpack_responses(data: bytes) -> dict[str, FloatArray]:
+    """Invert :func:`pack_responses`: values of shape (m_g,) by series."""
+    body = zlib.decompress(data[1:]) if data[:1] == DEFLATED else data[1:]
+    header, _, values = body.partition(b"\n")
+    responses: dict[str, FloatArray] = {}
+    start = 0
+    for name, length in json.loads(header).items():
+        responses[name] = unpack_array(values[start : start + 8 * length])
+        start += 8 * length
+    return responses
+
+
+def to_datetime(seconds: float) -> datetime:
+    """Return the aware UTC time of seconds since 1970."""
+    return datetime.fromtimestamp(seconds, UTC)
+
+
+def to_optional_datetime(seconds: float | None) -> datetime | None:
+    """Like :func:`to_datetime`, None for None."""
+    return None if seconds is None else to_datetime(seconds)

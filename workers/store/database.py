@@ -1,0 +1,152 @@
+"""Connections and transactions: SQLite and PostgreSQL behave the same behind :class:`Store`."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
+
+from sqlalchemy import Connection, Engine, create_engine, event, select
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+
+from workers.errors import StoreUnavailableError
+from workers.settings import Settings, mask_url
+from workers.store.clock import database_now
+from workers.store.migrate import upgrade
+
+__all__ = ["Record", "Store"]
+
+log = logging.getLogger(__name__)
+
+Result = TypeVar("Result")
+Record: TypeAlias = Any
+"""A row: its columns are attributes, with the types of :mod:`workers.store.tables`."""
+
+SQLITE_BUSY_SECONDS = 20.0
+RETRIES = 3  # deadlock or serialisation failure: the same function simply runs again
+RETRY_STATES = ("40001", "40P01")
+
+
+class Store:
+    """The database of jobs. Safe to share between threads, never between processes: open one after a fork.
+
+    Raises
+    ------
+    StoreUnavailableError
+        When the database cannot be reached, or is not one of this program, within ``connect_seconds``.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self.url = settings.database_url
+        self.engine = _create_engine(settings)
+        try:
+            upgrade(self.engine)
+        except (SQLAlchemyError, OSError) as error:
+            self.engine.dispose()
+            raise self._unavailable(error) from error
+
+    def read(self, function: Callable[[Connection], Result]) -> Result:
+        """Run a function that only reads, in one transaction; once more when the connection turns out to be dead.
+
+        Raises
+        ------
+        StoreUnavailableError
+            When the database does not answer.
+        """
+        return self._run(function, write=False)
+
+    def write(self, function: Callable[[Connection], Result]) -> Result:
+        """Run a function in one write transaction and commit.
+
+        It may run more than once (dead connection, deadlock), so it must tolerate that an earlier run was committed.
+
+        Raises
+        ------
+        StoreUnavailableError
+            When the database does not answer.
+        """
+        return self._run(function, write=True)
+
+    def ping(self) -> None:
+        """Ask the database for the time.
+
+        Raises
+        ------
+        StoreUnavailableError
+            When it does not answer.
+        """
+        self.read(lambda connection: connection.scalar(select(database_now())))
+
+    def close(self) -> None:
+        """Close all connections."""
+        self.engine.dispose()
+
+    def _run(self, function: Callable[[Connection], Result], *, write: bool) -> Result:
+        for attempt in range(RETRIES + 1):
+            try:
+                with self.engine.connect() as connection:
+                    connection.execution_options(write=write)
+                    with connection.begin():
+                        return function(connection)
+            except DBAPIError as error:
+                if attempt == RETRIES or not _worth_retrying(error, attempt):
+                    raise self._unavailable(error) from error
+            except SQLAlchemyError as error:
+                raise self._unavailable(error) from error
+        raise StoreUnavailableError(f"database {mask_url(self.url)} is busy")
+
+    def _unavailable(self, error: Exception) -> StoreUnavailableError:
+        cause = error.orig if isinstance(error, DBAPIError) and error.orig is not None else error
+        reason = " ".join(str(cause).split()) or type(cause).__name__
+        password = make_url(self.url).password
+        if password:
+            reason = reason.replace(str(password), "***")
+        return StoreUnavailableError(f"database {mask_url(self.url)}: {reason}")
+
+
+def _worth_retrying(error: DBAPIError, attempt: int) -> bool:
+    """A dead connection is worth one new one; a deadlock's victim is to try again."""
+    if error.connection_invalidated:
+        return attempt == 0
+    return getattr(error.orig, "sqlstate", None) in RETRY_STATES
+
+
+def _create_engine(settings: Settings) -> Engine:
+    url = make_url(settings.database_url)
+    if url.drivername == "sqlite":
+        folder = Path(url.database or "").expanduser().absolute().parent
+        if not folder.is_dir():
+            raise StoreUnavailableError(f"database {mask_url(settings.database_url)}: there is no folder {folder}")
+        engine = create_engine(url, connect_args={"timeout": SQLITE_BUSY_SECONDS, "check_same_thread": False})
+        _prepare_sqlite(engine)
+        return engine
+    return create_engine(
+        url,
+        connect_args={"connect_timeout": max(2, round(settings.connect_seconds)), "application_name": "geoswarm"},
+        pool_size=5,
+        max_overflow=20,
+        pool_timeout=settings.connect_seconds,
+    )
+
+
+def _prepare_sqlite(engine: Engine) -> None:
+    """Take transactions out of the driver's hands: a writer must lock first (BEGIN IMMEDIATE).
+
+    A deferred transaction that reads and then writes fails at once when another has written in between, whatever the
+    busy timeout.
+    """
+
+    @event.listens_for(engine, "connect")
+    def _connect(connection: Any, _record: Any) -> None:
+        connection.isolation_level = None
+        cursor = connection.cursor()
+        cursor.execute("PRAGMA foreign_keys = ON")
+        cursor.execute("PRAGMA synchronous = NORMAL")  # with WAL: survives a crash of the program, consistent always
+        cursor.close()
+
+    @event.listens_for(engine, "begin")
+    def _begin(connection: Connection) -> None:
+        write = connection.get_execution_options().get("write", False)
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if write else "BEGIN")

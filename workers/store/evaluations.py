@@ -1,0 +1,240 @@
+"""Queries on evaluations. Their state changes only while the job's row is locked by the same transaction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from sqlalchemy import Connection, and_, bindparam, insert, select, tuple_, update
+
+from solver.arrays import FloatArray
+from workers.coordinator.evaluation import EvaluationStatus
+from workers.store.clock import database_now
+from workers.store.codec import pack_array
+from workers.store.database import Record
+from workers.store.tables import attempts, evaluations
+
+__all__ = [
+    "Board",
+    "Cell",
+    "Filters",
+    "get_evaluation",
+    "list_evaluations",
+    "load_board",
+    "overdue",
+    "renew_leases",
+    "write_new",
+]
+
+RESULT_COLUMNS = (
+    "state",
+    "objective",
+    "misfits",
+    "responses",
+    "reason",
+    "message",
+    "attempts",
+    "worker",
+    "lease_expires_at",
+    "started_at",
+    "finished_at",
+    "seconds",
+)
+LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
+BOARD_COLUMNS = [column for column in LIST_COLUMNS if column.name != "misfits"]
+
+
+@dataclass(slots=True)
+class Cell:
+    """One particle on the board; ``changes`` are the columns to write."""
+
+    particle: int
+    status: EvaluationStatus
+    parameters: bytes
+    values: dict[str, Any]
+    changes: dict[str, Any] = field(default_factory=dict)
+
+    def set(self, status: EvaluationStatus, **columns: Any) -> None:
+        """Give it a new status and columns."""
+        self.status = status
+        self.changes |= columns
+        self.changes |= {"state": status.state, "attempts": status.attempts, "worker": status.worker}
+        self.values |= self.changes
+
+
+class Board:
+    """All particles of one generation in order, read once, changed in memory, written once."""
+
+    def __init__(self, job_id: str, generation: int, cells: Sequence[Cell], *, new: bool) -> None:
+        self.job_id = job_id
+        self.generation = generation
+        self.cells = list(cells)
+        self.lost_tries: list[dict[str, Any]] = []
+        self._new = new
+
+    @classmethod
+    def dispatch(cls, job_id: str, generation: int, positions: FloatArray) -> Board:
+        """Make the board of a generation that nobody has seen; ``positions`` has shape (n, d)."""
+        empty = dict.fromkeys(RESULT_COLUMNS)
+        cells = [
+            Cell(particle, EvaluationStatus(), pack_array(position), dict(empty, state="pending", attempts=0))
+            for particle, position in enumerate(positions)
+        ]
+        return cls(job_id, generation, cells, new=True)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every particle has its counted result."""
+        return all(cell.status.done for cell in self.cells)
+
+    def note_try(self, cell: Cell, number: int, worker: str | None, outcome: str, at: float, **columns: Any) -> None:
+        """Remember a try that does not count."""
+        self.lost_tries.append(
+            {
+                "job_id": self.job_id,
+                "generation": self.generation,
+                "particle": cell.particle,
+                "number": number,
+                "worker": worker,
+                "started_at": cell.values["started_at"],
+                "finished_at": at,
+                "outcome": outcome,
+                "message": None,
+            }
+            | columns
+        )
+
+    def write(self, connection: Connection) -> None:
+        """Write what has changed."""
+        if self._new:
+            write_new(connection, [self])
+        else:
+            self._update(connection)
+        if self.lost_tries:
+            connection.execute(insert(attempts), self.lost_tries)
+            self.lost_tries = []
+
+    def _update(self, connection: Connection) -> None:
+        changed = [cell for cell in self.cells if cell.changes]
+        if not changed:
+            return
+        statement = update(evaluations).where(
+            evaluations.c.job_id == self.job_id,
+            evaluations.c.generation == self.generation,
+            evaluations.c.particle == bindparam("key"),
+        )
+        statement = statement.values({name: bindparam(f"to_{name}") for name in RESULT_COLUMNS})
+        connection.execute(
+            statement,
+            [{"key": cell.particle} | {f"to_{name}": cell.values[name] for name in RESULT_COLUMNS} for cell in changed],
+        )
+        for cell in changed:
+            cell.changes = {}
+
+    def _rows(self) -> list[dict[str, Any]]:
+        key = {"job_id": self.job_id, "generation": self.generation}
+        return [key | {"particle": c.particle, "parameters": c.parameters} | c.values for c in self.cells]
+
+
+def write_new(connection: Connection, boards: Sequence[Board]) -> None:
+    """Insert the rows of boards that were dispatched in this transaction, all at once."""
+    rows = [row for board in boards for row in board._rows()]
+    if rows:
+        connection.execute(insert(evaluations), rows)
+    for board in boards:
+        board._new = False
+        for cell in board.cells:
+            cell.changes = {}
+
+
+def load_board(connection: Connection, job_id: str, generation: int) -> Board:
+    """Read one generation; the caller has locked the job's row.
+
+    Responses and misfits stay in the database: an evaluation that has them has ended and changes no more.
+    """
+    condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation == generation)
+    rows = connection.execute(select(*BOARD_COLUMNS).where(condition).order_by(evaluations.c.particle)).all()
+    return Board(
+        job_id,
+        generation,
+        [
+            Cell(
+                row.particle,
+                EvaluationStatus(row.state, row.attempts, row.worker),
+                row.parameters,
+                {name: row._mapping.get(name) for name in RESULT_COLUMNS},
+            )
+            for row in rows
+        ],
+        new=False,
+    )
+
+
+def renew_leases(
+    connection: Connection, job_id: str, generation: int, particles: Sequence[int], worker: str, lease: float
+) -> None:
+    """Renew the leases [s] that a worker still holds; the caller has locked the job's row."""
+    connection.execute(
+        update(evaluations)
+        .where(
+            evaluations.c.job_id == job_id,
+            evaluations.c.generation == generation,
+            evaluations.c.particle.in_(particles),
+            evaluations.c.state == "running",
+            evaluations.c.worker == worker,
+        )
+        .values(lease_expires_at=database_now() + lease)
+    )
+
+
+def overdue(connection: Connection, lost_workers: Sequence[str]) -> Sequence[Record]:
+    """Return job_id and generation of running evaluations whose lease has ended, or whose worker is lost."""
+    late = evaluations.c.lease_expires_at < database_now()
+    if lost_workers:
+        late = late | evaluations.c.worker.in_(lost_workers)
+    condition = and_(evaluations.c.state == "running", late)
+    return connection.execute(select(evaluations.c.job_id, evaluations.c.generation).where(condition).distinct()).all()
+
+
+@dataclass(frozen=True, slots=True)
+class Filters:
+    """Which evaluations to list; None: any."""
+
+    generation: int | None = None
+    state: str | None = None
+    max_objective: float | None = None
+
+
+def list_evaluations(
+    connection: Connection,
+    job_id: str,
+    filters: Filters,
+    *,
+    after: tuple[int, int] | None,
+    limit: int,
+    responses: bool,
+) -> Sequence[Record]:
+    """Return evaluations ordered by (generation, particle) that come after ``after``."""
+    statement = select(evaluations) if responses else select(*LIST_COLUMNS)
+    statement = statement.where(evaluations.c.job_id == job_id)
+    if filters.generation is not None:
+        statement = statement.where(evaluations.c.generation == filters.generation)
+    if filters.state is not None:
+        statement = statement.where(evaluations.c.state == filters.state)
+    if filters.max_objective is not None:
+        statement = statement.where(evaluations.c.objective <= filters.max_objective)
+    if after is not None:
+        statement = statement.where(tuple_(evaluations.c.generation, evaluations.c.particle) > after)
+    order = (evaluations.c.generation, evaluations.c.particle)
+    return connection.execute(statement.order_by(*order).limit(limit)).all()
+
+
+def get_evaluation(connection: Connection, job_id: str, generation: int, particle: int) -> Record | None:
+    """Return one evaluation with its responses."""
+    statement = select(evaluations).where(
+        evaluations.c.job_id == job_id,
+        evaluations.c.generation == generation,
+        evaluations.c.particle == particle,
+    )
+    return connection.execute(statement).one_or_none()

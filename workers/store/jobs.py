@@ -1,0 +1,296 @@
+"""Queries on jobs, their generations and events. All take the connection of the caller's transaction."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, and_, case, delete, exists, insert, or_, select, tuple_, update
+from sqlalchemy.dialects.postgresql import insert as postgresql_insert
+from sqlalchemy.dialects.sqlite import insert as sqlite_insert
+
+from solver.calibration import Progress
+from solver.local import GenerationRecord
+from workers.coordinator.machine import Job, PublishEvent, RecordGeneration, Transition
+from workers.store.clock import database_now
+from workers.store.codec import clean_text, pack_json, unpack_json
+from workers.store.database import Record
+from workers.store.tables import evaluations, events, generations, jobs
+
+__all__ = [
+    "LockedJob",
+    "account_running_time",
+    "claimable_jobs",
+    "clocks_overdue",
+    "delete_job",
+    "find_by_idempotency_key",
+    "get_job",
+    "get_frame",
+    "get_problem",
+    "insert_job",
+    "list_events",
+    "list_generations",
+    "list_jobs",
+    "lock_job",
+    "mark_rung",
+    "note_served",
+    "save_job",
+]
+
+# Everything but the problem document, which nothing but a worker's first look at the job needs.
+COLUMNS = [column for column in jobs.columns if column.name != "problem"]
+LARGE = ("progress", "grids", "failures")
+VIEW_COLUMNS = [column for column in COLUMNS if column.name not in LARGE]
+
+
+@dataclass(frozen=True, slots=True)
+class LockedJob:
+    """A job's row, locked until the end of the transaction, and the database's time ``now``."""
+
+    row: Record
+    now: float
+
+    @property
+    def id(self) -> str:
+        """Id of the job."""
+        return str(self.row.id)
+
+    def job(self) -> Job:
+        """Return what the state machine knows of it."""
+        row = self.row
+        failures = unpack_json(row.failures)
+        return Job(
+            state=row.state,
+            progress=None if row.progress is None else Progress.from_json(unpack_json(row.progress)),
+            generations=row.generations,
+            failures=Counter(failures["reasons"]),
+            first_message=failures["first_message"],
+            stop_reasons=tuple(unpack_json(row.stop_reasons)),
+            error=row.error,
+        )
+
+    def run_seconds(self, gap: float) -> float:
+        """Return the running time up to now [s]; a silence of more than ``gap`` [s] (no engine ran) is cut to it."""
+        seconds: float = self.row.run_seconds
+        if self.row.state == "running" and self.row.clock_at is not None:
+            seconds += min(max(self.now - self.row.clock_at, 0.0), gap)
+        return seconds
+
+
+def lock_job(connection: Connection, job_id: str) -> LockedJob | None:
+    """Lock a job's row and read it; None when there is no such job."""
+    statement = select(*COLUMNS, database_now().label("now")).where(jobs.c.id == job_id)
+    row = connection.execute(statement.with_for_update()).one_or_none()
+    return None if row is None else LockedJob(row, row.now)
+
+
+def save_job(
+    connection: Connection,
+    locked: LockedJob,
+    transitions: Sequence[Transition],
+    *,
+    gap: float,
+    typical_seconds: float | None = None,
+    finished_at: Sequence[float] = (),
+) -> None:
+    """Write what transitions made of a locked job, with the generations that they recorded and their events.
+
+    ``finished_at`` gives the time of each recorded generation, by default now.
+    """
+    before, after = locked.row, transitions[-1].job
+    instructions = [instruction for transition in transitions for instruction in transition.instructions]
+    if not instructions:
+        return
+    records = [instruction.record for instruction in instructions if isinstance(instruction, RecordGeneration)]
+    times = list(finished_at) or [locked.now] * len(records)
+    _insert_generations(connection, locked, records, times)
+    published = [
+        {
+            "job_id": locked.id,
+            "kind": instruction.kind,
+            "data": pack_json(instruction.data),
+            "created_at": locked.now,
+        }
+        for instruction in instructions
+        if isinstance(instruction, PublishEvent)
+    ]
+    if published:
+        connection.execute(insert(events), published)
+    progress = after.progress
+    ended = after.state in ("finished", "failed", "cancelled")
+    values: dict[str, Any] = {
+        "state": after.state,
+        "stop_reasons": pack_json(list(after.stop_reasons)),
+        "error": None if after.error is None else clean_text(after.error),
+        "run_seconds": locked.run_seconds(gap),
+        "clock_at": locked.now if after.state == "running" else None,
+        "finished_at": locked.now if ended else None,
+        "rung_at": None,
+    }
+    if before.started_at is None and after.state == "running":
+        values["started_at"] = locked.now
+    if progress is not None and (records or before.progress is None):
+        values |= {
+            "generation": progress.generation,
+            "progress": pack_json(progress.to_json()),
+            "dispatched_at": times[-1] if records else locked.now,
+            "generations": after.generations,
+            "evaluations": progress.evaluations,
+            "failed_evaluations": progress.failed,
+            "failures": pack_json({"reasons": dict(after.failures), "first_message": after.first_message}),
+        }
+        if typical_seconds is not None:
+            values["typical_seconds"] = typical_seconds
+    if records and progress is not None and progress.best is not None:
+        values |= {
+            "objective": progress.best.objective,
+            "best_generation": progress.best.generation,
+            "best_particle": progress.best.particle,
+            "parameters": pack_json(records[-1].parameters),
+        }
+    # Compare and set: the lock makes it certain, the condition proves it.
+    condition = and_(jobs.c.id == locked.id, jobs.c.generation == before.generation, jobs.c.state == before.state)
+    changed = connection.execute(update(jobs).where(condition).values(values))
+    if changed.rowcount != 1:
+        raise RuntimeError(f"job {locked.id} changed while its row was locked")
+
+
+def _insert_generations(
+    connection: Connection, locked: LockedJob, records: Sequence[GenerationRecord], times: Sequence[float]
+) -> None:
+    if not records:
+        return
+    begun = [locked.row.dispatched_at, *times[:-1]]
+    connection.execute(
+        insert(generations),
+        [
+            {
+                "job_id": locked.id,
+                "number": record.number,
+                "evaluations": record.evaluations,
+                "failed": record.failed,
+                "best_objective": record.best_objective,
+                "objective": record.objective,
+                "parameters": None if record.parameters is None else pack_json(record.parameters),
+                "created_at": created_at,
+                "finished_at": finished_at,
+            }
+            for record, created_at, finished_at in zip(records, begun, times, strict=True)
+        ],
+    )
+
+
+def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:
+    """Enter a queued job, with its first event; False when its id or idempotency key is there already."""
+    row = {
+        "state": "queued",
+        "generation": -1,
+        "generations": 0,
+        "evaluations": 0,
+        "failed_evaluations": 0,
+        "failures": pack_json({"reasons": {}, "first_message": None}),
+        "stop_reasons": "[]",
+        "run_seconds": 0.0,
+        "created_at": database_now(),
+    } | dict(values)
+    upsert = sqlite_insert if connection.dialect.name == "sqlite" else postgresql_insert
+    if connection.execute(upsert(jobs).values(row).on_conflict_do_nothing()).rowcount == 0:
+        return False
+    data = pack_json({"state": "queued", "stop_reasons": [], "error": None})
+    connection.execute(insert(events).values(job_id=values["id"], kind="state", data=data, created_at=database_now()))
+    return True
+
+
+def get_job(connection: Connection, job_id: str) -> Record | None:
+    """Return what a view shows of a job, with the time ``now``."""
+    statement = select(*VIEW_COLUMNS, database_now().label("now")).where(jobs.c.id == job_id)
+    return connection.execute(statement).one_or_none()
+
+
+def get_problem(connection: Connection, job_id: str) -> Record | None:
+    """Return ``problem`` and ``seed`` of a job, as they are stored."""
+    return connection.execute(select(jobs.c.problem, jobs.c.seed).where(jobs.c.id == job_id)).one_or_none()
+
+
+def get_frame(connection: Connection, job_id: str) -> Record | None:
+    """Return ``free_parameters`` and ``grids`` of a job, as they are stored."""
+    return connection.execute(select(jobs.c.free_parameters, jobs.c.grids).where(jobs.c.id == job_id)).one_or_none()
+
+
+def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
+    """Return ``id`` and ``body_hash`` of the job that was submitted with a key."""
+    return connection.execute(select(jobs.c.id, jobs.c.body_hash).where(jobs.c.idempotency_key == key)).one_or_none()
+
+
+def list_jobs(
+    connection: Connection, *, state: str | None, before: tuple[float, str] | None, limit: int
+) -> Sequence[Record]:
+    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order."""
+    statement = select(*VIEW_COLUMNS, database_now().label("now"))
+    if state is not None:
+        statement = statement.where(jobs.c.state == state)
+    if before is not None:
+        statement = statement.where(tuple_(jobs.c.created_at, jobs.c.id) < before)
+    return connection.execute(statement.order_by(jobs.c.created_at.desc(), jobs.c.id.desc()).limit(limit)).all()
+
+
+def list_generations(connection: Connection, job_id: str, *, after: int, limit: int) -> Sequence[Record]:
+    """Return finished generations with a number above ``after``, in order."""
+    condition = and_(generations.c.job_id == job_id, generations.c.number > after)
+    return connection.execute(select(generations).where(condition).order_by(generations.c.number).limit(limit)).all()
+
+
+def list_events(connection: Connection, job_id: str, *, after: int, limit: int) -> Sequence[Record]:
+    """Return events with an id above ``after``, in order."""
+    condition = and_(events.c.job_id == job_id, events.c.id > after)
+    return connection.execute(select(events).where(condition).order_by(events.c.id).limit(limit)).all()
+
+
+def delete_job(connection: Connection, job_id: str) -> None:
+    """Remove a job and everything that belongs to it."""
+    connection.execute(delete(jobs).where(jobs.c.id == job_id))
+
+
+def claimable_jobs(connection: Connection, limit: int, *, not_rung_for: float | None = None) -> list[str]:
+    """Return jobs that a worker could do something for, those first that have waited longest.
+
+    These are queued ones and running ones whose generation has an evaluation to claim, or none that is open at all
+    (complete, but nobody advanced it). ``not_rung_for``: leave out those for which a sweep rang in these seconds.
+    """
+    here = and_(evaluations.c.job_id == jobs.c.id, evaluations.c.generation == jobs.c.generation)
+    claimable = exists().where(here, evaluations.c.state == "pending").correlate(jobs)
+    running = exists().where(here, evaluations.c.state == "running").correlate(jobs)
+    condition = or_(jobs.c.state == "queued", and_(jobs.c.state == "running", or_(claimable, ~running)))
+    if not_rung_for is not None:
+        condition = and_(condition, or_(jobs.c.rung_at.is_(None), jobs.c.rung_at < database_now() - not_rung_for))
+    order = (jobs.c.served_at.is_not(None), jobs.c.served_at, jobs.c.created_at)
+    return list(connection.scalars(select(jobs.c.id).where(condition).order_by(*order).limit(limit)))
+
+
+def note_served(connection: Connection, job_id: str) -> None:
+    """Note that a worker turns to this job now: it goes to the end of the line."""
+    connection.execute(update(jobs).where(jobs.c.id == job_id).values(served_at=database_now()))
+
+
+def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:
+    """Note that a sweep rings for these jobs now, so that other sweeps need not."""
+    connection.execute(update(jobs).where(jobs.c.id.in_(job_ids)).values(rung_at=database_now()))
+
+
+def clocks_overdue(connection: Connection, seconds: float) -> bool:
+    """Whether some running job's time was not brought up to date for this long [s]."""
+    return bool(connection.scalar(select(exists().where(_clock_older_than(seconds)))))
+
+
+def account_running_time(connection: Connection, older_than: float, gap: float) -> None:
+    """Bring the running time of running jobs up to date; so only time in which some engine was up is counted."""
+    elapsed = database_now() - jobs.c.clock_at
+    counted = jobs.c.run_seconds + case((elapsed > gap, gap), else_=elapsed)
+    statement = update(jobs).where(_clock_older_than(older_than))
+    connection.execute(statement.values(run_seconds=counted, clock_at=database_now()))
+
+
+def _clock_older_than(seconds: float) -> ColumnElement[bool]:
+    return and_(jobs.c.state == "running", jobs.c.clock_at < database_now() - seconds)

@@ -1,0 +1,97 @@
+"""Brings the schema up to date at start, however many processes start at once."""
+
+from __future__ import annotations
+
+import logging
+import sqlite3
+import time
+from pathlib import Path
+
+from sqlalchemy import Connection, Engine, inspect, text
+
+from workers.errors import StoreUnavailableError
+from workers.settings import mask_url
+
+__all__ = ["HEAD", "upgrade"]
+
+HEAD = "0001"
+"""Revision that this program works with: the newest in ``migrations/versions``."""
+
+log = logging.getLogger(__name__)
+
+ADVISORY_LOCK = 7_265_100_831  # any number that no other program uses on this database
+WAL_TRIES = 100
+
+
+def upgrade(engine: Engine) -> None:
+    """Create or migrate the schema; returns at once when it is current.
+
+    Raises
+    ------
+    StoreUnavailableError
+        When the database was written by a newer version of this program, or belongs to another one.
+    """
+    with engine.connect() as connection:
+        if _revision(connection) == HEAD:
+            return
+    if engine.dialect.name == "sqlite":
+        _use_write_ahead_log(engine)
+    with engine.connect() as connection:
+        connection.execution_options(write=True)
+        with connection.begin():
+            if engine.dialect.name == "postgresql":
+                connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": ADVISORY_LOCK})
+            # Whoever waited for the lock finds the work done.
+            if _revision(connection) != HEAD:
+                _run_migrations(connection)
+
+
+def _revision(connection: Connection) -> str | None:
+    tables = inspect(connection).get_table_names()
+    if "alembic_version" not in tables:
+        if "jobs" in tables:
+            raise StoreUnavailableError(
+                f"database {mask_url(str(connection.engine.url))} has a table 'jobs' that geoswarm did not make;"
+                " use an empty database"
+            )
+        return None
+    revision: str | None = connection.scalar(text("SELECT version_num FROM alembic_version"))
+    return revision
+
+
+def _run_migrations(connection: Connection) -> None:
+    # Imported here: a process that finds the schema current saves the time.
+    from alembic import command
+    from alembic.config import Config
+    from alembic.util.exc import CommandError
+
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # its own account of one line's worth
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).with_name("migrations")).replace("%", "%%"))
+    config.set_main_option("path_separator", "os")
+    config.attributes["connection"] = connection
+    try:
+        command.upgrade(config, HEAD)
+    except CommandError as error:
+        raise StoreUnavailableError(
+            f"database {mask_url(str(connection.engine.url))} cannot be brought to schema {HEAD}"
+            f" (written by a newer geoswarm?): {error}"
+        ) from error
+    log.info("database schema brought to %s", HEAD)
+
+
+def _use_write_ahead_log(engine: Engine) -> None:
+    """Switch to WAL, which stays with the file; SQLite refuses while others switch too, and does not wait itself."""
+    raw = engine.raw_connection()
+    try:
+        for trial in range(WAL_TRIES):
+            try:
+                raw.cursor().execute("PRAGMA journal_mode = WAL")
+            except sqlite3.OperationalError as error:
+                if "locked" not in str(error) or trial == WAL_TRIES - 1:
+                    raise
+                time.sleep(0.05)
+            else:
+                return
+    finally:
+        raw.close()

@@ -1,0 +1,170 @@
+"""Tables of the store.
+
+Times are seconds since 1970 (UTC) in double precision, always from the database's clock. Arrays are bytes (see
+:mod:`workers.store.codec`), documents are JSON text without NaN or infinity, so that every float comes back exactly.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import (
+    BigInteger,
+    Column,
+    Double,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    Text,
+    text,
+)
+
+__all__ = ["attempts", "evaluations", "events", "generations", "jobs", "metadata", "workers"]
+
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s_%(referred_table_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+
+Serial = BigInteger().with_variant(Integer(), "sqlite")
+"""SQLite numbers rows by itself only in a column of type INTEGER."""
+
+
+def _job(*, key: bool) -> Column[str]:
+    return Column("job_id", String(32), ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=key, nullable=False)
+
+
+jobs = Table(
+    "jobs",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("forward_model", Text, nullable=False),
+    Column("method", Text, nullable=False),
+    # what was asked
+    Column("problem", Text, nullable=False),
+    Column("seed", BigInteger, nullable=False),
+    Column("free_parameters", Text, nullable=False),
+    Column("grids", Text, nullable=False),  # {series: x of the responses}
+    Column("max_evaluations", BigInteger),
+    Column("idempotency_key", Text, unique=True),
+    Column("body_hash", String(64), nullable=False),
+    # where the search is: written only with this row locked
+    Column("generation", Integer, nullable=False),  # the one under evaluation, -1 before the start
+    Column("progress", Text),
+    Column("dispatched_at", Double),  # of this generation
+    Column("generations", Integer, nullable=False),
+    Column("evaluations", BigInteger, nullable=False),
+    Column("failed_evaluations", BigInteger, nullable=False),
+    Column("failures", Text, nullable=False),
+    Column("objective", Double),
+    Column("parameters", Text),
+    Column("best_generation", Integer),
+    Column("best_particle", Integer),
+    Column("stop_reasons", Text, nullable=False),
+    Column("error", Text),
+    # times; run_seconds is complete up to clock_at
+    Column("created_at", Double, nullable=False),
+    Column("started_at", Double),
+    Column("finished_at", Double),
+    Column("run_seconds", Double, nullable=False),
+    Column("clock_at", Double),
+    # for dispatch
+    Column("typical_seconds", Double),  # median forward calculation of the last finished generation
+    Column("served_at", Double),  # a worker last took it up
+    Column("rung_at", Double),  # a sweep last rang for it
+    Index("ix_jobs_created_at_id", "created_at", "id"),
+    Index("ix_jobs_state_served_at", "state", "served_at"),
+)
+
+generations = Table(
+    "generations",
+    metadata,
+    _job(key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("evaluations", BigInteger, nullable=False),
+    Column("failed", BigInteger, nullable=False),
+    Column("best_objective", Double),
+    Column("objective", Double),
+    Column("parameters", Text),
+    Column("created_at", Double, nullable=False),
+    Column("finished_at", Double, nullable=False),
+)
+
+evaluations = Table(
+    "evaluations",
+    metadata,
+    _job(key=True),
+    Column("generation", Integer, primary_key=True, autoincrement=False),
+    Column("particle", Integer, primary_key=True, autoincrement=False),
+    Column("state", String(16), nullable=False),
+    Column("parameters", LargeBinary, nullable=False),
+    Column("objective", Double),
+    Column("misfits", Text),
+    Column("responses", LargeBinary),
+    Column("reason", String(32)),
+    Column("message", Text),
+    Column("attempts", Integer, nullable=False),
+    Column("worker", String(80)),
+    Column("lease_expires_at", Double),
+    Column("started_at", Double),
+    Column("finished_at", Double),
+    Column("seconds", Double),
+    # small whatever the history: only what runs now
+    Index(
+        "ix_evaluations_running",
+        "lease_expires_at",
+        postgresql_where=text("state = 'running'"),
+        sqlite_where=text("state = 'running'"),
+    ),
+)
+
+attempts = Table(
+    "attempts",
+    metadata,
+    Column("id", Serial, primary_key=True, autoincrement=True),
+    _job(key=False),
+    Column("generation", Integer, nullable=False),
+    Column("particle", Integer, nullable=False),
+    Column("number", Integer, nullable=False),
+    Column("worker", String(80)),
+    Column("started_at", Double),
+    Column("finished_at", Double, nullable=False),
+    Column("outcome", String(32), nullable=False),
+    Column("message", Text),
+    Index("ix_attempts_evaluation", "job_id", "generation", "particle"),
+    sqlite_autoincrement=True,
+)
+"""Tries that did not count (worker lost, result too late); the counted try is the evaluation's own row."""
+
+events = Table(
+    "events",
+    metadata,
+    Column("id", Serial, primary_key=True, autoincrement=True),
+    _job(key=False),
+    Column("kind", String(32), nullable=False),
+    Column("data", Text, nullable=False),
+    Column("created_at", Double, nullable=False),
+    Index("ix_events_job_id_id", "job_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+workers = Table(
+    "workers",
+    metadata,
+    Column("id", String(80), primary_key=True),
+    Column("host", Text, nullable=False),
+    Column("pid", Integer, nullable=False),
+    Column("machine", Text, nullable=False),  # where this pid means something: boot and pid namespace
+    Column("engine", String(16), nullable=False),
+    Column("started_at", Double, nullable=False),
+    Column("seen_at", Double, nullable=False),
+    Column("lost_at", Double),
+)

@@ -1,0 +1,99 @@
+"""Turns rows into views."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
+from workers.store.database import Record
+from workers.views import EvaluationView, EventView, GenerationView, JobView, WorkerView
+
+__all__ = ["evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
+
+
+def job_view(row: Record, gap: float) -> JobView:
+    """Show a job; silence of more than ``gap`` [s] is not running time."""
+    seconds = None if row.started_at is None else row.run_seconds
+    if row.state == "running":
+        seconds = row.run_seconds + min(max(row.now - row.clock_at, 0.0), gap)
+    return JobView(
+        id=row.id,
+        name=row.name,
+        state=row.state,
+        forward_model=row.forward_model,
+        method=row.method,
+        stop_reasons=unpack_json(row.stop_reasons),
+        objective=row.objective,
+        parameters=None if row.parameters is None else unpack_json(row.parameters),
+        evaluations=row.evaluations,
+        generations=row.generations,
+        failed_evaluations=row.failed_evaluations,
+        created_at=to_datetime(row.created_at),
+        started_at=to_optional_datetime(row.started_at),
+        finished_at=to_optional_datetime(row.finished_at),
+        seconds=seconds,
+        error=row.error,
+        seed=row.seed,
+        free_parameters=unpack_json(row.free_parameters),
+        max_evaluations=row.max_evaluations,
+    )
+
+
+def evaluation_view(
+    row: Record, names: Sequence[str], grids: Mapping[str, list[float]] | None = None
+) -> EvaluationView:
+    """Show an evaluation, with responses over ``grids`` when these are given and it has any."""
+    responses = None
+    if grids is not None and row.responses is not None:
+        calculated = unpack_responses(row.responses)
+        responses = {series: {"x": grids[series], "y": y.tolist()} for series, y in calculated.items()}
+    return EvaluationView(
+        generation=row.generation,
+        particle=row.particle,
+        state=row.state,
+        parameters=dict(zip(names, unpack_array(row.parameters).tolist(), strict=True)),
+        objective=row.objective,
+        misfits={} if row.misfits is None else unpack_json(row.misfits),
+        responses=responses,
+        reason=row.reason,
+        message=row.message,
+        attempts=row.attempts,
+        worker=row.worker,
+        started_at=to_optional_datetime(row.started_at),
+        finished_at=to_optional_datetime(row.finished_at),
+        seconds=row.seconds,
+    )
+
+
+def generation_view(row: Record) -> GenerationView:
+    """Show a finished generation."""
+    return GenerationView(
+        number=row.number,
+        evaluations=row.evaluations,
+        failed=row.failed,
+        best_objective=row.best_objective,
+        objective=row.objective,
+        parameters=None if row.parameters is None else unpack_json(row.parameters),
+        created_at=to_datetime(row.created_at),
+        finished_at=to_datetime(row.finished_at),
+    )
+
+
+def event_view(row: Record) -> EventView:
+    """Show an event."""
+    return EventView(row.id, row.kind, unpack_json(row.data), to_datetime(row.created_at))
+
+
+def worker_view(row: Record, job: str | None) -> WorkerView:
+    """Show a worker that works on ``job``, None: on nothing."""
+    state = "lost" if row.lost else "idle" if job is None else "busy"
+    return WorkerView(
+        id=row.id,
+        host=row.host,
+        pid=row.pid,
+        engine=row.engine,
+        state=state,
+        job=job,
+        started_at=to_datetime(row.started_at),
+        seen_at=to_datetime(row.seen_at),
+    )

@@ -1,0 +1,97 @@
+"""Queries on worker processes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sqlalchemy import Connection, and_, case, delete, exists, func, insert, or_, select, update
+
+from workers.identity import Identity
+from workers.store.clock import database_now
+from workers.store.database import Record
+from workers.store.tables import evaluations, workers
+
+__all__ = [
+    "any_lost_before",
+    "busy_workers",
+    "count_live",
+    "forget_worker",
+    "forget_workers_lost_before",
+    "list_workers",
+    "mark_lost",
+    "overdue_workers",
+    "register_worker",
+    "see_worker",
+]
+
+
+def register_worker(connection: Connection, identity: Identity) -> None:
+    """Enter a worker that starts."""
+    now = database_now()
+    connection.execute(
+        insert(workers).values(
+            id=identity.id,
+            host=identity.host,
+            pid=identity.pid,
+            machine=identity.machine,
+            engine=identity.engine,
+            started_at=now,
+            seen_at=now,
+        )
+    )
+
+
+def see_worker(connection: Connection, identity: Identity) -> None:
+    """Note that a worker is alive; enter it again when it had been given up."""
+    values = {"seen_at": database_now(), "lost_at": None}
+    if connection.execute(update(workers).where(workers.c.id == identity.id).values(values)).rowcount == 0:
+        register_worker(connection, identity)
+
+
+def forget_worker(connection: Connection, worker_id: str) -> None:
+    """Remove a worker that ends in an orderly way."""
+    connection.execute(delete(workers).where(workers.c.id == worker_id))
+
+
+def count_live(connection: Connection, lease: float) -> int:
+    """Return the number of workers heard of within their lease [s]."""
+    live = and_(workers.c.lost_at.is_(None), workers.c.seen_at > database_now() - lease)
+    return connection.scalar(select(func.count()).select_from(workers).where(live)) or 0
+
+
+def busy_workers(connection: Connection) -> dict[str, str]:
+    """Return the job of every worker that holds an evaluation."""
+    statement = select(evaluations.c.worker, evaluations.c.job_id).where(evaluations.c.state == "running").distinct()
+    return {row[0]: row[1] for row in connection.execute(statement) if row[0] is not None}
+
+
+def overdue_workers(connection: Connection, lease: float) -> Sequence[Record]:
+    """Return workers (id, pid, machine, seen_at, overdue) that have not been given up yet."""
+    late = workers.c.seen_at < database_now() - lease
+    return connection.execute(
+        select(workers.c.id, workers.c.pid, workers.c.machine, case((late, 1), else_=0).label("overdue")).where(
+            workers.c.lost_at.is_(None)
+        )
+    ).all()
+
+
+def mark_lost(connection: Connection, worker_ids: Sequence[str]) -> None:
+    """Give workers up."""
+    connection.execute(update(workers).where(workers.c.id.in_(worker_ids)).values(lost_at=database_now()))
+
+
+def any_lost_before(connection: Connection, seconds: float) -> bool:
+    """Whether some worker was given up longer than this ago [s]."""
+    return bool(connection.scalar(select(exists().where(workers.c.lost_at < database_now() - seconds))))
+
+
+def forget_workers_lost_before(connection: Connection, seconds: float) -> None:
+    """Remove workers that were given up longer than this ago [s]."""
+    connection.execute(delete(workers).where(workers.c.lost_at < database_now() - seconds))
+
+
+def list_workers(connection: Connection, lease: float) -> Sequence[Record]:
+    """Return all workers, oldest first, with ``lost`` (0 or 1)."""
+    silent = or_(workers.c.lost_at.is_not(None), workers.c.seen_at < database_now() - lease)
+    statement = select(workers, case((silent, 1), else_=0).label("lost"))
+    return connection.execute(statement.order_by(workers.c.started_at, workers.c.id)).all()

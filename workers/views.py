@@ -1,0 +1,132 @@
+"""What the engine shows of its jobs: frozen records, times as aware UTC datetimes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Generic, TypeVar
+
+__all__ = ["EvaluationView", "EventView", "GenerationView", "JobView", "Page", "WorkerView"]
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[Item]):
+    """One page of a listing; ``next_cursor`` None: it is the last."""
+
+    items: list[Item]
+    next_cursor: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class JobView:
+    """One job.
+
+    Parameters
+    ----------
+    state
+        queued, running, paused, finished, failed or cancelled.
+    objective, parameters
+        Best f so far and the values of all its parameters; None while no evaluation has succeeded.
+    evaluations, generations, failed_evaluations
+        Counted over finished generations.
+    seconds
+        Running time [s]: not queued, not paused, no engine down; None before the start.
+    max_evaluations
+        Number of evaluations after which the job ends at the latest, None when nothing limits it.
+    """
+
+    id: str
+    name: str
+    state: str
+    forward_model: str
+    method: str
+    stop_reasons: list[str]
+    objective: float | None
+    parameters: dict[str, float] | None
+    evaluations: int
+    generations: int
+    failed_evaluations: int
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    seconds: float | None
+    error: str | None
+    seed: int
+    free_parameters: list[str]
+    max_evaluations: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationView:
+    """One particle's forward calculation in one generation.
+
+    Parameters
+    ----------
+    state
+        pending, running, finished or failed.
+    parameters
+        Values of the free parameters by name.
+    misfits, responses
+        f'_g and ``{series: {"x": [...], "y": [...]}}`` in base units; responses None when not asked for or not there.
+    reason, message
+        Why it failed.
+    attempts
+        Number of tries so far, the counted one included.
+    seconds
+        Wall time of the counted forward calculation [s].
+    """
+
+    generation: int
+    particle: int
+    state: str
+    parameters: dict[str, float]
+    objective: float | None
+    misfits: dict[str, float]
+    responses: dict[str, dict[str, list[float]]] | None
+    reason: str | None
+    message: str | None
+    attempts: int
+    worker: str | None
+    started_at: datetime | None
+    finished_at: datetime | None
+    seconds: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class GenerationView:
+    """One finished generation; everything but ``best_objective`` is a total, or the best, so far."""
+
+    number: int
+    evaluations: int
+    failed: int
+    best_objective: float | None
+    objective: float | None
+    parameters: dict[str, float] | None
+    created_at: datetime
+    finished_at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class EventView:
+    """Something that happened to a job; ``id`` grows with time, so that a reader can go on after the last one seen."""
+
+    id: int
+    kind: str
+    data: dict[str, Any]
+    created_at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerView:
+    """One worker process; ``state`` is idle, busy or lost, ``engine`` embedded or celery."""
+
+    id: str
+    host: str
+    pid: int
+    engine: str
+    state: str
+    job: str | None
+    started_at: datetime
+    seen_at: datetime

@@ -1,0 +1,210 @@
+"""A worker: claims evaluations of a job, runs them with no transaction open, hands them in, and goes on."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Sequence
+
+from solver.calibration import Calibration, Evaluation, Progress
+from solver.errors import InfeasibleSpaceError
+from solver.problem import parse_problem
+from workers.coordinator.machine import GenerationJoined, apply
+from workers.coordinator.runtime import Runtime
+from workers.coordinator.work import Claim, Exchange, HandIn, Leap, Result, joined
+from workers.doorbell import Doorbell
+from workers.errors import StoreUnavailableError, WorkersError
+from workers.identity import Identity
+from workers.settings import Settings
+from workers.store import Store
+from workers.store.codec import unpack_json
+from workers.store.jobs import claimable_jobs, get_problem
+from workers.store.workers import count_live, forget_worker, see_worker
+
+__all__ = ["Worker"]
+
+log = logging.getLogger(__name__)
+
+CACHED_CALIBRATIONS = 32
+LONGEST_WAIT_SECONDS = 2.0
+
+
+class Worker:
+    """One worker of this process. :meth:`serve` belongs to one thread; a heartbeat runs beside it.
+
+    Parameters
+    ----------
+    doorbell
+        Wakes the other workers.
+    """
+
+    def __init__(self, store: Store, doorbell: Doorbell, settings: Settings, identity: Identity) -> None:
+        self.store = store
+        self.doorbell = doorbell
+        self.settings = settings
+        self.identity = identity
+        self.runtime = Runtime(store, settings)
+        self.stopping = threading.Event()
+        self._claim: Claim | None = None  # read by the heartbeat
+        self._live_workers = 1
+        self._calibrations: OrderedDict[str, Calibration] = OrderedDict()
+        self._heartbeat = threading.Thread(target=self._beat, name="geoswarm-heartbeat", daemon=True)
+
+    def start(self) -> None:
+        """Enter the list of workers and begin the heartbeat.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        self._see()
+        self._heartbeat.start()
+
+    def close(self) -> None:
+        """End the heartbeat and leave the list of workers."""
+        self.stopping.set()
+        self._heartbeat.join()
+        try:
+            self.store.write(lambda connection: forget_worker(connection, self.identity.id))
+        except StoreUnavailableError as error:
+            log.warning("worker %s could not sign off: %s", self.identity.id, error)
+
+    def next_job(self) -> str | None:
+        """Return the job that has waited longest for a worker, None when there is nothing to do.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        return next(iter(self.store.read(lambda connection: claimable_jobs(connection, 1))), None)
+
+    def serve(self, job_id: str) -> None:
+        """Work on a job until nothing of it is to be had or the time slice ends; never raises.
+
+        A bug anywhere in the job's own code ends this job as failed, not the worker.
+        """
+        extra = {"job": job_id, "worker": self.identity.id}
+        try:
+            calibration = self._calibration(job_id)
+            if calibration is not None:
+                self._work(job_id, calibration)
+        except StoreUnavailableError as error:
+            # Whatever was claimed comes back through its lease.
+            log.warning("worker %s: %s", self.identity.id, error, extra=extra)
+        except Exception as error:
+            log.exception("job %s cannot be worked on", job_id, extra=extra)
+            self._give_up(job_id, f"{type(error).__name__}: {error}")
+        finally:
+            self._claim = None
+
+    def _work(self, job_id: str, calibration: Calibration) -> None:
+        until = time.monotonic() + self.settings.slice_seconds
+        answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
+        if answer.queued:
+            try:
+                progress: Progress | InfeasibleSpaceError = calibration.start()
+            except InfeasibleSpaceError as error:
+                progress = error
+            self.runtime.start(job_id, progress)
+            answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
+        while answer.claim is not None:
+            self._claim = answer.claim
+            hand_in = self._run(answer.claim, calibration)
+            answer = self._exchange(job_id, calibration, hand_in, until)
+            self._claim = answer.claim
+        if answer.left:
+            self.doorbell.ring(job_id)
+
+    def _exchange(
+        self, job_id: str, calibration: Calibration, hand_in: HandIn, until: float, *, taken_up: bool = False
+    ) -> Exchange:
+        """Exchange with the runtime, again and again while the database does not answer: results are worth the wait."""
+        wait = 0.1
+        while True:
+            try:
+                answer = self.runtime.exchange(
+                    job_id,
+                    self.identity.id,
+                    calibration,
+                    hand_in,
+                    live_workers=self._live_workers,
+                    want=time.monotonic() < until and not self.stopping.is_set(),
+                    taken_up=taken_up,
+                )
+            except StoreUnavailableError:
+                if hand_in.claim is None or self.stopping.wait(wait):
+                    raise
+                wait = min(2 * wait, LONGEST_WAIT_SECONDS)
+            else:
+                if answer.rings:
+                    self.doorbell.ring(job_id, answer.rings)
+                return answer
+
+    def _run(self, claim: Claim, calibration: Calibration) -> HandIn:
+        """Run a claim, or several generations when it is cheap enough; what takes long is cut and handed in early."""
+        began = time.monotonic()
+        leaps: list[Leap] = []
+        job, generation, positions = claim.job, claim.generation, claim.positions
+        particles: Sequence[int] = claim.particles
+        attempts: Sequence[int] = claim.attempts
+        while True:
+            results: list[Result] = []
+            for particle, attempt, position in zip(particles, attempts, positions, strict=True):
+                at = time.monotonic() - began
+                if (results or leaps) and (at > self.settings.chunk_seconds or self.stopping.is_set()):
+                    return HandIn(claim, leaps, generation, results)
+                evaluation = calibration.evaluate(position)
+                finished = claim.now + (time.monotonic() - began)
+                results.append(Result(particle, attempt, evaluation, claim.now + at, finished))
+            if job is None:
+                return HandIn(claim, leaps, generation, results)
+            elapsed = time.monotonic() - began
+            event = GenerationJoined(generation, joined(_in_order(results)), claim.run_seconds + elapsed)
+            transition = apply(job, event, calibration)
+            leaps.append(Leap(generation, results, transition, claim.now + elapsed))
+            job = transition.job
+            if job.state != "running" or job.progress is None or elapsed > self.settings.chunk_seconds:
+                return HandIn(claim, leaps, job.generation, ())
+            generation, positions = job.generation, job.progress.positions
+            particles, attempts = range(len(positions)), [1] * len(positions)
+
+    def _calibration(self, job_id: str) -> Calibration | None:
+        """Return the job made ready, from the cache of this process if possible; None: there is no such job."""
+        if job_id in self._calibrations:
+            self._calibrations.move_to_end(job_id)
+            return self._calibrations[job_id]
+        row = self.store.read(lambda connection: get_problem(connection, job_id))
+        if row is None:
+            return None
+        calibration = Calibration(parse_problem(unpack_json(row.problem)), row.seed)
+        self._calibrations[job_id] = calibration
+        if len(self._calibrations) > CACHED_CALIBRATIONS:
+            self._calibrations.popitem(last=False)
+        return calibration
+
+    def _give_up(self, job_id: str, message: str) -> None:
+        try:
+            self.runtime.give_up(job_id, message)
+        except WorkersError as error:
+            log.warning("job %s could not be ended: %s", job_id, error, extra={"job": job_id})
+
+    def _beat(self) -> None:
+        while not self.stopping.wait(self.settings.heartbeat_seconds):
+            claim = self._claim
+            try:
+                self._see()
+                if claim is not None:
+                    self.runtime.renew(claim, self.identity.id)
+            except StoreUnavailableError as error:
+                log.warning("heartbeat of worker %s: %s", self.identity.id, error)
+
+    def _see(self) -> None:
+        self.store.write(lambda connection: see_worker(connection, self.identity))
+        lease = self.settings.lease_seconds
+        self._live_workers = max(1, self.store.read(lambda connection: count_live(connection, lease)))
+
+
+def _in_order(results: Sequence[Result]) -> list[Evaluation]:
+    return [result.evaluation for result in sorted(results, key=lambda result: result.particle)]
