@@ -1,0 +1,86 @@
+"""Rules of the house that no linter checks (CONTRIBUTING.md)."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from tests.contracts.repository import PACKAGES, ROOT, python_files
+
+LONGEST_FILE = 420
+SOURCES = python_files(*PACKAGES)
+TESTS = python_files("tests")
+
+
+def label(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def module_name(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def test_files_are_short() -> None:
+    lengths = {label(path): len(path.read_text(encoding="utf-8").splitlines()) for path in [*SOURCES, *TESTS]}
+    assert {name: length for name, length in lengths.items() if length > LONGEST_FILE} == {}
+
+
+def test_every_module_says_what_it_is_for() -> None:
+    nameless = [label(path) for path in SOURCES if not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))]
+    assert nameless == []
+
+
+def test_exported_names_exist_once() -> None:
+    wrong = []
+    for path in SOURCES:
+        if "migrations" in path.parts or path.name == "__main__.py":
+            continue
+        module = import_module(module_name(path))
+        names = list(getattr(module, "__all__", []))
+        if len(names) != len(set(names)):
+            wrong.append(f"{module.__name__}: a name twice")
+        wrong += [f"{module.__name__}.{name}" for name in names if not hasattr(module, name)]
+    assert wrong == []
+
+
+def test_tests_are_packages_at_every_level() -> None:
+    folders = {path.parent for path in TESTS}
+    assert sorted(label(folder) for folder in folders if not (folder / "__init__.py").exists()) == []
+
+
+def test_nothing_is_skipped_expected_to_fail_or_left_for_later() -> None:
+    words = re.compile(
+        r"pytest\.(skip|xfail|importorskip)|mark\.(skip|skipif|xfail)\b|raise NotImplementedError|\b(TODO|FIXME|XXX)\b"
+    )
+    files = [path for path in [*SOURCES, *TESTS] if path != Path(__file__)]
+    assert [label(path) for path in files if words.search(path.read_text(encoding="utf-8"))] == []
+
+
+def test_every_test_asserts() -> None:
+    silent = []
+    for path in TESTS:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_"):
+                text = ast.unparse(node)
+                if not re.search(r"\bassert|pytest\.(raises|warns|fail)", text):
+                    silent.append(f"{label(path)}::{node.name}")
+    assert silent == []
+
+
+@pytest.mark.parametrize("script", [*(ROOT / "scripts").glob("*.sh"), ROOT / ".ci" / "run"], ids=label)
+def test_shell_scripts_are_executable_and_strict(script: Path) -> None:
+    assert script.stat().st_mode & 0o111
+    assert "set -euo pipefail" in script.read_text(encoding="utf-8")
+    assert subprocess.run(["bash", "-n", str(script)], capture_output=True, check=False).returncode == 0
+
+
+def test_make_help_lists_the_commands() -> None:
+    done = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
+    listed = re.findall(r"^  make ([a-z-]+) ", done.stdout, flags=re.MULTILINE)
+    assert listed == ["help", "setup", "demo", "check", "format", "test", "test-all", "bench", "clean"]

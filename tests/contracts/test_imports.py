@@ -1,0 +1,41 @@
+"""The rooms keep their one-way doors (docs/decisions/0001-layout.md)."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.contracts.repository import ROOT
+
+LINT = [str(Path(sys.executable).with_name("lint-imports")), "--no-cache", "--no-logo"]
+
+
+def test_import_contracts_are_kept() -> None:
+    done = subprocess.run(LINT, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "0 broken" in done.stdout
+
+
+@pytest.mark.parametrize("package", ["geoswarm", "geoswarm.cli", "solver", "workers"])
+def test_importing_a_package_loads_nothing_heavy(package: str) -> None:
+    program = (
+        f"import sys, {package}; print(sorted({{'numba', 'scipy', 'celery', 'matplotlib', 'pint'}} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_the_solver_runs_without_the_extras() -> None:
+    blocked = ("sqlalchemy", "alembic", "celery", "redis", "fastapi", "uvicorn", "psycopg", "matplotlib")
+    program = (
+        f"import sys; sys.modules.update(dict.fromkeys({blocked!r}))\n"
+        "from solver.local import calibrate\n"
+        "from solver.problem import parse_problem\n"
+        "from solver.warm import SAMPLES\n"
+        "print(calibrate(parse_problem(SAMPLES['oedometer'])).state)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "finished"), done.stderr
