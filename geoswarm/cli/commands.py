@@ -33,7 +33,9 @@ COMMANDS: dict[str, CommandEntry] = {
     "evaluate": CommandEntry("geoswarm.cli.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
     "run": CommandEntry("geoswarm.cli.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
     "demo": CommandEntry("geoswarm.cli.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
-    "serve": CommandEntry("geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."),
+    "serve": CommandEntry(
+        "geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."
+    ),
     "worker": CommandEntry("geoswarm.cli.serve", _SERVICE, "Run forward calculations for a service with a broker."),
     "sweep": CommandEntry("geoswarm.cli.serve", _SERVICE, "Look after jobs: re-dispatch what is overdue."),
     "submit": CommandEntry("geoswarm.cli.submit", _JOBS, "Submit a problem as a job."),
@@ -51,11 +53,11 @@ COMMANDS: dict[str, CommandEntry] = {
 class LazyGroup(click.Group):
     """A group that lists its commands from :data:`COMMANDS` and imports one when it is called."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click's signature
         """Return the names in the order of the table."""
         return list(COMMANDS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002  click's signature
         """Import the module of a command and return it; None for an unknown name."""
         entry = COMMANDS.get(cmd_name)
         if entry is None:
@@ -63,7 +65,7 @@ class LazyGroup(click.Group):
         command: click.Command = getattr(import_module(entry.module), f"{cmd_name}_command")
         return command
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's
         """Write the commands by section, without importing them."""
         for section in dict.fromkeys(entry.section for entry in COMMANDS.values()):
             rows: Sequence[tuple[str, str]] = [

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = ["connect", "find_job"]
 
+LATEST = "latest"
 _SEARCHED_PAGES, _PAGE = 10, 200
 _SHORTEST_PREFIX = 4
 
@@ -25,6 +26,8 @@ def connect(url: str, api_key: str | None) -> Client:
 def find_job(client: Client, job: str) -> Job:
     """Return the job with this id, or the only one whose id begins with it (among the newest 2000).
 
+    ``latest`` stands for the newest job.
+
     Raises
     ------
     BadInputError
@@ -32,6 +35,11 @@ def find_job(client: Client, job: str) -> Job:
     """
     from geoswarm.client import NotFoundError
 
+    if job == LATEST:
+        newest = client.list(limit=1).items
+        if not newest:
+            raise BadInputError("there is no job yet; 'geoswarm submit PROBLEM' makes one")
+        return newest[0]
     try:
         return client.get(job)
     except NotFoundError:

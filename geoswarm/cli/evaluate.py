@@ -76,7 +76,9 @@ def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float
             hint = f"; did you mean {close[0]}?" if close else ""
             raise BadInputError(f"--set {name}: unknown parameter{hint}; known: {', '.join(problem.parameters)}")
         if isinstance(parameter, LinkedParameter):
-            raise BadInputError(f"--set {name}: it is linked ('{parameter.expression.text}') and follows from the others")
+            raise BadInputError(
+                f"--set {name}: it is linked ('{parameter.expression.text}') and follows from the others"
+            )
         if name in given:
             raise BadInputError(f"--set {name}: given twice")
         try:
@@ -164,4 +166,6 @@ def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation)
                 f"{share.share:.0%}",
             )
         )
-    echo_table(None, ("series", "points", "last x", "measured", "calculated", "misfit", "share"), rows, right=range(1, 7))
+    echo_table(
+        None, ("series", "points", "last x", "measured", "calculated", "misfit", "share"), rows, right=range(1, 7)
+    )

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import connection_options, job_argument
 from geoswarm.cli.output import note
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from geoswarm.client import Client
 
 __all__ = ["export_command"]
-
-_PAGE = 500
 
 
 @click.command("export")
@@ -32,7 +30,9 @@ _PAGE = 500
     type=click.Choice(("csv", "json")),
     help="csv unless --output ends in .json; json also holds the responses.",
 )
-@click.option("--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="File; stdout if not given.")
+@click.option(
+    "--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="File; stdout if not given."
+)
 @connection_options
 def export_command(job: str, form: str | None, output: Path | None, url: str, api_key: str | None) -> None:
     """Write all evaluations of a job as CSV or JSON.
@@ -42,41 +42,32 @@ def export_command(job: str, form: str | None, output: Path | None, url: str, ap
     chosen = form or ("json" if output is not None and output.suffix.lower() == ".json" else "csv")
     with connect(url, api_key) as client:
         found = find_job(client, job)
-        if output is None:
-            with tempfile.TemporaryDirectory() as folder:
-                _print(_write(client, found.id, chosen, Path(folder) / "evaluations"))
-        else:
-            partial = output.with_name(f".{output.name}.part")
-            try:
-                _write(client, found.id, chosen, partial).replace(output)
-            finally:
-                partial.unlink(missing_ok=True)
+        if output is not None:
+            if not output.absolute().parent.is_dir():
+                raise BadInputError(f"--output {output}: there is no folder {output.absolute().parent}")
+            _write(client, found.id, chosen, output)
             note(f"Written to {output}")
+            return
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "evaluations"
+            _write(client, found.id, chosen, file)
+            _print(file)
 
 
-def _write(client: Client, job_id: str, form: str, path: Path) -> Path:
+def _write(client: Client, job_id: str, form: str, path: Path) -> None:
     if form == "csv":
         client.download_evaluations(job_id, path)
-        return path
-    with path.open("w", encoding="utf-8") as stream:
-        stream.write("[")
+        return
+    from geoswarm.client.files import partial_file
+
+    with partial_file(path) as file:
+        file.write(b"[")
         separator = "\n"
-        for text in _objects(client, job_id):
-            stream.write(separator + text)
+        for evaluation in client.iterate_evaluations(job_id, responses=True):
+            text = json.dumps(jsonable(evaluation), ensure_ascii=False, allow_nan=False)
+            file.write(f"{separator}{text}".encode())
             separator = ",\n"
-        stream.write("\n]\n")
-    return path
-
-
-def _objects(client: Client, job_id: str) -> Iterator[str]:
-    cursor: str | None = None
-    while True:
-        page = client.evaluations(job_id, limit=_PAGE, cursor=cursor, responses=True)
-        for evaluation in page.items:
-            yield json.dumps(jsonable(evaluation), ensure_ascii=False, allow_nan=False)
-        cursor = page.next_cursor
-        if cursor is None:
-            return
+        file.write(b"\n]\n")
 
 
 def _print(path: Path) -> None:

@@ -17,7 +17,16 @@ from dataclasses import dataclass
 
 import click
 
-__all__ = ["BAD_INPUT", "FAILED_RUN", "INTERRUPTED", "BadInputError", "CommandError", "FailedRunError", "Session", "report"]
+__all__ = [
+    "BAD_INPUT",
+    "FAILED_RUN",
+    "INTERRUPTED",
+    "BadInputError",
+    "CommandError",
+    "FailedRunError",
+    "Session",
+    "report",
+]
 
 FAILED_RUN, BAD_INPUT, INTERRUPTED = 1, 2, 130
 

@@ -126,10 +126,14 @@ def show_job(job: Job) -> None:
 
 
 def _count(job: Job) -> str:
-    return f"{job.evaluations}" if job.max_evaluations is None else f"{job.evaluations} of at most {job.max_evaluations}"
+    return (
+        f"{job.evaluations}" if job.max_evaluations is None else f"{job.evaluations} of at most {job.max_evaluations}"
+    )
 
 
-def _change(action: Literal["cancel", "pause", "resume"], job: str, as_json: bool, url: str, api_key: str | None) -> None:
+def _change(
+    action: Literal["cancel", "pause", "resume"], job: str, as_json: bool, url: str, api_key: str | None
+) -> None:
     with connect(url, api_key) as client:
         found = find_job(client, job)
         changed = getattr(client, action)(found.id)

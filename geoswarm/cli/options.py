@@ -8,7 +8,15 @@ from typing import Any, TypeVar
 
 import click
 
-__all__ = ["api_key_option", "broker_option", "connection_options", "database_option", "job_argument", "json_option", "problem_argument"]
+__all__ = [
+    "api_key_option",
+    "broker_option",
+    "connection_options",
+    "database_option",
+    "job_argument",
+    "json_option",
+    "problem_argument",
+]
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
@@ -16,7 +24,7 @@ problem_argument = click.argument("problem", type=click.Path(path_type=Path), me
 """Path of a problem file; reading it reports what is wrong with it."""
 
 job_argument = click.argument("job", metavar="ID")
-"""A job's id, or its first characters where they name one job only."""
+"""A job's id, its first characters where they name one job only, or ``latest``."""
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for scripts.")
 

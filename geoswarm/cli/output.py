@@ -12,7 +12,16 @@ import click
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["duration", "echo_facts", "echo_json", "echo_table", "note", "number", "progress_console", "reasons_in_words"]
+__all__ = [
+    "duration",
+    "echo_facts",
+    "echo_json",
+    "echo_table",
+    "note",
+    "number",
+    "progress_console",
+    "reasons_in_words",
+]
 
 _PIPED_WIDTH = 120
 

@@ -30,7 +30,9 @@ __all__ = ["run_command"]
     metavar="DIR",
     help="Folder for result.json, problem.json, evaluations.csv, generations.csv and figures (png, svg).",
 )
-@click.option("--seed", type=click.IntRange(min=0), help="Seed in place of the problem's; the same seed, the same result.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), help="Seed in place of the problem's; the same seed, the same result."
+)
 @json_option
 def run_command(problem: Path, workers: int, output: Path | None, seed: int | None, as_json: bool) -> None:
     """Calibrate a problem to its end, with figures and tables.
@@ -159,6 +161,7 @@ def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[st
     for name, parameter in problem.parameters.items():
         symbol, unit = symbol_and_unit(problem, name)
         value = number(values[name], 5)
+        bounds: tuple[str, str, str, str]
         if isinstance(parameter, FreeParameter):
             bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), parameter.scale)
         else:

@@ -63,6 +63,8 @@ def watch_command(job: str, as_json: bool, url: str, api_key: str | None) -> Non
 
 def follow(client: Client, job: Job) -> Job:
     """Show the progress of a job until it ends; return how it ended."""
+    from geoswarm.client import JobFailedError
+
     with progress_bar(job.name, job.max_evaluations) as update:
         update(job.evaluations, job.generations, job.objective)
 
@@ -70,7 +72,10 @@ def follow(client: Client, job: Job) -> Job:
             if event.kind == "generation":
                 update(event.data["evaluations"], event.data["number"], event.data["objective"])
 
-        return client.wait(job.id, on_event=on_event)
+        try:
+            return client.wait(job.id, on_event=on_event)
+        except JobFailedError as error:
+            return error.job
 
 
 def _end(job: Job, as_json: bool) -> None:

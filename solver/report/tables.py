@@ -14,8 +14,8 @@ from solver.problem import Problem
 __all__ = ["result_document", "write_evaluations", "write_generations", "write_problem", "write_result"]
 
 _TAKEN = frozenset(
-    ("generation", "particle", "state", "objective", "reason", "message", "attempts", "worker", "started_at")
-    + ("finished_at", "seconds")
+    {"generation", "particle", "state", "objective", "reason", "message", "attempts", "worker"}
+    | {"started_at", "finished_at", "seconds"}
 )
 """Columns that a parameter of the same name must not shadow."""
 

@@ -13,8 +13,9 @@ from geoswarm.cli import main
 from geoswarm.cli.commands import COMMANDS, cli
 
 WANTED = (
-    "check evaluate run serve worker sweep submit watch list show cancel pause resume export demo workers"  # design
-).split()
+    *("check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
+    *("list", "show", "cancel", "pause", "resume", "export", "demo", "workers"),
+)
 READING = ("check", "evaluate", "run", "submit", "watch", "list", "show", "workers")
 
 

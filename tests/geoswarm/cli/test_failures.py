@@ -53,10 +53,9 @@ def test_unexpected_error_shows_an_id_and_no_traceback(capsys: pytest.CaptureFix
 
 
 def test_debug_shows_the_traceback(capsys: pytest.CaptureFixture[str]) -> None:
-    try:
-        raise ZeroDivisionError("division by zero")
-    except ZeroDivisionError as error:
-        assert report(error, Session(debug=True)) == 1
+    with pytest.raises(ZeroDivisionError) as caught:
+        _ = 1 / 0
+    assert report(caught.value, Session(debug=True)) == 1
     assert "Traceback (most recent call last)" in capsys.readouterr().err
 
 

@@ -77,9 +77,7 @@ def test_output_folder_holds_tables_figures_and_a_problem_that_runs_again(
         rows = list(csv.DictReader(stream))
     assert len(rows) == summary["evaluations"]
     assert min(float(row["objective"]) for row in rows) == summary["objective"]
-    assert list(rows[0]) == (
-        "generation particle state objective amplitude rate misfit.y reason message seconds".split()
-    )
+    assert ",".join(rows[0]) == "generation,particle,state,objective,amplitude,rate,misfit.y,reason,message,seconds"
     with (folder / "generations.csv").open(encoding="utf-8", newline="") as stream:
         generations = list(csv.DictReader(stream))
     assert len(generations) == summary["generations"]
