@@ -67,7 +67,7 @@ def warm(report: Callable[[str, float], None] | None = None) -> None:
 
 def _main() -> None:
     logging.basicConfig(level=logging.INFO, format="geoswarm: %(message)s", stream=sys.stdout)
-    logger.info("compiling the kernels for this machine (half a minute the first time)")
+    logger.info("compiling the kernels for this machine (a moment the first time)")
     warm(lambda kind, seconds: logger.info("%s is ready (%.1f s)", kind, seconds))
 
 
