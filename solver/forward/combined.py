@@ -81,7 +81,7 @@ class CombinedModel:
     def parameters(self) -> tuple[ParameterInfo, ...]:
         """Shared parameters, then those for one part alone; :meth:`missing` tells which of them a problem lacks."""
         own = (
-            replace(info, name=own_name, description=f"{info.description}, in {part.name} only")
+            replace(info, name=own_name, description=f"{info.description.removesuffix('.')}, in {part.name} only.")
             for part in self._parts.values()
             for info, (_, own_name) in zip(part.model.parameters, part.own_names, strict=True)
         )

@@ -21,25 +21,28 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from solver.errors import BrokenForwardModelError, UnknownForwardModelError
 from solver.forward.base import ForwardModelSpec
 
-__all__ = ["GROUP", "AnyForwardModelSpec", "find_spec", "kinds", "parse_spec"]
+__all__ = ["BUILT_IN", "GROUP", "AnyForwardModelSpec", "find_spec", "forget", "kinds", "parse_spec"]
 
 GROUP = "geoswarm.forward_models"
 """Entry point group."""
 
-_BUILT_IN = {
+BUILT_IN = {
     "formula": "solver.forward.formula:FormulaSpec",
     "combined": "solver.forward.combined:CombinedSpec",
     "oedometer": "solver.forward.oedometer:OedometerSpec",
     "isotropic_compression": "solver.forward.isotropic_compression:IsotropicCompressionSpec",
 }
-# The same as in pyproject.toml (a test compares), so that a source tree works without being installed and no other
-# package can put itself in the place of a built-in model.
+"""Forward models of this package, as pyproject.toml declares them.
+
+They are repeated here so that a source tree works without being installed, and so that no other package can put itself
+in the place of one of them.
+"""
 
 
 @cache
 def _installed() -> dict[str, EntryPoint]:
     found = {entry.name: entry for entry in entry_points(group=GROUP)}
-    built_in = {kind: EntryPoint(kind, place, GROUP) for kind, place in _BUILT_IN.items()}
+    built_in = {kind: EntryPoint(kind, place, GROUP) for kind, place in BUILT_IN.items()}
     return built_in | {kind: entry for kind, entry in sorted(found.items()) if kind not in built_in}
 
 
@@ -79,6 +82,12 @@ def _load(entry: EntryPoint) -> type[ForwardModelSpec]:
     if not (isinstance(found, type) and issubclass(found, ForwardModelSpec)):
         raise BrokenForwardModelError(f"{source} is not a subclass of solver.forward.base.ForwardModelSpec")
     return found
+
+
+def forget() -> None:
+    """Look for installed forward models anew on the next use, for example after a package was installed."""
+    _installed.cache_clear()
+    _load.cache_clear()
 
 
 def parse_spec(section: Any) -> ForwardModelSpec:

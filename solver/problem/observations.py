@@ -219,10 +219,10 @@ def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -
 def _range(info: SeriesInfo) -> str:
     unit = _suffix(info.x_unit)
     if info.x_lower is None:
-        return f"up to {number(info.x_upper)}{unit}"
+        return f"up to {info.x_upper:g}{unit}"
     if info.x_upper is None:
-        return f"from {number(info.x_lower)}{unit}"
-    return f"from {number(info.x_lower)} to {number(info.x_upper)}{unit}"
+        return f"from {info.x_lower:g}{unit}"
+    return f"from {info.x_lower:g} to {info.x_upper:g}{unit}"
 
 
 def _suffix(unit: str) -> str:
