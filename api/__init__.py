@@ -5,7 +5,8 @@
 ``settings``    API key, allowed hosts, limits
 ``server``      :func:`serve`: uvicorn on a port that is checked first, with a quick, graceful stop
 ``errors``      what goes wrong, as RFC 9457 problem details
-``gate``        API key, host and origin checks, security headers
+``gate``        API key, host and origin checks
+``headers``     security headers of every answer
 ``bodies``      reads a problem document from a request: size limit, media type, duplicate keys
 ``feed``        one poller a watched job, many listeners: the source of the event streams
 ``schemas``     the models of every response

@@ -11,6 +11,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from api.errors import DetailError, detail_response
+from api.headers import add_security_headers
 from api.settings import LOOPBACK_HOSTS, ApiSettings
 
 __all__ = ["Gate"]
@@ -18,10 +19,6 @@ __all__ = ["Gate"]
 OPEN_PREFIXES = ("/health/", "/static/")
 OPEN_PATHS = frozenset({"/openapi.json"})
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
-CONTENT_SECURITY_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-    "form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
-)
 
 
 class Gate:
@@ -47,7 +44,7 @@ class Gate:
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                _add_security_headers(MutableHeaders(scope=message), scope["path"])
+                add_security_headers(MutableHeaders(scope=message), scope["path"])
             await send(message)
 
         refusal = self._refusal(scope["method"], scope["path"], Headers(scope=scope))
@@ -111,11 +108,3 @@ def _given_key(headers: Headers) -> bytes | None:
         except binascii.Error:
             return b""
     return None
-
-
-def _add_security_headers(headers: MutableHeaders, path: str) -> None:
-    headers["X-Content-Type-Options"] = "nosniff"
-    headers["X-Frame-Options"] = "DENY"
-    headers["Referrer-Policy"] = "no-referrer"
-    headers["Content-Security-Policy"] = CONTENT_SECURITY_POLICY
-    headers.setdefault("Cache-Control", "no-cache" if path.startswith("/static/") else "no-store")

@@ -22,6 +22,7 @@ __all__ = ["DEFAULT_HOST", "DEFAULT_PORT", "Server", "bind", "serve"]
 
 DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 8765
+MAX_PORT = 65535
 GRACE_SECONDS = 2
 
 
@@ -33,9 +34,11 @@ def bind(host: str, port: int) -> socket.socket:
     PortInUseError
         When it is taken, forbidden or unknown.
     """
+    if not 0 <= port <= MAX_PORT:
+        raise PortInUseError(f"cannot listen on {host}:{port}: a port from 0 (any free one) to {MAX_PORT} is accepted")
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-    except (OSError, OverflowError) as error:
+    except OSError as error:
         raise PortInUseError(f"cannot listen on {host}:{port}: {error}") from None
     listener = socket.socket(family, kind, protocol)
     try:

@@ -29,7 +29,7 @@ _OEDOMETER = {
 _ISOTROPIC = {
     "kind": "isotropic_compression",
     "height": 0.1,
-    "radius": 0.05,
+    "diameter": 0.05,
     "initial_stress": 10,
     "stages": [{"stress": 50, "duration": 1}, {"stress": 100, "duration": 1}],
 }

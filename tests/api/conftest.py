@@ -1,0 +1,141 @@
+"""A real job service on an SQLite file, and the application on it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from api import ApiSettings, bind, create_app
+from api.feed import ENDED_STATES
+from api.server import base_url, build_server
+from workers.doorbell import MuteDoorbell
+from workers.engine import Engine, open_engine
+from workers.service import JobService
+from workers.settings import Settings
+from workers.store import Store
+from workers.views import JobView
+
+API = "/api/v1"
+
+
+def line_problem(**changes: Any) -> dict[str, Any]:
+    """A straight line through three points, calibrated in 60 evaluations."""
+    return {
+        "name": "line",
+        "forward_model": {"kind": "formula", "series": {"y": {"expression": "a + b * x"}}},
+        "parameters": {"a": {"lower": -5, "upper": 5}, "b": {"lower": 0, "upper": 4}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [1, 3, 5]}}],
+        "method": {"kind": "particle_swarm", "particles": 6},
+        "stopping": {"max_evaluations": 60},
+        "seed": 7,
+    } | changes
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    return Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
+
+
+@pytest.fixture
+def service(settings: Settings) -> Iterator[JobService]:
+    """No worker runs: submitted jobs stay queued."""
+    store = Store(settings)
+    yield JobService(store, MuteDoorbell(), settings)
+    store.close()
+
+
+class App:
+    """Requests to an application in this process, without a network."""
+
+    def __init__(self, service: JobService, settings: ApiSettings | None = None) -> None:
+        self.app = create_app(service, settings)
+        self.headers: dict[str, str] = {}
+
+    def __call__(self, method: str, path: str, **request: Any) -> httpx.Response:
+        async def send() -> httpx.Response:
+            transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
+            async with httpx.AsyncClient(
+                transport=transport, base_url="http://localhost", headers=self.headers
+            ) as client:
+                return await client.request(method, path, **request)
+
+        return asyncio.run(send())
+
+    def get(self, path: str, **request: Any) -> httpx.Response:
+        return self("GET", path, **request)
+
+    def post(self, path: str, **request: Any) -> httpx.Response:
+        return self("POST", path, **request)
+
+
+@pytest.fixture
+def app(service: JobService) -> App:
+    return App(service)
+
+
+class LiveServer:
+    """A real server on a free loopback port, in a thread of its own."""
+
+    def __init__(self, service: JobService, settings: ApiSettings | None = None, port: int = 0) -> None:
+        self.listener = bind("127.0.0.1", port)
+        self.url = base_url(self.listener)
+        started = threading.Event()
+        self.server = build_server(service, self.listener, settings, lambda _: started.set())
+        self.feed = self.server.config.app.state.feed  # type: ignore[union-attr]
+        self._thread = threading.Thread(target=self.server.run, kwargs={"sockets": [self.listener]})
+        self._thread.start()
+        assert started.wait(10)
+
+    def stop(self) -> float:
+        """Stop gracefully and return how long it took [s]."""
+        began = time.monotonic()
+        self.server.should_exit = True
+        self._thread.join(10)
+        self.listener.close()
+        assert not self._thread.is_alive()
+        return time.monotonic() - began
+
+
+@contextmanager
+def live_server(service: JobService, settings: ApiSettings | None = None, port: int = 0) -> Iterator[LiveServer]:
+    server = LiveServer(service, settings, port)
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+@pytest.fixture
+def server(service: JobService) -> Iterator[LiveServer]:
+    with live_server(service, ApiSettings(heartbeat_seconds=0.3, poll_seconds=0.05)) as running:
+        yield running
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 10.0) -> None:
+    """Wait for something that happens in another thread."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "did not happen in time"
+        time.sleep(0.01)
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
+    """The embedded engine with one worker process."""
+    folder = tmp_path_factory.mktemp("engine")
+    with open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1)) as running:
+        yield running
+
+
+def wait_for_end(service: JobService, job_id: str, seconds: float = 60.0) -> JobView:
+    """Wait until the workers have ended a job."""
+    wait_until(lambda: service.get(job_id).state in ENDED_STATES, seconds)
+    return service.get(job_id)

@@ -1,0 +1,144 @@
+"""Forward models, workers, the check of a problem, and the OpenAPI document."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pydantic import TypeAdapter
+
+from api import create_app
+from api.routes.forward_models import EXAMPLES
+from solver.forward.registry import kinds, parse_spec
+from tests.api.conftest import API, App, line_problem
+from workers.service import JobService
+
+
+def test_forward_models_are_listed_with_a_description(app: App) -> None:
+    items = app.get(f"{API}/forward-models").json()["items"]
+    assert [item["kind"] for item in items] == list(kinds())
+    assert all(item["description"] for item in items)
+
+
+def test_oedometer_tells_schema_parameters_and_series_with_units(app: App) -> None:
+    model = app.get(f"{API}/forward-models/oedometer").json()
+    assert model["depends_on_section"] is False
+    assert {"height", "stages", "initial_stress"} <= set(model["json_schema"]["properties"])
+    series = {item["name"]: item for item in model["series"]}
+    assert (series["settlement"]["x_unit"], series["settlement"]["y_unit"]) == ("day", "m")
+    assert {"axial_strain", "stage_settlement", "stage_axial_strain", "stage_void_ratio"} <= set(series)
+    parameters = {item["name"]: item for item in model["parameters"]}
+    assert parameters["phi"]["unit"] == "degree"
+    assert {"lambda_star", "kappa_star", "mu_star", "c", "phi", "psi"} <= set(parameters)
+
+
+@pytest.mark.parametrize("kind", ["formula", "combined"])
+def test_models_that_follow_from_their_section_say_so(app: App, kind: str) -> None:
+    model = app.get(f"{API}/forward-models/{kind}").json()
+    assert model["depends_on_section"] is True
+    assert "example" in model["note"]
+    assert model["series"]
+    assert model["parameters"]
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_examples_are_sections_of_their_kind(kind: str) -> None:
+    assert parse_spec(EXAMPLES[kind]).kind == kind
+    assert parse_spec(EXAMPLES[kind]).build().series
+
+
+def test_an_unknown_kind_lists_the_known_ones(app: App) -> None:
+    answer = app.get(f"{API}/forward-models/odometer")
+    assert answer.status_code == 404
+    assert all(kind in answer.json()["detail"] for kind in kinds())
+
+
+def test_check_runs_once_and_estimates(app: App) -> None:
+    result = app.post(f"{API}/problems/check", json=line_problem()).json()
+    assert result["valid"] is True
+    assert (result["name"], result["forward_model"], result["method"]) == ("line", "formula", "particle_swarm")
+    assert (result["free_parameters"], result["data_points"], result["planned_evaluations"]) == (["a", "b"], 3, 60)
+    run = result["test_run"]
+    assert run["state"] == "finished"
+    assert run["parameters"] == {"a": 0.0, "b": 2.0}  # the middle of the bounds
+    assert run["objective"] == pytest.approx(1.0, rel=1e-12)  # every residual is 1
+    assert 0.0 < result["estimated_seconds"] == pytest.approx(60 * run["seconds"], rel=1e-9)
+    assert app.get(f"{API}/jobs").json()["items"] == []
+
+
+def test_a_test_run_that_fails_is_reported_not_refused(app: App) -> None:
+    broken = line_problem(forward_model={"kind": "formula", "series": {"y": {"expression": "a + b * x / 0"}}})
+    answer = app.post(f"{API}/problems/check", json=broken)
+    assert answer.status_code == 200
+    run = answer.json()["test_run"]
+    assert (run["state"], run["reason"], run["objective"], run["misfits"]) == ("failed", "not_finite", None, {})
+    assert run["message"]
+
+
+def test_check_refuses_a_bad_problem_with_its_issues(app: App) -> None:
+    answer = app.post(f"{API}/problems/check", json=line_problem(observations=[{"series": "z"}]))
+    assert answer.status_code == 422
+    assert any(issue["path"].startswith("observations[0]") for issue in answer.json()["issues"])
+
+
+def test_no_worker_no_entry(app: App) -> None:
+    assert app.get(f"{API}/workers").json() == {"items": []}
+
+
+@pytest.fixture(scope="module")
+def document() -> dict[str, Any]:
+    class NoService(JobService):
+        def __init__(self) -> None:
+            """The document needs no database."""
+
+    return dict(App(NoService()).get("/openapi.json").json())
+
+
+def test_openapi_is_3_1_and_every_reference_resolves(document: dict[str, Any]) -> None:
+    assert document["openapi"].startswith("3.1")
+
+    def references(value: Any) -> list[str]:
+        if isinstance(value, dict):
+            own = [value["$ref"]] if isinstance(value.get("$ref"), str) else []
+            return own + [found for inner in value.values() for found in references(inner)]
+        return [found for inner in value for found in references(inner)] if isinstance(value, list) else []
+
+    found = references(document)
+    assert "#/components/schemas/Problem" in found
+    for reference in found:
+        place: Any = document
+        for part in reference.removeprefix("#/").split("/"):
+            place = place[part]
+        assert isinstance(place, dict), reference
+
+
+def test_openapi_describes_every_answer(document: dict[str, Any]) -> None:
+    operations = [
+        (path, method, operation)
+        for path, methods in document["paths"].items()
+        for method, operation in methods.items()
+    ]
+    assert len({operation["operationId"] for _, _, operation in operations}) == len(operations) == 18
+    for path, method, operation in operations:
+        for status, answer in operation["responses"].items():
+            if status != "204":
+                assert answer["content"], (path, method, status)
+        if path.startswith(API):
+            assert operation["responses"]["401"]["content"].keys() == {"application/problem+json"}
+            assert operation["security"]
+
+
+def test_openapi_problem_is_the_schema_of_the_problem_file(document: dict[str, Any]) -> None:
+    schema = document["components"]["schemas"]["Problem"]
+    assert {"name", "forward_model", "parameters", "observations", "method"} <= set(schema["properties"])
+    body = document["paths"][f"{API}/jobs"]["post"]["requestBody"]["content"]
+    assert set(body) == {"application/json", "application/yaml"}
+
+
+def test_no_page_loads_scripts_from_elsewhere(app: App) -> None:
+    assert app.get("/docs").status_code == 404
+    assert app.get("/redoc").status_code == 404
+
+
+def test_the_application_states_its_version(service: JobService) -> None:
+    assert TypeAdapter(str).validate_python(create_app(service).version)

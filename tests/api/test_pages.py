@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime
+
+import pytest
+
+from api.pages import LEFT, PLOT_WIDTH, RIGHT, convergence, number
+from tests.api.conftest import API, App, line_problem
+from workers.views import GenerationView
+
+
+def generation(evaluations: int, own: float | None, best: float | None) -> GenerationView:
+    now = datetime(2026, 1, 1, tzinfo=UTC)
+    return GenerationView(evaluations // 10 - 1, evaluations, 0, own, best, None, now, now)
+
+
+def test_no_jobs_says_how_to_submit_one(app: App) -> None:
+    assert "geoswarm submit" in app.get("/").text
+
+
+def test_a_waiting_job_is_followed_live(app: App) -> None:
+    job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    page = app.get(f"/jobs/{job}").text
+    assert f'data-events="{API}/jobs/{job}/events"' in page
+    assert "No successful evaluation yet." in page
+
+
+def test_names_are_escaped(app: App) -> None:
+    job = app.post(f"{API}/jobs", json=line_problem(name="<script>alert(1)</script>")).json()["id"]
+    for page in (app.get("/").text, app.get(f"/jobs/{job}").text):
+        assert "&lt;script&gt;alert(1)" in page
+        assert "<script>" not in page
+
+
+def test_pages_load_nothing_from_elsewhere_and_have_no_inline_script_or_style(app: App) -> None:
+    job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    for path in ("/", f"/jobs/{job}"):
+        text = app.get(path).text
+        links = re.findall(r'(?:src|href)="([^"]+)"', text)
+        assert links
+        assert all(link.startswith("/") for link in links)
+        assert "style=" not in text
+        for own in (link for link in links if link.startswith("/static/")):
+            assert app.get(own).status_code == 200
+
+
+def test_older_jobs_are_on_further_pages(app: App) -> None:
+    for _ in range(51):
+        app.post(f"{API}/jobs", json=line_problem())
+    first = app.get("/").text
+    assert first.count("<tr>") == 51  # with the head
+    (link,) = re.findall(r'href="(/\?cursor=[^"]+)"', first)
+    assert app.get(link).text.count("<tr>") == 2
+
+
+def test_unknown_job_is_not_found(app: App) -> None:
+    assert app.get("/jobs/nobody").status_code == 404
+
+
+def test_convergence_steps_down_inside_the_plot() -> None:
+    plot = convergence([generation(10, 1.0, 1.0), generation(20, 5.0, 1.0), generation(30, 1e-3, 1e-3)])
+    assert plot is not None
+    xs = [float(value) for value in re.findall(r"[MH]([\d.]+)", plot.best)]
+    assert xs == pytest.approx([LEFT + (PLOT_WIDTH - LEFT - RIGHT) * share for share in (1 / 3, 2 / 3, 1)], abs=0.06)
+    assert [label for _, label in plot.y_ticks] == ["1e-3", "1e-2", "1e-1", "1e0", "1e1"][: len(plot.y_ticks)]
+    assert len(plot.generations) == 3
+
+
+@pytest.mark.parametrize("views", [[], [generation(10, None, None)], [generation(10, 0.0, 0.0)]])
+def test_nothing_to_draw(views: list[GenerationView]) -> None:
+    assert convergence(views) is None
+
+
+def test_numbers_for_readers() -> None:
+    assert (number(None), number(0.000123456), number(12.0)) == ("–", "0.0001235", "12")
