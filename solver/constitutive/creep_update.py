@@ -203,7 +203,7 @@ def _principal_step(
 @kernel
 def creep_update(
     stress: FloatArray, strain_increment: FloatArray, log_time: float, log_pp: float, soil: SoftSoilCreep
-) -> tuple[FloatArray, FloatArray, float, bool]:
+) -> tuple[FloatArray, FloatArray, float, int]:
     """One time step from a strain increment.
 
     Parameters
@@ -221,18 +221,18 @@ def creep_update(
 
     Returns
     -------
-    stress, tangent, log_pp, converged
-        New stress (6,), d stress/d strain increment of this algorithm (6, 6), new ln p_p. Inputs stay as they are. Not
-        converged: the step is too large; the other values mean nothing.
+    stress, tangent, log_pp, active
+        New stress (6,), d stress/d strain increment of this algorithm (6, 6), new ln p_p, and the number of the active
+        planes in :data:`solver.constitutive.mohr_coulomb.ACTIVE_SETS` (0: none). Inputs stay as they are. ``active`` is
+        -1 when there is no solution: the step is too large, and the other values mean nothing.
     """
     p_old = (stress[0] + stress[1] + stress[2]) / 3.0
     half = 0.5 / soil.shear_ratio
     mean_strain = (strain_increment[0] + strain_increment[1] + strain_increment[2]) / 3.0
     old, given, start, new = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    trial, T = np.empty(6), np.empty(6)
+    T = np.empty(6)
     D = np.empty((3, 3))
     axes = np.eye(3)
-    principal = np.zeros(3)
     creep, choice = 0.0, 0
     p = p_old
     agreed = False
@@ -242,7 +242,7 @@ def creep_update(
             mean, part = (p_old, mean_strain) if k < 3 else (0.0, 0.0)
             share = 1.0 if k < 3 else 0.5
             T[k] = stress[k] - mean + (share * strain_increment[k] - part) / (half * compliance)
-        principal, axes = principal_axes(T)
+        axes = principal_axes(T)[1]
         Q = rotation_matrix(axes)
         for i in range(3):
             old[i], given[i] = 0.0, 0.0
@@ -253,7 +253,7 @@ def creep_update(
             start[i] = old[i] if attempt == 0 else new[i]
         creep, choice = _principal_step(old, given, log_time, log_pp, soil, start, choice, new, D)
         if choice < 0:
-            return stress.copy(), np.zeros((6, 6)), log_pp, False
+            return stress.copy(), np.zeros((6, 6)), log_pp, -1
         p_new = (new[0] + new[1] + new[2]) / 3.0
         agreed = abs(p_new - p) <= 1.0e-11 * (abs(p) + soil.shift + soil.pressure_floor)
         coaxial = _shear_on_axes(stress, strain_increment, axes) <= 1.0e-13
@@ -262,7 +262,7 @@ def creep_update(
             agreed = True
             break
     if not agreed:
-        return stress.copy(), np.zeros((6, 6)), log_pp, False
+        return stress.copy(), np.zeros((6, 6)), log_pp, -1
     _, compliance, compliance_p = secant_compliance(p_old, p, soil)
     Q = rotation_matrix(axes)
     local = np.zeros((6, 6))
@@ -295,7 +295,7 @@ def creep_update(
         for i in range(3):
             new_stress[k] += Q[k, i] * new[i]
     tangent = Q @ local @ Q.T
-    return new_stress, tangent, log_pp + creep / (soil.lambda_star - soil.kappa_star), True
+    return new_stress, tangent, log_pp + creep / (soil.lambda_star - soil.kappa_star), choice
 
 
 @kernel

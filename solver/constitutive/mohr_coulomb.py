@@ -1,10 +1,10 @@
 """The Mohr-Coulomb limit with dilatancy and tension cut-off, as planes in principal stress.
 
-Compression positive, principal stresses sorted, largest first. A plane is ``normal . sigma <= offset``; plastic strain is
-a non-negative multiple of ``flow``::
+Compression positive, principal stresses sorted, largest first. A plane is ``normal . sigma <= offset``; plastic strain
+is a non-negative multiple of ``flow``::
 
-    sigma_i (1 - sin phi) - sigma_j (1 + sin phi) <= 2 c cos phi      shear, (i, j) = (1, 3), (1, 2), (2, 3); flow with psi
-    -sigma_i <= tension                                               tension cut-off, i = 3, 2, 1; associated flow
+    sigma_i (1 - sin phi) - sigma_j (1 + sin phi) <= 2 c cos phi    shear, (i, j) = (1, 3), (1, 2), (2, 3); flow: psi
+    -sigma_i <= tension                                             tension cut-off, i = 3, 2, 1; associated flow
 
 Where several planes meet (edges, apex, cut-off corners) up to three are active at once. :func:`active_planes` lists the
 sets in the order in which an update should try them; the first whose multipliers are non-negative and whose stress

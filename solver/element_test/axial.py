@@ -191,14 +191,17 @@ def confined_load(
 
 
 @kernel
-def creep_direction(axial: float, lateral: float, confined: bool, soil: SoftSoilCreep) -> tuple[float, float, float]:
+def creep_direction(
+    axial: float, lateral: float, confined: bool, soil: SoftSoilCreep
+) -> tuple[float, float, float, bool]:
     """How a specimen under constant axial stress moves while it creeps.
 
     Returns
     -------
-    axial_rate, lateral_rate, pace
+    axial_rate, lateral_rate, pace, held
         Strain rates for each unit of creep volume strain rate; and d(eps_v^c)/d(ln t) over mu* once creep is under way:
-        1 where stress is constant, less where p_eq falls while the soil creeps.
+        1 where stress is constant, less where p_eq falls while the soil creeps. ``held``: the lateral stress is at a
+        limit and stays there.
     """
     p, q = (axial + 2.0 * lateral) / 3.0, axial - lateral
     p_eq, dp_eq_dp, dp_eq_dq2, P, _ = equivalent_pressure(p, q * q, soil)
@@ -208,13 +211,13 @@ def creep_direction(axial: float, lateral: float, confined: bool, soil: SoftSoil
     deviator = 3.0 * dp_eq_dq2 / alpha * q
     axial_rate, lateral_rate = (1.0 + 2.0 * deviator) / 3.0, (1.0 - deviator) / 3.0
     if not confined:
-        return axial_rate, lateral_rate, 1.0
+        return axial_rate, lateral_rate, 1.0, False
     lower, upper, lower_flow, upper_flow = lateral_limits(axial, soil)
     tolerance = 1.0e-11 * (abs(axial) + abs(lateral))
     if lateral <= lower + tolerance and lateral_rate > 0.0:
-        return axial_rate + lower_flow * lateral_rate, 0.0, 1.0
+        return axial_rate + lower_flow * lateral_rate, 0.0, 1.0, True
     if lateral >= upper - tolerance and lateral_rate < 0.0:
-        return axial_rate + upper_flow * lateral_rate, 0.0, 1.0
+        return axial_rate + upper_flow * lateral_rate, 0.0, 1.0, True
     # The lateral stress changes so that elastic strain cancels lateral creep.
     tangent = elastic_strain(p, soil)[1]
     shear = 0.5 / soil.shear_ratio * tangent
@@ -222,4 +225,4 @@ def creep_direction(axial: float, lateral: float, confined: bool, soil: SoftSoil
     log_rate = stress_rate * (2.0 / 3.0 * dp_eq_dp - 2.0 * q * dp_eq_dq2) / p_eq
     resistance = 1.0 - (soil.lambda_star - soil.kappa_star) * log_rate
     pace = 1.0 / resistance if resistance > 0.0 else 1.0
-    return axial_rate + stress_rate * (2.0 / 3.0 * tangent - 2.0 * shear) / 3.0, 0.0, pace
+    return axial_rate + stress_rate * (2.0 / 3.0 * tangent - 2.0 * shear) / 3.0, 0.0, pace, False

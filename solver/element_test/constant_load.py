@@ -33,7 +33,8 @@ DIVERGED: Final = 1
 FAILED_SOIL: Final = 2
 
 _MAX_STEPS = 2000
-_LOCAL_SHARE = 0.25  # share of the tolerance granted to one step
+_KINK_SHARE = 0.1  # weight of the stress change in a step that reaches a limit
+_LOCAL_SHARE = 0.1  # share of the tolerance granted to one step
 _FIRST_SHARE = 0.1  # the first step of a stage is at least this share of it
 _NO_CREEP = -30.0  # ln(dt/theta) below which the creep strain, mu* dt/theta, is nothing
 _CUBIC_BULGE = 0.05  # largest value of the cubic part of Hermite's polynomial, 1/(12 sqrt 3), rounded up
@@ -167,7 +168,7 @@ def constant_load_history(
         now = 0.0
         point, last = firsts[stage], firsts[stage + 1]
         log_rate = _log_ratio(axial, lateral, log_pp, soil)
-        direction, lateral_direction, pace = creep_direction(axial, lateral, confined, soil)
+        direction, lateral_direction, pace, held = creep_direction(axial, lateral, confined, soil)
         steps = 0
         while now < duration:
             log_theta = math.log(soil.tau) - log_rate
@@ -185,6 +186,7 @@ def constant_load_history(
                 length = whole
             elif length > 0.5 * whole:
                 length = 0.5 * whole
+            scale = soil.kappa_star / ((axial + 2.0 * lateral) / 3.0 + soil.shift + soil.pressure_floor)
             while True:
                 steps += 1
                 if steps > _MAX_STEPS or not length > 1.0e-14 * whole:
@@ -195,7 +197,7 @@ def constant_load_history(
                 if not confined:
                     # Constant stress: one step is exact.
                     new_lat, new_pp, new_ax, new_ls = one_lat, one_pp, one_ax, one_ls
-                    error, factor = 0.0, 1.0
+                    error = 0.0
                 else:
                     two_lat, two_pp, two_ax, _, ok2 = _substeps(
                         2, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil
@@ -210,13 +212,18 @@ def constant_load_history(
                     new_pp = 4.5 * three_pp - 4.0 * two_pp + 0.5 * one_pp
                     new_ax = 4.5 * three_ax - 4.0 * two_ax + 0.5 * one_ax
                     new_ls = 0.0
-                    scale = soil.kappa_star / ((axial + 2.0 * lateral) / 3.0 + soil.shift + soil.pressure_floor)
                     error = abs(new_ax - 3.0 * three_ax + 2.0 * two_ax)
                     error = max(error, scale * abs(new_lat - 3.0 * three_lat + 2.0 * two_lat))
                     error = max(error, stiffness * abs(new_pp - 3.0 * three_pp + 2.0 * two_pp))
-                    factor = 0.9 * (local / error) ** (1.0 / 3.0) if error > 0.0 else 5.0
-                new_rate = _log_ratio(axial, new_lat, new_pp, soil)
-                new_direction, new_lateral_direction, new_pace = creep_direction(axial, new_lat, confined, soil)
+                    new_rate = _log_ratio(axial, new_lat, new_pp, soil)
+                new_direction, new_lateral_direction, new_pace, new_held = creep_direction(
+                    axial, new_lat, confined, soil
+                )
+                if new_held != held:
+                    # A limit was reached within the step: too late for the extrapolation to see. What happened must
+                    # be small itself.
+                    error = max(error, _KINK_SHARE * scale * abs(new_lat - lateral))
+                factor = 0.9 * (local / error) ** (1.0 / 3.0) if error > 0.0 else 5.0
                 # d strain/d s at both ends, times the length of the step: at this very state, or under way. Long steps
                 # in s (large beta) pass the transient between the two at once; the smoother cubic tells which holds.
                 speed, end_speed, bulge = _end_speeds(
@@ -262,7 +269,7 @@ def constant_load_history(
             lateral, log_pp = new_lat, new_pp
             axial_strain += new_ax
             lateral_strain += new_ls
-            log_rate, direction, pace = new_rate, new_direction, new_pace
+            log_rate, direction, pace, held = new_rate, new_direction, new_pace, new_held
             lateral_direction = new_lateral_direction
             if confined:
                 length *= min(factor, 4.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
+from solver.arrays import BoolArray, FloatArray, IntArray
 from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from solver.element_test.controls import Stage
 from solver.element_test.mixed_step import follow_stage
@@ -139,7 +139,7 @@ def _move(
     state: PointState,
     stage: Stage,
     rows: FloatArray,
-    of_stress: FloatArray,
+    of_stress: BoolArray,
     values: FloatArray,
     times: FloatArray,
     duration: float,

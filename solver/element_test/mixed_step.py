@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.arrays import BoolArray, FloatArray
 from solver.constitutive.creep_update import creep_update
-from solver.constitutive.soft_soil_creep import SoftSoilCreep
+from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from solver.constitutive.tensors import solve_dense
 from solver.jit import kernel
 
@@ -20,7 +20,10 @@ _HALVINGS: Final = 8
 _RESIDUAL: Final = 1.0e-12
 _MAX_STEPS: Final = 20000
 _SMALLEST_STEP: Final = 1.0e-13
-_LOCAL_SHARE: Final = 0.25
+_FIRST_MOVE: Final = 1.0e-3  # of the movement
+_FIRST_HOLD: Final = 0.02  # creep strain over kappa*
+_LOCAL_SHARE: Final = 0.1
+_KINK_SHARE: Final = 0.1
 
 
 @kernel
@@ -54,7 +57,7 @@ def mixed_step(
     log_pp: float,
     guess: FloatArray,
     soil: SoftSoilCreep,
-) -> tuple[FloatArray, FloatArray, float, bool]:
+) -> tuple[FloatArray, FloatArray, float, int]:
     """Strain increment for which all controls meet their targets, by Newton's method with line search.
 
     Parameters
@@ -69,23 +72,24 @@ def mixed_step(
 
     Returns
     -------
-    stress, strain_increment, log_pp, converged
+    stress, strain_increment, log_pp, active
+        ``active`` as in the update; -1 when no solution was found.
     """
     size = 1.0
     for k in range(3):
         size = max(size, abs(stress[k]))
     strain = guess.copy()
     residual, trial_residual = np.empty(6), np.empty(6)
-    new, tangent, new_pp, ok = creep_update(stress, strain, log_time, log_pp, soil)
-    if not ok:
+    new, tangent, new_pp, active = creep_update(stress, strain, log_time, log_pp, soil)
+    if active < 0:
         strain[:] = 0.0
-        new, tangent, new_pp, ok = creep_update(stress, strain, log_time, log_pp, soil)
-        if not ok:
-            return stress.copy(), strain, log_pp, False
+        new, tangent, new_pp, active = creep_update(stress, strain, log_time, log_pp, soil)
+        if active < 0:
+            return stress.copy(), strain, log_pp, -1
     worst = _residual(rows, of_stress, target, new, strain, size, residual)
     for _ in range(_ITERATIONS):
         if worst <= _RESIDUAL:
-            return new, strain, new_pp, True
+            return new, strain, new_pp, active
         matrix, right = np.zeros((6, 6)), np.empty((6, 1))
         for i in range(6):
             right[i, 0] = -residual[i]
@@ -96,13 +100,13 @@ def mixed_step(
                 else:
                     matrix[i, k] = rows[i, k]
         if not solve_dense(matrix, right):
-            return stress.copy(), strain, log_pp, False
+            return stress.copy(), strain, log_pp, -1
         step = 1.0
         accepted = False
         for _ in range(_HALVINGS):
             trial = strain + step * right[:, 0]
-            trial_stress, trial_tangent, trial_pp, ok = creep_update(stress, trial, log_time, log_pp, soil)
-            if ok:
+            trial_stress, trial_tangent, trial_pp, trial_active = creep_update(stress, trial, log_time, log_pp, soil)
+            if trial_active >= 0:
                 trial_worst = _residual(rows, of_stress, target, trial_stress, trial, size, trial_residual)
                 if trial_worst < (1.0 - 1.0e-4 * step) * worst or trial_worst <= _RESIDUAL:
                     accepted = True
@@ -110,11 +114,12 @@ def mixed_step(
             step *= 0.5
         if not accepted:
             # Rounding may stop the descent close to the solution.
-            return new, strain, new_pp, worst <= 100.0 * _RESIDUAL
+            return new, strain, new_pp, active if worst <= 100.0 * _RESIDUAL else -1
         strain, new, tangent, new_pp, worst = trial, trial_stress, trial_tangent, trial_pp, trial_worst
+        active = trial_active
         for i in range(6):
             residual[i] = trial_residual[i]
-    return new, strain, new_pp, False
+    return new, strain, new_pp, -1
 
 
 @kernel
@@ -127,13 +132,21 @@ def _substeps(
     begin: float,
     end: float,
     log_time: float,
+    log_length: float,
     stress: FloatArray,
     log_pp: float,
     guess: FloatArray,
     soil: SoftSoilCreep,
-) -> tuple[FloatArray, FloatArray, float, bool]:
-    """``count`` equal implicit substeps between two fractions of the controls' way; strain is the increment."""
+) -> tuple[FloatArray, FloatArray, float, int]:
+    """``count`` implicit substeps between two fractions of the controls' way; strain is the increment.
+
+    Substeps are equal in time, ``log_time`` being ln(time/tau) of all; or, for ``log_length`` above 0, equal in
+    logarithmic time s = 0 .. ``log_length``, ``log_time`` then being ln(theta/tau).
+    """
     strain = np.zeros(6)
+    active = -1
+    share = log_time - math.log(count)
+    s = log_length / count
     target = np.empty(6)
     piece = guess / count
     for step in range(1, count + 1):
@@ -143,11 +156,30 @@ def _substeps(
                 target[i] = start_values[i] + (values[i] - start_values[i]) * fraction
             else:
                 target[i] = values[i] * (end - begin) / count
-        stress, piece, log_pp, ok = mixed_step(rows, of_stress, target, stress, log_time, log_pp, piece, soil)
-        if not ok:
-            return stress, strain, log_pp, False
+        if log_length > 0.0:
+            share = log_time + step * s + math.log(-math.expm1(-s))
+        stress, piece, log_pp, active = mixed_step(rows, of_stress, target, stress, share, log_pp, piece, soil)
+        if active < 0:
+            return stress, strain, log_pp, active
         strain = strain + piece
-    return stress, strain, log_pp, True
+    return stress, strain, log_pp, active
+
+
+@kernel
+def _log_rate(stress: FloatArray, log_pp: float, soil: SoftSoilCreep) -> float:
+    """beta ln(p_eq/p_p): the logarithm of the creep rate over mu*/tau."""
+    p = (stress[0] + stress[1] + stress[2]) / 3.0
+    q2 = 0.0
+    for k in range(3):
+        q2 += 1.5 * (stress[k] - p) ** 2 + 3.0 * stress[k + 3] ** 2
+    p_eq = equivalent_pressure(p, q2, soil)[0]
+    return (soil.lambda_star - soil.kappa_star) / soil.mu_star * (math.log(p_eq) - log_pp)
+
+
+@kernel
+def _softplus(x: float) -> float:
+    """ln(1 + exp(x)) without overflow."""
+    return x + math.log1p(math.exp(-x)) if x > 0.0 else math.log1p(math.exp(x))
 
 
 @kernel
@@ -166,7 +198,8 @@ def follow_stage(
 ) -> tuple[bool, float, FloatArray, FloatArray, FloatArray]:
     """Follow one movement of the controls, or one hold, with error-controlled steps.
 
-    One, two and three implicit substeps a step are extrapolated to third order; the difference between second and
+    A hold is stepped in the logarithmic time of :mod:`solver.element_test.constant_load`. One, two and three implicit
+    substeps a step are extrapolated to third order; the difference between second and
     third order, in strain (stress scaled by the elastic, ln p_p by the plastic compliance), is the error. Every
     requested time ends a step.
 
@@ -202,35 +235,44 @@ def follow_stage(
             goal[i] = values[i]
     local = _LOCAL_SHARE * tolerance
     hardening = soil.lambda_star - soil.kappa_star
-    length, now = 1.0e-3, 0.0
+    holding = duration > 0.0 and not moving
+    length, now = (_FIRST_HOLD * soil.kappa_star / soil.mu_star if holding else _FIRST_MOVE), 0.0
     guess, guess_length = np.zeros(6), 1.0
-    steps = 0
+    steps, limit = 0, 0
     for point in range(count):
         until = times[point] / duration if duration > 0.0 else 1.0
         while now < until:
+            # Length of a step: a fraction of the movement, or logarithmic time in a hold.
+            whole, log_time, log_length = until - now, -math.inf, 0.0
+            if holding:
+                log_time = -_log_rate(stress, log_pp, soil)
+                whole = _softplus(math.log((until - now) * duration / soil.tau) - log_time)
             steps += 1
-            if steps > _MAX_STEPS or length < _SMALLEST_STEP:
+            if steps > _MAX_STEPS or length < _SMALLEST_STEP * whole:
                 return False, now, stresses, strains, log_pps
-            end = now + length
-            cut = end >= until * (1.0 - 1.0e-12)
-            if cut:
-                end = until
-            size = end - now
-            log_time = math.log(duration * size / soil.tau) if duration > 0.0 else -math.inf
+            cut = length >= 0.999999 * whole
+            size = whole if cut else length
+            end = until if cut else now + size
+            if holding:
+                log_length = size
+                if not cut:
+                    end = now + math.exp(log_time + size + math.log(-math.expm1(-size))) * soil.tau / duration
+            elif duration > 0.0:
+                log_time = math.log(duration * size / soil.tau)
             expected = guess * (size / guess_length)
-            third, half = log_time - math.log(3.0), log_time - math.log(2.0)
-            s1, e1, h1, ok = _substeps(
-                1, rows, of_stress, goal, start_values, now, end, log_time, stress, log_pp, expected, soil
+            s1, e1, h1, active = _substeps(
+                1, rows, of_stress, goal, start_values, now, end, log_time, log_length, stress, log_pp, expected, soil
             )
-            if ok:
-                s2, e2, h2, ok = _substeps(
-                    2, rows, of_stress, goal, start_values, now, end, half, stress, log_pp, e1, soil
+            s2, e2, h2, s3, e3, h3 = s1, e1, h1, s1, e1, h1
+            if active >= 0:
+                s2, e2, h2, active = _substeps(
+                    2, rows, of_stress, goal, start_values, now, end, log_time, log_length, stress, log_pp, e1, soil
                 )
-            if ok:
-                s3, e3, h3, ok = _substeps(
-                    3, rows, of_stress, goal, start_values, now, end, third, stress, log_pp, e1, soil
+            if active >= 0:
+                s3, e3, h3, active = _substeps(
+                    3, rows, of_stress, goal, start_values, now, end, log_time, log_length, stress, log_pp, e1, soil
                 )
-            if not ok:
+            if active < 0:
                 length = 0.25 * size
                 continue
             new_stress = 4.5 * s3 - 4.0 * s2 + 0.5 * s1
@@ -242,6 +284,11 @@ def follow_stage(
             for k in range(6):
                 error = max(error, abs(new_strain[k] - 3.0 * e3[k] + 2.0 * e2[k]))
                 error = max(error, compliance * abs(new_stress[k] - 3.0 * s3[k] + 2.0 * s2[k]))
+            if active != limit:
+                # A limit was reached or left within the step: too late for the extrapolation to see. What happened
+                # must be small itself.
+                for k in range(6):
+                    error = max(error, _KINK_SHARE * compliance * abs(new_stress[k] - stress[k]))
             factor = 5.0
             if error > 0.0:
                 factor = min(5.0, max(0.1, 0.9 * (local / error) ** (1.0 / 3.0)))
@@ -249,7 +296,7 @@ def follow_stage(
                 length = size * min(factor, 0.9) if error < math.inf else 0.25 * size
                 continue
             now = end
-            stress, log_pp = new_stress, new_pp
+            stress, log_pp, limit = new_stress, new_pp, active
             strain = strain + new_strain
             guess, guess_length = new_strain, size
             # A step that was cut short to end at a time says nothing against the longer one planned.

@@ -74,7 +74,7 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
     )
     tolerance: float = Field(
-        1.0e-5, ge=1.0e-9, le=1.0e-2, description="Admitted time integration error, as axial logarithmic strain."
+        2.0e-5, ge=1.0e-9, le=1.0e-2, description="Admitted time integration error, as axial logarithmic strain."
     )
     initial_void_ratio: float | None = Field(
         None, gt=0.0, description="Void ratio before the first stage; needed by the series stage_void_ratio."
