@@ -68,7 +68,9 @@ def test_every_test_asserts() -> None:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_"):
                 text = ast.unparse(node)
-                if not re.search(r"\bassert|pytest\.(raises|warns|fail)", text):
+                if not re.search(
+                    r"\bassert|\b(assert_|check_|expect_|wait_until)\w*\(|pytest\.(raises|warns|fail)", text
+                ):
                     silent.append(f"{label(path)}::{node.name}")
     assert silent == []
 
