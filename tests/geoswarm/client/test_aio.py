@@ -1,0 +1,165 @@
+"""The asynchronous client against a real service; it shares everything but input and output with the other one."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import inspect
+import json
+import time
+from pathlib import Path
+
+import pytest
+
+from geoswarm import (
+    AsyncClient,
+    Client,
+    ConnectionFailedError,
+    InvalidProblemError,
+    JobFailedError,
+    NotFoundError,
+    WaitTimeoutError,
+)
+from geoswarm.client import Event
+from solver.local import calibrate
+from solver.problem import parse_problem
+from tests.api.conftest import LiveServer, line_problem, live_server
+from workers.engine import Engine
+
+
+def public(kind: type) -> dict[str, inspect.Signature]:
+    return {
+        name: inspect.signature(member)
+        for name, member in inspect.getmembers(kind, inspect.isfunction)
+        if not name.startswith("_")
+    }
+
+
+def test_both_clients_have_the_same_methods() -> None:
+    ours, theirs = public(AsyncClient), public(Client)
+    assert set(ours) == set(theirs)
+    assert len(ours) == 22
+    for name, signature in ours.items():
+        assert signature.parameters == theirs[name].parameters, name
+        expected = theirs[name].return_annotation.replace("Iterator[", "AsyncIterator[")
+        assert signature.return_annotation == expected, name
+        assert inspect.getdoc(getattr(AsyncClient, name)) == inspect.getdoc(getattr(Client, name)), name
+
+
+def test_submit_wait_and_read_the_result(server: LiveServer, tmp_path: Path) -> None:
+    (tmp_path / "problem.json").write_text(json.dumps(line_problem()))
+    events: list[Event] = []
+
+    async def session() -> None:
+        async with AsyncClient(server.url) as client:
+            assert (await client.check(tmp_path / "problem.json")).planned_evaluations == 60
+            submitted = await client.submit(tmp_path / "problem.json", idempotency_key="async-1")
+            assert (await client.submit(line_problem(), idempotency_key="async-1")).id == submitted.id
+            job = await client.wait(submitted.id, timeout=60, on_event=events.append)
+            assert job.objective == calibrate(parse_problem(line_problem())).objective
+            assert (await client.best(job.id)).parameters == job.parameters
+            assert len(await client.generations(job.id)) == 10
+            assert (await client.problem(job.id))["name"] == "line"
+            page = await client.evaluations(job.id, limit=5)
+            every = [evaluation async for evaluation in client.iterate_evaluations(job.id)]
+            assert len(every) == 60
+            assert every[:5] == page.items
+            path = await client.download_evaluations(job.id, tmp_path / "out.csv")
+            with path.open(newline="") as file:
+                assert [float(row["objective"]) for row in csv.DictReader(file)] == [e.objective for e in every]
+            assert [event async for event in client.events(job.id)] == events
+            assert job.id in [found.id async for found in client.iterate_jobs()]
+            await client.delete(job.id)
+
+    asyncio.run(session())
+    assert events[-1].ends_job
+
+
+def test_steering_and_the_catalogue(server: LiveServer) -> None:
+    async def session() -> None:
+        async with AsyncClient(server.url) as client:
+            job = await client.submit(line_problem(stopping={"max_seconds": 600}))
+            assert (await client.pause(job.id)).state == "paused"
+            assert (await client.resume(job.id)).state in ("queued", "running")
+            began = time.monotonic()
+            with pytest.raises(WaitTimeoutError):
+                await client.wait(job.id, timeout=0.5)
+            assert 0.5 <= time.monotonic() - began < 1.5
+            waiting = asyncio.create_task(client.wait(job.id, timeout=30))
+            await asyncio.sleep(0.2)
+            assert (await client.cancel(job.id)).state == "cancelled"
+            assert (await waiting).state == "cancelled"
+            assert (await client.list(limit=1)).items[0].id == job.id
+            assert (await client.health()).ok
+            assert len(await client.workers()) == 1
+            assert (await client.forward_model("formula")).depends_on_section
+            assert "formula" in [info.kind for info in await client.forward_models()]
+
+    asyncio.run(session())
+
+
+def test_errors_are_the_same(server: LiveServer, free_port: int, tmp_path: Path) -> None:
+    async def session() -> None:
+        async with AsyncClient(server.url) as client:
+            with pytest.raises(InvalidProblemError) as caught:
+                await client.submit(line_problem(name=3))
+            assert [issue.path for issue in caught.value.issues] == ["name"]
+            with pytest.raises(NotFoundError):
+                await client.wait("nobody")
+            with pytest.raises(NotFoundError):
+                await client.download_evaluations("nobody", tmp_path / "out.csv")
+            assert list(tmp_path.iterdir()) == []
+        async with AsyncClient(f"http://127.0.0.1:{free_port}") as client:
+            with pytest.raises(ConnectionFailedError, match="'geoswarm serve' starts one"):
+                await client.list()
+
+    asyncio.run(session())
+
+
+def test_a_failed_job_raises(server: LiveServer, engine: Engine) -> None:
+    async def session() -> None:
+        async with AsyncClient(server.url) as client:
+            job = await client.submit(line_problem(stopping={"max_seconds": 600}))
+            await client.pause(job.id)
+            engine.service.store.write(
+                lambda connection: connection.exec_driver_sql(
+                    f"update jobs set state = 'failed', error = 'the disk is full' where id = '{job.id}'"
+                )
+            )
+            with pytest.raises(JobFailedError, match="the disk is full"):
+                await client.wait(job.id, timeout=2)
+
+    asyncio.run(session())
+
+
+def test_events_survive_a_restart_of_the_service(engine: Engine) -> None:
+    async def session() -> tuple[list[int], str]:
+        first = live_server(engine.service)
+        server = first.__enter__()
+        port = server.listener.getsockname()[1]
+        async with AsyncClient(server.url, patience=20) as client:
+            job = await client.submit(line_problem(stopping={"max_seconds": 600}))
+            seen: list[int] = []
+            reached = asyncio.Event()
+
+            async def follow() -> None:
+                async for event in client.events(job.id):
+                    seen.append(event.id)
+                    if len(seen) > 3:
+                        reached.set()
+
+            following = asyncio.create_task(follow())
+            await asyncio.wait_for(reached.wait(), 20)
+            await asyncio.to_thread(first.__exit__, None, None, None)
+            second = live_server(engine.service, port=port)
+            await asyncio.to_thread(second.__enter__)
+            engine.service.cancel(job.id)
+            await asyncio.wait_for(following, 30)
+            await asyncio.to_thread(second.__exit__, None, None, None)
+            return seen, job.id
+
+    seen, job_id = asyncio.run(session())
+    stored: list[int] = []
+    while batch := engine.service.events(job_id, after=stored[-1] if stored else 0):
+        stored += [view.id for view in batch]
+    assert seen == stored
