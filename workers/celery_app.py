@@ -47,6 +47,7 @@ def create_celery(settings: Settings) -> Celery:
         task_publish_retry=False,
         worker_prefetch_multiplier=1,
         worker_disable_prefetch=True,  # a ring must not wait behind a long evaluation while another worker is idle
+        worker_proc_alive_timeout=60.0,  # a pool process may have to wait for the database
         worker_hijack_root_logger=False,
         worker_enable_remote_control=False,
         worker_send_task_events=False,

@@ -338,6 +338,6 @@ def _decode_cursor(cursor: str, *types: type) -> Any:
         raise InvalidCursorError(cursor) from None
     if not isinstance(key, list) or [type(part) for part in key] != list(types):
         raise InvalidCursorError(cursor)
-    if any(isinstance(part, int) and not 0 <= part < 2**31 for part in key):
+    if not all(isinstance(part, str) or 0 <= part < 2**40 for part in key):
         raise InvalidCursorError(cursor)
     return tuple(key)

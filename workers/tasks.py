@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from celery import current_app, shared_task
-from celery.signals import worker_process_init, worker_process_shutdown
+from celery.signals import worker_init, worker_process_init, worker_process_shutdown
 
 from workers.celery_app import SERVE_TASK, CeleryDoorbell
 from workers.identity import Identity
@@ -32,6 +32,11 @@ class _Process:
 _process: _Process | None = None
 
 
+@worker_init.connect  # type: ignore[untyped-decorator]
+def _warm_up(**_: Any) -> None:
+    warm_up()  # before the fork: every pool process, restarted ones too, begins with the forward models loaded
+
+
 @worker_process_init.connect  # type: ignore[untyped-decorator]
 def _open(**_: Any) -> None:
     global _process
@@ -42,7 +47,6 @@ def _open(**_: Any) -> None:
     worker.start()
     sweeper = Sweeper(worker.runtime, doorbell)
     sweeper.start()
-    warm_up()
     _process = _Process(store, doorbell, worker, sweeper)
 
 
@@ -60,5 +64,7 @@ def _close(**_: Any) -> None:
 @shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]
 def serve(job_id: str) -> None:
     """Answer a ring: this job may have work."""
+    if _process is None:
+        _open()  # the database did not answer when this process began
     if _process is not None:
         _process.worker.serve(job_id)

@@ -46,6 +46,9 @@ class Store:
         except (SQLAlchemyError, OSError) as error:
             self.engine.dispose()
             raise self._unavailable(error) from error
+        except StoreUnavailableError:
+            self.engine.dispose()
+            raise
 
     def read(self, function: Callable[[Connection], Result]) -> Result:
         """Run a function that only reads, in one transaction; once more when the connection turns out to be dead.

@@ -196,7 +196,7 @@ def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:
         "created_at": database_now(),
     } | dict(values)
     upsert = sqlite_insert if connection.dialect.name == "sqlite" else postgresql_insert
-    if connection.execute(upsert(jobs).values(row).on_conflict_do_nothing()).rowcount == 0:
+    if connection.scalar(upsert(jobs).values(row).on_conflict_do_nothing().returning(jobs.c.id)) is None:
         return False
     data = pack_json({"state": "queued", "stop_reasons": [], "error": None})
     connection.execute(insert(events).values(job_id=values["id"], kind="state", data=data, created_at=database_now()))

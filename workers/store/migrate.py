@@ -60,12 +60,12 @@ def _revision(connection: Connection) -> str | None:
 
 
 def _run_migrations(connection: Connection) -> None:
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # one line of ours instead of its many
     # Imported here: a process that finds the schema current saves the time.
     from alembic import command
     from alembic.config import Config
     from alembic.util.exc import CommandError
 
-    logging.getLogger("alembic").setLevel(logging.WARNING)  # its own account of one line's worth
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).with_name("migrations")).replace("%", "%%"))
     config.set_main_option("path_separator", "os")

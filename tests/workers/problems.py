@@ -1,0 +1,64 @@
+"""Small problems for the engine, with answers that are known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from solver.calibration import Calibration
+from solver.local import calibrate
+from solver.problem import Problem, parse_problem
+from workers.service import JobService
+
+__all__ = ["History", "expected_history", "line", "recorded_history"]
+
+History = list[tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[str, list[float]]]]
+
+
+def line(**changes: Any) -> Problem:
+    """A straight line y = 2 x + 1 through four points; ``changes`` replace sections of the document."""
+    document: dict[str, Any] = {
+        "name": "line",
+        "forward_model": {"kind": "formula", "series": {"y": "a * x + b"}},
+        "parameters": {"a": {"lower": 0, "upper": 5}, "b": {"lower": -5, "upper": 5}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1, 3, 5, 7]}}],
+        "method": {"kind": "particle_swarm", "particles": 6},
+        "stopping": {"max_evaluations": 120},
+        "seed": 7,
+    }
+    return parse_problem(document | changes)
+
+
+def expected_history(problem: Problem) -> History:
+    """Every evaluation of the in-process run, in order."""
+    return [
+        (
+            record.generation,
+            record.particle,
+            tuple(record.evaluation.parameters.tolist()),
+            record.evaluation.objective,
+            record.evaluation.misfits,
+            {series: values.tolist() for series, values in record.evaluation.responses.items()},
+        )
+        for record in calibrate(problem).history
+    ]
+
+
+def recorded_history(service: JobService, job_id: str) -> History:
+    """Every evaluation that the engine has stored, in order."""
+    return [
+        (
+            view.generation,
+            view.particle,
+            tuple(view.parameters.values()),
+            view.objective,
+            view.misfits,
+            {series: curve["y"] for series, curve in (view.responses or {}).items()},
+        )
+        for view in service.iterate_evaluations(job_id, responses=True)
+    ]
+
+
+def calibration(problem: Problem) -> Calibration:
+    """The problem made ready, with its own seed."""
+    assert problem.seed is not None
+    return Calibration(problem, problem.seed)

@@ -1,0 +1,137 @@
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from solver.errors import InfeasibleSpaceError
+from tests.workers.problems import calibration, line
+from workers.coordinator.machine import (
+    ENDED_STATES,
+    CancelRequested,
+    DispatchGeneration,
+    FinishJob,
+    GenerationJoined,
+    Job,
+    JobBroken,
+    JobEvent,
+    JobStarted,
+    Joined,
+    PauseRequested,
+    PublishEvent,
+    RecordGeneration,
+    ResumeRequested,
+    RingDoorbell,
+    Transition,
+    apply,
+)
+from workers.errors import InvalidTransitionError
+
+PROBLEM = line(stopping={"max_evaluations": 24})
+CALIBRATION = calibration(PROBLEM)
+START = CALIBRATION.start()
+SUCCESS = st.floats(0, 1e6)
+RESULTS = st.lists(
+    st.one_of(
+        st.builds(Joined, SUCCESS), st.sampled_from([Joined(None, "diverged", "no"), Joined(None, "not_finite")])
+    ),
+    min_size=6,
+    max_size=6,
+)
+EVENTS: st.SearchStrategy[JobEvent] = st.one_of(
+    st.just(JobStarted(START)),
+    st.builds(GenerationJoined, st.integers(0, 4), RESULTS, st.floats(0, 100)),
+    st.sampled_from([CancelRequested(), PauseRequested(), ResumeRequested()]),
+    st.just(JobBroken("gone")),
+)
+
+
+def run(events: Sequence[JobEvent]) -> list[Transition]:
+    transitions = [Transition(Job())]
+    for event in events:
+        try:
+            transitions.append(apply(transitions[-1].job, event, CALIBRATION))
+        except InvalidTransitionError:
+            continue
+    return transitions
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(EVENTS, max_size=25))
+def test_invariants_hold_whatever_the_order(events: list[JobEvent]) -> None:
+    transitions = run(events)
+    dispatched: list[int] = []
+    recorded: list[int] = []
+    for before, after in itertools.pairwise(transitions):
+        job, instructions = after.job, after.instructions
+        assert job.generations - before.job.generations in (0, 1)
+        assert job.generation >= before.job.generation
+        if before.job.state in ENDED_STATES:
+            assert job == before.job
+            assert instructions == ()
+        dispatched += [i.generation for i in instructions if isinstance(i, DispatchGeneration)]
+        recorded += [i.record.number for i in instructions if isinstance(i, RecordGeneration)]
+        assert any(isinstance(i, FinishJob) for i in instructions) == (
+            job.state in ENDED_STATES and before.job.state not in ENDED_STATES
+        )
+        if job.state != before.job.state:
+            assert any(isinstance(i, PublishEvent) and i.kind == "state" for i in instructions)
+        if job.progress is not None:
+            assert job.progress.evaluations == 6 * job.generations
+            assert job.progress.failed == sum(job.failures.values())
+    assert dispatched == list(range(len(dispatched)))  # each once, in order
+    assert recorded == list(range(len(recorded)))
+    assert len(recorded) <= len(dispatched) <= len(recorded) + 1
+
+
+def test_a_generation_that_joins_twice_counts_once() -> None:
+    started = apply(Job(), JobStarted(START)).job
+    event = GenerationJoined(0, [Joined(float(i)) for i in range(6)], 1.0)
+    once = apply(started, event, CALIBRATION)
+    twice = apply(once.job, event, CALIBRATION)
+    assert once.job.generations == 1
+    assert twice == Transition(once.job)
+
+
+def test_pause_keeps_the_state_of_the_search() -> None:
+    started = apply(Job(), JobStarted(START)).job
+    paused = apply(started, PauseRequested()).job
+    resumed = apply(paused, ResumeRequested())
+    assert paused.state == "paused"
+    assert resumed.job.progress is START
+    assert any(isinstance(i, RingDoorbell) for i in resumed.instructions)
+
+
+def test_a_job_paused_before_its_start_is_queued_again() -> None:
+    paused = apply(Job(), PauseRequested()).job
+    assert apply(paused, JobStarted(START)) == Transition(paused)
+    assert apply(paused, ResumeRequested()).job.state == "queued"
+
+
+def test_without_one_success_the_job_fails_with_the_reasons_counted() -> None:
+    job = apply(Job(), JobStarted(START)).job
+    results = [Joined(None, "diverged", "step 3")] * 4 + [Joined(None, "not_finite", "y")] * 2
+    while job.state == "running":
+        job = apply(job, GenerationJoined(job.generation, results, 1.0), CALIBRATION).job
+    assert job.state == "failed"
+    assert job.error == "all 24 evaluations failed (16 diverged, 8 not_finite); first message: step 3"
+
+
+def test_an_infeasible_space_fails_the_job_with_its_message() -> None:
+    ended = apply(Job(), JobStarted(InfeasibleSpaceError("nothing satisfies a > b")))
+    assert (ended.job.state, ended.job.error) == ("failed", "nothing satisfies a > b")
+
+
+@pytest.mark.parametrize("event", [PauseRequested(), ResumeRequested(), CancelRequested()])
+def test_an_ended_job_refuses_requests_and_says_what_is_accepted(event: JobEvent) -> None:
+    with pytest.raises(InvalidTransitionError, match=r"cannot \w+ a job that is finished; accepted states: "):
+        apply(Job(state="finished"), event)
+
+
+def test_joining_too_few_results_is_an_error_of_the_program() -> None:
+    started = apply(Job(), JobStarted(START)).job
+    with pytest.raises(ValueError, match="joins 1 results of 6 particles"):
+        apply(started, GenerationJoined(0, [Joined(1.0)], 1.0), CALIBRATION)

@@ -1,0 +1,335 @@
+"""The runtime against real databases, driven step by step from one thread."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from sqlalchemy import select, update
+
+from solver.calibration import Calibration
+from tests.workers.conftest import MakeWorker
+from tests.workers.problems import calibration, expected_history, line, recorded_history
+from workers.coordinator.runtime import Runtime
+from workers.coordinator.work import Claim, Exchange, HandIn, Result
+from workers.service import JobService
+from workers.settings import Settings
+from workers.store import Store
+from workers.store.tables import attempts, evaluations, jobs
+
+PROBLEM = line(stopping={"max_evaluations": 60})
+CALIBRATION = calibration(PROBLEM)
+EXPECTED = expected_history(PROBLEM)
+
+
+class Hand:
+    """A worker that does only what it is told."""
+
+    def __init__(self, runtime: Runtime, job_id: str, name: str, calibration: Calibration = CALIBRATION) -> None:
+        self.runtime = runtime
+        self.job_id = job_id
+        self.name = name
+        self.calibration = calibration
+        self.claim: Claim | None = None
+
+    def exchange(self, hand_in: HandIn, *, want: bool = True) -> Exchange:
+        answer = self.runtime.exchange(
+            self.job_id, self.name, self.calibration, hand_in, live_workers=2, want=want, taken_up=True
+        )
+        if answer.queued:
+            self.runtime.start(self.job_id, self.calibration.start())
+            return self.exchange(hand_in, want=want)
+        self.claim = answer.claim
+        return answer
+
+    def take(self) -> Exchange:
+        return self.exchange(HandIn())
+
+    def results(self, count: int | None = None) -> HandIn:
+        claim = self.claim
+        assert claim is not None
+        triples = list(zip(claim.particles, claim.attempts, claim.positions, strict=True))[:count]
+        results = [Result(p, a, self.calibration.evaluate(x), claim.now, claim.now + 1.0) for p, a, x in triples]
+        return HandIn(claim, (), claim.generation, results)
+
+    def hand_in(self, count: int | None = None, *, want: bool = True) -> Exchange:
+        return self.exchange(self.results(count), want=want)
+
+
+def runtime_for(store: Store, settings: Settings, **changes: float) -> Runtime:
+    return Runtime(store, settings.model_copy(update={"burst_seconds": 0.0} | changes))
+
+
+def finish(hand: Hand) -> None:
+    hand.take()
+    while hand.claim is not None:
+        hand.hand_in()
+
+
+@pytest.fixture
+def job_id(service: JobService) -> str:
+    return service.submit(PROBLEM)[0].id
+
+
+def lost_tries(store: Store) -> list[tuple[int, int, str, str]]:
+    statement = select(attempts.c.particle, attempts.c.number, attempts.c.worker, attempts.c.outcome)
+    return [tuple(row) for row in store.read(lambda c: c.execute(statement.order_by(attempts.c.id)).all())]
+
+
+def test_expensive_or_unknown_runs_go_one_by_one_and_cheap_ones_in_chunks(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings)
+    hand = Hand(runtime, job_id, "w1")
+    hand.take()
+    sizes = []
+    while hand.claim is not None:
+        sizes.append(len(hand.claim.particles))
+        hand.hand_in()
+    assert sizes[:6] == [1] * 6
+    assert set(sizes[6:]) == {3}
+    assert recorded_history(service, job_id) == EXPECTED
+
+
+def test_the_first_result_counts_and_a_late_one_is_recorded(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings)
+    slow, fast = Hand(runtime, job_id, "slow"), Hand(runtime, job_id, "fast")
+    slow.take()
+    assert slow.claim is not None
+    late = slow.results()
+    assert runtime.expire(job_id, 0, ["slow"]) == 1
+    finish(fast)
+    assert service.get(job_id).state == "finished"
+    assert slow.exchange(late).claim is None
+    assert lost_tries(store) == [(0, 1, "slow", "worker_lost"), (0, 1, "slow", "late")]
+    assert recorded_history(service, job_id) == EXPECTED
+    first = service.evaluations(job_id, limit=1).items[0]
+    assert (first.worker, first.attempts) == ("fast", 2)
+
+
+def test_a_result_that_arrives_before_its_second_try_counts(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings)
+    first, second = Hand(runtime, job_id, "w1"), Hand(runtime, job_id, "w2")
+    first.take()
+    runtime.expire(job_id, 0, ["w1"])
+    second.take()
+    assert second.claim is not None
+    assert second.claim.particles == (0,)
+    assert second.claim.attempts == (2,)
+    first.hand_in(want=False)
+    assert service.evaluations(job_id, limit=1).items[0].worker == "w1"
+    second.hand_in()
+    finish(second)
+    assert ("late" in {outcome for *_, outcome in lost_tries(store)}) is True
+    assert recorded_history(service, job_id) == EXPECTED
+
+
+def test_an_exchange_whose_answer_was_lost_can_be_repeated(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    hand = Hand(runtime_for(store, settings), job_id, "w1")
+    hand.take()
+    hand_in = hand.results()
+    first = hand.exchange(hand_in)
+    again = hand.exchange(hand_in)
+    assert first.claim is not None
+    assert again.claim is not None
+    assert (again.claim.particles, again.claim.attempts) == (first.claim.particles, first.claim.attempts)
+    finish(hand)
+    assert lost_tries(store) == []
+    assert {e.attempts for e in service.iterate_evaluations(job_id)} == {1}
+    assert recorded_history(service, job_id) == EXPECTED
+
+
+def test_what_was_not_begun_is_given_back_untouched(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    store.write(lambda c: c.execute(update(jobs).values(typical_seconds=0.001)))
+    runtime = runtime_for(store, settings)
+    hand = Hand(runtime, job_id, "w1")
+    hand.take()
+    assert hand.claim is not None
+    assert hand.claim.particles == (0, 1, 2)
+    hand.hand_in(1, want=False)
+    states = [(e.state, e.attempts) for e in service.evaluations(job_id).items]
+    assert states == [("finished", 1)] + [("pending", 0)] * 5
+
+
+def test_a_poisonous_evaluation_fails_alone_after_three_lost_workers(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    store.write(lambda c: c.execute(update(jobs).values(typical_seconds=0.001)))
+    runtime = runtime_for(store, settings)
+    for i in range(3):
+        victim = Hand(runtime, job_id, f"victim{i}")
+        victim.take()
+        assert victim.claim is not None
+        # The chunk of the first victim takes its neighbours with it; later it is alone.
+        assert victim.claim.particles == ((0, 1, 2) if i == 0 else (0,))
+        runtime.expire(job_id, 0, [f"victim{i}"])
+    finish(Hand(runtime, job_id, "survivor"))
+    poisoned, *others = service.evaluations(job_id, limit=1000).items
+    assert (poisoned.state, poisoned.reason, poisoned.attempts) == ("failed", "worker_lost", 3)
+    assert poisoned.message is not None
+    assert "victim2" in poisoned.message
+    assert {e.state for e in others} == {"finished"}
+    assert service.get(job_id).failed_evaluations == 1
+    assert service.get(job_id).state == "finished"
+
+
+def test_leases_end_by_the_database_clock_unless_renewed(
+    store: Store, settings: Settings, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings, lease_seconds=0.4)
+    hand = Hand(runtime, job_id, "w1")
+    hand.take()
+    assert hand.claim is not None
+    time.sleep(0.3)
+    runtime.renew(hand.claim, "w1")
+    time.sleep(0.3)
+    assert runtime.expire(job_id, 0, []) == 0
+    time.sleep(0.3)
+    assert runtime.expire(job_id, 0, []) == 1
+    assert runtime.expire(job_id, 0, []) == 0
+
+
+def test_pause_keeps_results_and_resume_goes_on_with_the_same_bits(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    hand = Hand(runtime_for(store, settings), job_id, "w1")
+    hand.take()
+    for _ in range(8):
+        hand.hand_in()
+    assert service.pause(job_id).state == "paused"
+    assert hand.hand_in().claim is None  # kept, but nothing new is handed out
+    done = len(service.evaluations(job_id, state="finished", limit=1000).items)
+    assert hand.take().claim is None
+    assert service.resume(job_id).state == "running"
+    finish(hand)
+    assert done > 6
+    assert recorded_history(service, job_id) == EXPECTED
+    states = [event.data["state"] for event in service.events(job_id) if event.kind == "state"]
+    assert states == ["queued", "running", "paused", "running", "finished"]
+
+
+def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
+    store: Store, settings: Settings, service: JobService, make_worker: MakeWorker, job_id: str
+) -> None:
+    runtime = Runtime(store, settings)
+    store.write(lambda c: c.execute(update(jobs).values(typical_seconds=1e-5)))
+    hand = Hand(runtime, job_id, "w1")
+    hand.take()
+    assert hand.claim is not None
+    assert hand.claim.job is not None
+    worker = make_worker()
+    whole = worker._run(hand.claim, CALIBRATION)
+    assert len(whole.leaps) == 10
+    service.pause(job_id)
+    assert hand.exchange(whole).claim is None
+    view = service.get(job_id)
+    assert (view.state, view.generations) == ("paused", 0)
+    assert len(service.evaluations(job_id, state="finished").items) == 6
+    service.resume(job_id)
+    other = Hand(runtime_for(store, settings), job_id, "w2")
+    other.take()
+    other.hand_in()
+    hand.exchange(whole)  # far too late
+    finish(other)
+    assert recorded_history(service, job_id) == EXPECTED
+    assert [g.number for g in service.generations(job_id)] == list(range(10))
+
+
+def test_cancel_in_mid_generation_stops_dispatch(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    hand = Hand(runtime_for(store, settings), job_id, "w1")
+    hand.take()
+    service.cancel(job_id)
+    assert hand.hand_in().claim is None
+    states = [e.state for e in service.evaluations(job_id).items]
+    assert states == ["finished"] + ["pending"] * 5
+
+
+def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Settings, service: JobService) -> None:
+    problem = line(stopping={"max_evaluations": 10**6, "max_seconds": 1.5})
+    job_id = service.submit(problem)[0].id
+    made = calibration(problem)
+    hand = Hand(runtime_for(store, settings, lease_seconds=0.5), job_id, "w1", made)
+    hand.take()
+    service.pause(job_id)
+    # A pause, and an engine that was down for a day: neither counts.
+    time.sleep(0.5)
+    service.resume(job_id)
+    store.write(lambda c: c.execute(update(jobs).values(clock_at=jobs.c.clock_at - 86400.0)))
+    for _ in range(6):
+        hand.hand_in()
+        if hand.claim is None:
+            hand.take()
+    seconds = service.get(job_id).seconds
+    assert seconds is not None
+    assert 0.4 < seconds < 1.2
+    assert service.get(job_id).state == "running"
+    store.write(lambda c: c.execute(update(jobs).values(run_seconds=1.5)))
+    while hand.claim is not None:
+        hand.hand_in()
+    assert service.get(job_id).stop_reasons == ["max_seconds"]
+
+
+@hypothesis_settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
+@given(
+    actions=st.lists(
+        st.tuples(
+            st.sampled_from(["take", "hand_in", "part", "twice", "die", "expire", "pause", "resume"]), st.integers(0, 2)
+        ),
+        max_size=60,
+    )
+)
+def test_any_order_of_workers_losses_and_pauses_gives_the_same_history(
+    store: Store, settings: Settings, service: JobService, actions: list[tuple[str, int]]
+) -> None:
+    job_id = service.submit(PROBLEM)[0].id
+    runtime = runtime_for(store, settings, max_attempts=10**6)
+    hands = [Hand(runtime, job_id, f"w{i}") for i in range(3)]
+    parked: list[tuple[Hand, HandIn]] = []
+    for action, i in actions:
+        hand = hands[i]
+        state = service.get(job_id).state
+        if action == "take" and hand.claim is None:
+            hand.take()
+        elif action in ("hand_in", "part") and hand.claim is not None:
+            hand.hand_in(1 if action == "part" else None)
+        elif action == "twice" and hand.claim is not None:
+            results = hand.results()
+            hand.exchange(results, want=False)
+            hand.exchange(results)
+        elif action == "die" and hand.claim is not None:
+            parked.append((hand, hand.results()))
+            hand.claim = None
+        elif action == "expire":
+            runtime.expire(job_id, max(service.get(job_id).generations, 0), [h.name for h in hands if h.claim is None])
+        elif action == "pause" and state in ("queued", "running"):
+            service.pause(job_id)
+        elif action == "resume" and state == "paused":
+            service.resume(job_id)
+    if service.get(job_id).state == "paused":
+        service.resume(job_id)
+    for generation in range(10):
+        runtime.expire(job_id, generation, [hand.name for hand in hands])
+    for hand, results in parked:  # ghosts: what the dead had calculated
+        Hand(runtime, job_id, hand.name).exchange(results, want=False)
+    finish(Hand(runtime, job_id, "last"))
+    assert service.get(job_id).state == "finished"
+    assert recorded_history(service, job_id) == EXPECTED
+    counted = store.read(
+        lambda c: c.execute(select(evaluations.c.state).where(evaluations.c.job_id == job_id)).scalars().all()
+    )
+    assert list(counted) == ["finished"] * 60

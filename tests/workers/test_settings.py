@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import pytest
+
+from workers.errors import SettingsError
+from workers.settings import Settings, mask_url
+
+
+def test_defaults_need_nothing() -> None:
+    settings = Settings.from_environment()
+    assert settings.database_url == "sqlite:///geoswarm.db"
+    assert settings.broker_url is None
+    assert settings.workers >= 1
+
+
+def test_environment_and_overrides(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GEOSWARM_DATABASE_URL", "postgresql://u:p@db/jobs")
+    monkeypatch.setenv("GEOSWARM_BROKER_URL", "redis://broker:6379/0")
+    monkeypatch.setenv("GEOSWARM_WORKERS", "3")
+    settings = Settings.from_environment(workers=None, broker_url="redis://other:6379/1")
+    assert settings.database_url == "postgresql+psycopg://u:p@db/jobs"
+    assert settings.broker_url == "redis://other:6379/1"
+    assert settings.workers == 3
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("database_url", "mysql://u:secret@h/d", "names the database 'mysql'; accepted: sqlite, postgresql"),
+        ("database_url", "sqlite://", "must name a file"),
+        ("database_url", "sqlite:///:memory:", "must name a file"),
+        ("database_url", "no address", "is not an address; accepted: sqlite"),
+        ("broker_url", "amqp://u:secret@h", "must be a Redis address; accepted: redis://"),
+        ("workers", "many", "workers .*valid integer"),
+        ("workers", -1, "workers .*greater than or equal to 0"),
+        ("heartbeat_seconds", 10.0, "at most half of lease_seconds"),
+    ],
+)
+def test_mistakes_name_the_field_and_what_is_accepted(field: str, value: object, message: str) -> None:
+    with pytest.raises(SettingsError, match=message) as caught:
+        Settings.from_environment(**{field: value})
+    assert field in str(caught.value)
+    assert "secret" not in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_masked_addresses_hold_no_password() -> None:
+    assert mask_url("postgresql://me:secret@host/db") == "postgresql://me:***@host/db"
+    assert mask_url("redis://:secret@host:6379/0") == "redis://:***@host:6379/0"
+    assert "secret" not in mask_url("::secret")
