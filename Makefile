@@ -58,7 +58,7 @@ test-all: setup servers check  ## all checks and all tests, with the long studie
 	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "slow or not slow"
 
 bench: setup  ## measure the speed of forward calculations and of the engine
-	@$(BIN)/python -m benchmarks
+	@for program in benchmarks/[a-z]*.py; do echo "== $$program"; $(BIN)/python "$$program"; done
 
 clean:  ## remove .venv, caches and build output
 	@rm -rf $(VENV) dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
