@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from scipy.stats import qmc
 
 from solver.arrays import FloatArray
 from solver.errors import InfeasibleSpaceError
@@ -68,6 +67,8 @@ class SamplingDesign:
         )
 
     def _draw(self, size: int) -> FloatArray:
+        from scipy.stats import qmc  # takes 0.4 s, which a worker of a swarm need not wait for
+
         random, dimension = design_generator(self.seed), self.space.dimension
         unit: FloatArray
         if self.settings.sampling == "latin_hypercube":
