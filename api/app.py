@@ -46,6 +46,7 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
         openapi_url="/openapi.json",
         docs_url=None,  # these pages would load scripts from elsewhere
         redoc_url=None,
+        redirect_slashes=False,
         generate_unique_id_function=_operation_id,
     )
     app.state.service = service

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any
 
 from fastapi import Depends, Path, Query, Request
 
 from api.errors import ProblemDetail
 from api.feed import EventFeed
+from workers.errors import JobNotFoundError
 from workers.service import JobService
 
 __all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "problems_of"]
+
+POSSIBLE_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 def _service(request: Request) -> JobService:
@@ -23,9 +27,15 @@ def _feed(request: Request) -> EventFeed:
     return feed
 
 
+def _job_id(job_id: Annotated[str, Path(description="id that POST /jobs answered with")]) -> str:
+    if POSSIBLE_ID.fullmatch(job_id) is None:  # databases refuse some characters
+        raise JobNotFoundError(job_id[:80])
+    return job_id
+
+
 Service = Annotated[JobService, Depends(_service)]
 Feed = Annotated[EventFeed, Depends(_feed)]
-JobId = Annotated[str, Path(description="id that POST /jobs answered with", max_length=64)]
+JobId = Annotated[str, Depends(_job_id)]
 Limit = Annotated[int, Query(ge=1, le=1000, description="most items in one answer")]
 Cursor = Annotated[str | None, Query(description="next_cursor of the previous answer", max_length=500)]
 

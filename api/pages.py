@@ -15,7 +15,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from api.dependencies import Service
+from api.dependencies import JobId, Service
 from api.feed import ENDED_STATES
 from workers.views import GenerationView, JobView
 
@@ -96,7 +96,7 @@ def jobs_page(service: Service, cursor: Annotated[str | None, Query(max_length=5
 
 
 @router.get("/jobs/{job_id}", name="job_page")
-def job_page(job_id: str, service: Service, request: Request) -> HTMLResponse:
+def job_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
     """Show a job: progress, identified parameters, convergence."""
     job = service.get(job_id)
     generations = service.generations(job_id, after=max(-1, job.generations - MOST_POINTS - 1), limit=MOST_POINTS)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import asdict
+from functools import partial
 
-from fastapi import APIRouter
+import anyio
+import anyio.to_thread
+from fastapi import APIRouter, Request
 
 from api.bodies import ProblemDocument
 from api.dependencies import problems_of
@@ -18,13 +20,19 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/problems", tags=["problems"])
 
-one_at_a_time = threading.Lock()
-
 
 @router.post("/check", responses=problems_of(400, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY})
-def check(document: ProblemDocument) -> CheckResult:
+async def check(document: ProblemDocument, request: Request) -> CheckResult:
     """Validate a problem, make one test run and estimate the cost. Nothing is stored."""
-    problem = parse_problem(document)
-    with one_at_a_time:  # a test run occupies a core
-        report = check_problem(problem)
+    problem = await anyio.to_thread.run_sync(parse_problem, document)
+    # One at a time, as a test run occupies a core; those who wait occupy no thread.
+    report = await anyio.to_thread.run_sync(partial(check_problem, problem), limiter=_one_at_a_time(request))
     return CheckResult.model_validate(asdict(report))
+
+
+def _one_at_a_time(request: Request) -> anyio.CapacityLimiter:
+    state = request.app.state
+    if not hasattr(state, "test_runs"):
+        state.test_runs = anyio.CapacityLimiter(1)
+    limiter: anyio.CapacityLimiter = state.test_runs
+    return limiter

@@ -122,6 +122,12 @@ def test_an_unknown_job_is_not_found(app: App, method: str, suffix: str) -> None
     assert "'nobody'" in answer.json()["detail"]
 
 
+@pytest.mark.parametrize("job_id", ["a%00b", "x" * 100, "%F0%9F%92%A9", "a%20b", "..%2fjobs"])
+@pytest.mark.parametrize("prefix", [f"{API}/jobs/", "/jobs/"])
+def test_an_id_that_can_be_none_is_not_found(app: App, prefix: str, job_id: str) -> None:
+    assert app.get(prefix + job_id).status_code == 404
+
+
 def test_a_bad_problem_is_refused_with_every_mistake_and_nothing_is_stored(app: App) -> None:
     problem = line_problem(parameters={"a": {"lower": 2, "upper": 1}, "b": {"lower": 0, "upper": 4, "scale": "log"}})
     answer = app.post(f"{API}/jobs", json=problem)
