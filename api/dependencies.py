@@ -17,17 +17,17 @@ __all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "problems_of"]
 POSSIBLE_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
-def _service(request: Request) -> JobService:
+async def _service(request: Request) -> JobService:
     service: JobService = request.app.state.service
     return service
 
 
-def _feed(request: Request) -> EventFeed:
+async def _feed(request: Request) -> EventFeed:
     feed: EventFeed = request.app.state.feed
     return feed
 
 
-def _job_id(job_id: Annotated[str, Path(description="id that POST /jobs answered with")]) -> str:
+async def _job_id(job_id: Annotated[str, Path(description="id that POST /jobs answered with")]) -> str:
     if POSSIBLE_ID.fullmatch(job_id) is None:  # databases refuse some characters
         raise JobNotFoundError(job_id[:80])
     return job_id
