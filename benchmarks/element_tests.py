@@ -1,0 +1,71 @@
+"""Time of one warm run of the published laboratory tests on one core, Python overhead included.
+
+Run: ``python -m benchmarks.element_tests [repeats]``. Prints medians.
+"""
+
+from __future__ import annotations
+
+import platform
+import statistics
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from solver.constitutive.creep_update import creep_update
+from solver.constitutive.soft_soil_creep import soft_soil_creep
+from solver.element_test.material_point import PointState, follow
+from solver.element_test.setups import confined_load
+from tests.solver.forward.staged_tests import (
+    IDENTIFIED,
+    ISOTROPIC_IDENTIFIED,
+    isotropic_spec,
+    observation_times,
+    oedometer_spec,
+)
+
+
+def median_ms(call: Callable[[], object], repeats: int) -> float:
+    """Median wall time of a call, ms, after one call that is not counted."""
+    call()
+    seconds = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - start)
+    return 1.0e3 * statistics.median(seconds)
+
+
+def main(repeats: int = 1000) -> None:
+    """Measure and print."""
+    print(f"{platform.processor() or platform.machine()}, Python {platform.python_version()}, median of {repeats}")
+    oedometer = oedometer_spec()
+    start = time.perf_counter()
+    for points in (10, 20):
+        run = oedometer.build().prepare({"settlement": observation_times(oedometer, points)})
+        if points == 10:
+            run(IDENTIFIED)
+            print(f"first oedometer run (compiling or loading)      {time.perf_counter() - start:8.3f} s")
+        elapsed = median_ms(lambda run=run: run(IDENTIFIED), repeats)  # type: ignore[misc]
+        print(f"oedometer, 16 stages, {16 * points} points                 {elapsed:8.4f} ms")
+    isotropic = isotropic_spec()
+    times = observation_times(isotropic, 30)
+    run = isotropic.build().prepare({"axial_displacement": times, "radial_displacement": times})
+    elapsed = median_ms(lambda: run(ISOTROPIC_IDENTIFIED), repeats)
+    print(f"isotropic compression, 2 x 90 points            {elapsed:8.4f} ms")
+    soil = soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0)
+    stress, strain = np.array([60.0, 50.0, 100.0, 5.0, 3.0, -2.0]), np.array([1e-3, -2e-3, 8e-3, 1e-3, 2e-3, -1e-3])
+    print(
+        "general update, stress and tangent              "
+        f"{median_ms(lambda: creep_update(stress, strain, 0.0, 4.5, soil), repeats):8.4f} ms"
+    )
+    point = PointState.from_stress([60.0, 60.0, 100.0, 0.0, 0.0, 0.0], soil)
+    print(
+        "general driver, one oedometer stage             "
+        f"{median_ms(lambda: follow(soil, point, [confined_load(200.0, 1.0)], [[1.0]]), max(1, repeats // 10)):8.4f} ms"
+    )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 1000)
