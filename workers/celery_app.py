@@ -13,6 +13,8 @@ import redis
 from celery import Celery
 from celery.apps.worker import Worker as CeleryWorker
 from kombu.exceptions import OperationalError
+from redis.backoff import NoBackoff
+from redis.retry import Retry
 
 from workers.errors import BrokerUnavailableError, SettingsError
 from workers.settings import Settings, mask_url
@@ -70,13 +72,16 @@ class CeleryDoorbell:
         if settings.broker_url is None:
             raise SettingsError("broker_url is not set")
         self.url = settings.broker_url
-        self.connect_seconds = settings.connect_seconds
         self.app = create_celery(settings)
         # Rings are published with a deadline; the blocking reads of a worker's own connection have none.
         self.app.conf.broker_transport_options = {
             **self.app.conf.broker_transport_options,
             "socket_timeout": settings.connect_seconds,
         }
+        timeout = settings.connect_seconds
+        self._redis = redis.Redis.from_url(
+            self.url, socket_connect_timeout=timeout, socket_timeout=timeout, retry=Retry(NoBackoff(), 0)
+        )
         self._silent_until = 0.0
         self._down = False
 
@@ -87,10 +92,8 @@ class CeleryDoorbell:
         ------
         BrokerUnavailableError
         """
-        timeout = self.connect_seconds
         try:
-            with redis.Redis.from_url(self.url, socket_connect_timeout=timeout, socket_timeout=timeout) as client:
-                client.ping()
+            self._redis.ping()
         except (redis.RedisError, OSError, ValueError) as error:
             raise BrokerUnavailableError(f"broker {mask_url(self.url)}: {' '.join(str(error).split())}") from error
 
@@ -99,6 +102,7 @@ class CeleryDoorbell:
         if time.monotonic() < self._silent_until:
             return
         try:
+            self._redis.ping()  # fails at once, where Celery would try again for many seconds
             for _ in range(times):
                 self.app.send_task(SERVE_TASK, (job_id,), ignore_result=True, retry=False)
         except (OperationalError, redis.RedisError, OSError) as error:
@@ -121,6 +125,7 @@ class CeleryDoorbell:
 
     def close(self) -> None:
         """Close the connections to the broker."""
+        self._redis.close()
         self.app.close()
 
 

@@ -101,6 +101,7 @@ class Worker:
 
     def _work(self, job_id: str, calibration: Calibration) -> None:
         until = time.monotonic() + self.settings.slice_seconds
+        self._count_live()
         answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
         if answer.queued:
             try:
@@ -202,6 +203,8 @@ class Worker:
 
     def _see(self) -> None:
         self.store.write(lambda connection: see_worker(connection, self.identity))
+
+    def _count_live(self) -> None:
         lease = self.settings.lease_seconds
         self._live_workers = max(1, self.store.read(lambda connection: count_live(connection, lease)))
 

@@ -184,9 +184,7 @@ def test_a_poisonous_evaluation_fails_alone_after_three_lost_workers(
     assert service.get(job_id).state == "finished"
 
 
-def test_leases_end_by_the_database_clock_unless_renewed(
-    store: Store, settings: Settings, job_id: str
-) -> None:
+def test_leases_end_by_the_database_clock_unless_renewed(store: Store, settings: Settings, job_id: str) -> None:
     runtime = runtime_for(store, settings, lease_seconds=0.4)
     hand = Hand(runtime, job_id, "w1")
     hand.take()

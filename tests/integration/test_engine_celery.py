@@ -1,0 +1,85 @@
+"""Celery over real Redis and PostgreSQL servers, with real worker processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+
+import pytest
+
+from tests.integration.engines import LONG, STEADY, celery_workers, long_history, wait_for, wait_until_ended
+from tests.servers import RedisServer
+from tests.servers import free_port as unused_port
+from tests.workers.problems import expected_history, line, recorded_history
+from workers.engine import open_engine
+from workers.errors import BrokerUnavailableError
+from workers.settings import Settings
+
+
+@pytest.fixture
+def settings(fresh_postgres_url: str, fresh_redis_url: str) -> Settings:
+    return Settings(database_url=fresh_postgres_url, broker_url=fresh_redis_url, **STEADY)
+
+
+def test_same_history_as_in_process_for_1_and_2_workers(settings: Settings) -> None:
+    problem = line(stopping={"max_evaluations": 300})
+    plain = settings.model_copy(update={"burst_seconds": 0.02, "cheap_seconds": 0.05})
+    with open_engine(plain) as engine:
+        for count in (1, 2):
+            with celery_workers(plain, count):
+                wait_for(lambda n=count: len(engine.service.workers()) == n, "workers")  # type: ignore[misc]
+                job_id = engine.service.submit(problem)[0].id
+                assert wait_until_ended(engine.service, job_id).state == "finished"
+                assert recorded_history(engine.service, job_id) == expected_history(problem)
+                assert engine.service.health() == {"database": "ok", "broker": "ok"}
+                assert {w.engine for w in engine.service.workers()} == {"celery"}
+            assert engine.service.workers() == []  # they have signed off
+
+
+def test_an_emptied_redis_and_killed_workers_change_nothing(settings: Settings, redis_server: RedisServer) -> None:
+    with open_engine(settings) as engine, celery_workers(settings, count=2) as processes:
+        service = engine.service
+        wait_for(lambda: len(service.workers()) == 2, "two workers")
+        job_id = service.submit(LONG)[0].id
+
+        wait_for(lambda: service.get(job_id).generations >= 4, "progress")
+        redis_server.restart(empty=True)
+        wait_for(lambda: service.get(job_id).generations >= 10, "progress after the loss of Redis")
+
+        assert service.get(job_id).state == "running"
+        os.kill(service.workers()[0].pid, signal.SIGKILL)  # a pool process: its Celery worker starts another
+        wait_for(lambda: service.get(job_id).generations >= 20, "progress after the loss of a process")
+
+        assert service.get(job_id).state == "running"
+        processes[1].kill()  # a whole Celery worker
+        assert wait_until_ended(service, job_id).state == "finished"
+        assert recorded_history(service, job_id) == long_history()
+        assert sum(e.kind == "generation" for e in service.events(job_id)) == 90
+
+
+def test_a_job_submitted_while_redis_is_down_runs_when_it_is_back(
+    settings: Settings, redis_server: RedisServer
+) -> None:
+    with open_engine(settings) as engine, celery_workers(settings):
+        wait_for(lambda: len(engine.service.workers()) == 1, "a worker")
+        redis_server.stop()
+        try:
+            assert engine.service.health()["broker"].startswith("broker redis://127.0.0.1")
+            began = time.monotonic()
+            job_id = engine.service.submit(line())[0].id
+            engine.service.submit(line())
+            assert time.monotonic() - began < 5.0
+        finally:
+            redis_server.start()
+        assert wait_until_ended(engine.service, job_id).state == "finished"
+
+
+def test_an_unreachable_broker_is_one_clear_line(fresh_postgres_url: str) -> None:
+    began = time.monotonic()
+    url = f"redis://:topsecret@127.0.0.1:{unused_port()}/0"
+    with pytest.raises(BrokerUnavailableError, match=r"broker redis://:\*\*\*@127\.0\.0\.1") as caught:
+        open_engine(Settings(database_url=fresh_postgres_url, broker_url=url))
+    assert time.monotonic() - began < 5.0
+    assert "topsecret" not in str(caught.value)
+    assert "\n" not in str(caught.value)

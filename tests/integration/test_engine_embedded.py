@@ -1,0 +1,122 @@
+"""The embedded engine with real worker processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.integration.engines import LONG, STEADY, long_history, process_exists, wait_for, wait_until_ended
+from tests.workers.problems import expected_history, line, recorded_history
+from workers.doorbell import MuteDoorbell
+from workers.engine import Engine, open_engine
+from workers.service import JobService
+from workers.settings import Settings
+from workers.store import Store
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'jobs.db'}"
+    url: str = request.getfixturevalue("fresh_postgres_url")
+    return url
+
+
+@contextmanager
+def service_alone(settings: Settings) -> Iterator[JobService]:
+    """A service without any worker."""
+    store = Store(settings)
+    try:
+        yield JobService(store, MuteDoorbell())
+    finally:
+        store.close()
+
+
+def worker_pids(engine: Engine) -> list[int]:
+    assert engine.supervisor is not None
+    return engine.supervisor.pids
+
+
+def wait_for_workers(engine: Engine, count: int) -> None:
+    wait_for(lambda: sum(w.state != "lost" for w in engine.service.workers()) == count, f"{count} workers")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_same_history_as_in_process_for_any_number_of_workers(database_url: str, workers: int) -> None:
+    quick = line(stopping={"max_evaluations": 600, "stagnation_generations": 40})
+    sampled = line(method={"kind": "monte_carlo", "samples": 120, "batch": 25}, stopping={})
+    with open_engine(Settings(database_url=database_url, workers=workers)) as engine:
+        ids = [engine.service.submit(problem)[0].id for problem in (quick, sampled)]
+        for problem, job_id in zip((quick, sampled), ids, strict=True):
+            assert wait_until_ended(engine.service, job_id).state == "finished"
+            assert recorded_history(engine.service, job_id) == expected_history(problem)
+        pids = worker_pids(engine)
+        assert len(pids) == workers
+    assert not any(process_exists(pid) for pid in pids)
+
+
+def test_killed_workers_change_nothing(database_url: str) -> None:
+    with open_engine(Settings(database_url=database_url, workers=2, **STEADY)) as engine:
+        wait_for_workers(engine, 2)
+        job_id = engine.service.submit(LONG)[0].id
+        for generations in (5, 20):
+            wait_for(lambda at=generations: engine.service.get(job_id).generations >= at, "progress")  # type: ignore[misc]
+            assert engine.service.get(job_id).state == "running"
+            victim = worker_pids(engine)[0]
+            os.kill(victim, signal.SIGKILL)
+            wait_for(lambda pid=victim: pid not in worker_pids(engine), "a new worker")  # type: ignore[misc]
+        assert wait_until_ended(engine.service, job_id).state == "finished"
+        assert recorded_history(engine.service, job_id) == long_history()
+
+
+def test_pause_stops_and_resume_goes_on(database_url: str) -> None:
+    with open_engine(Settings(database_url=database_url, workers=2, **STEADY)) as engine:
+        job_id = engine.service.submit(LONG)[0].id
+        wait_for(lambda: engine.service.get(job_id).generations >= 5, "progress")
+        assert engine.service.pause(job_id).state == "paused"
+        wait_for(lambda: not any(w.state == "busy" for w in engine.service.workers()), "idle workers", 5)
+        before = engine.service.get(job_id)
+        other = engine.service.submit(line())[0].id  # the workers are free for others
+        assert wait_until_ended(engine.service, other).state == "finished"
+        assert engine.service.get(job_id) == before
+        engine.service.resume(job_id)
+        assert wait_until_ended(engine.service, job_id).state == "finished"
+        assert recorded_history(engine.service, job_id) == long_history()
+
+
+def test_a_job_goes_on_in_the_next_engine(database_url: str) -> None:
+    settings = Settings(database_url=database_url, workers=2, **STEADY)
+    with open_engine(settings) as engine:
+        job_id = engine.service.submit(LONG)[0].id
+        wait_for(lambda: engine.service.get(job_id).generations >= 5, "progress")
+    with service_alone(settings) as service:
+        assert service.get(job_id).state == "running"
+        assert not any(e.state == "running" for e in service.iterate_evaluations(job_id))
+    with open_engine(settings) as engine:
+        assert wait_until_ended(engine.service, job_id).state == "finished"
+        assert recorded_history(engine.service, job_id) == long_history()
+
+
+def test_no_worker_outlives_a_killed_engine(tmp_path: Path) -> None:
+    settings = Settings(database_url=f"sqlite:///{tmp_path / 'jobs.db'}", workers=2, grace_seconds=0.5)
+    program = (
+        "import sys, time; from workers.engine import open_engine; from workers.settings import Settings;"
+        "engine = open_engine(Settings(**__import__('json').loads(sys.argv[1]))); time.sleep(60)"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", program, settings.model_dump_json()])
+    try:
+        with service_alone(settings) as service:
+            wait_for(lambda: len(service.workers()) == 2, "two workers")
+            pids = [worker.pid for worker in service.workers()]
+        assert all(process_exists(pid) for pid in pids)
+    finally:
+        parent.kill()
+        parent.wait()
+    wait_for(lambda: not any(process_exists(pid) for pid in pids), "the end of the orphans", 10)

@@ -1,0 +1,109 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+
+from sqlalchemy import update
+
+from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from tests.workers.problems import calibration, line
+from workers.coordinator.runtime import Runtime
+from workers.coordinator.work import HandIn
+from workers.identity import Identity, is_dead, this_machine
+from workers.service import JobService
+from workers.settings import Settings
+from workers.store import Store
+from workers.store.tables import jobs, workers
+from workers.store.workers import register_worker
+from workers.sweep import Sweeper
+from workers.worker import Worker
+
+
+def claim_one(worker: Worker, job_id: str) -> None:
+    """Let a worker take an evaluation and then forget it."""
+    made = calibration(line())
+    runtime = Runtime(worker.store, worker.settings)
+    for _ in range(2):
+        answer = runtime.exchange(job_id, worker.identity.id, made, HandIn(), live_workers=1, want=True)
+        if answer.queued:
+            runtime.start(job_id, made.start())
+
+
+def test_a_forgotten_job_is_rung_for_when_somebody_is_idle(
+    store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
+) -> None:
+    job_id = service.submit(line())[0].id
+    doorbell.rings.clear()
+    sweeper = Sweeper(Runtime(store, settings), doorbell)
+    sweeper.sweep()
+    assert doorbell.rings == []  # nobody there to hear it
+    worker = make_worker()
+    worker.start()
+    sweeper.sweep()
+    sweeper.sweep()  # at once after the first: once is enough
+    assert doorbell.rings == [job_id]
+    time.sleep(settings.sweep_seconds)
+    sweeper.sweep()
+    assert doorbell.rings == [job_id, job_id]
+    worker.serve(job_id)
+    doorbell.rings.clear()
+    time.sleep(settings.sweep_seconds)
+    sweeper.sweep()
+    assert doorbell.rings == []
+    worker.close()
+
+
+def test_a_silent_workers_evaluation_goes_to_others(
+    store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
+) -> None:
+    job_id = service.submit(line())[0].id
+    worker = make_worker()
+    register = Identity("silent", "elsewhere", 1, "another machine", "celery")
+    worker.identity = register
+    store.write(lambda c: register_worker(c, register))
+    claim_one(worker, job_id)
+    assert [w.state for w in service.workers()] == ["busy"]
+    sweeper = Sweeper(Runtime(store, settings), doorbell)
+    sweeper.sweep()
+    assert [e.state for e in service.evaluations(job_id).items] == ["running"] + ["pending"] * 5
+    store.write(lambda c: c.execute(update(workers).values(seen_at=workers.c.seen_at - 60.0)))
+    doorbell.rings.clear()
+    sweeper.sweep()
+    assert [e.state for e in service.evaluations(job_id).items] == ["pending"] * 6
+    assert [w.state for w in service.workers()] == ["lost"]
+    assert doorbell.rings == [job_id]
+    store.write(lambda c: c.execute(update(workers).values(lost_at=workers.c.lost_at - 7200.0)))
+    sweeper.sweep()
+    assert service.workers() == []
+
+
+def test_a_dead_process_of_this_machine_is_seen_at_once(
+    store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
+) -> None:
+    process = subprocess.Popen([sys.executable, "-c", ""])
+    process.wait()
+    assert is_dead(process.pid, this_machine())
+    assert not is_dead(process.pid, "another machine")
+    assert not is_dead(os.getpid(), this_machine())
+    assert not is_dead(1, this_machine())
+    job_id = service.submit(line())[0].id
+    worker = make_worker()
+    identity = Identity.new("celery", process.pid)
+    worker.identity = identity
+    store.write(lambda c: register_worker(c, identity))
+    claim_one(worker, job_id)
+    Sweeper(Runtime(store, settings), doorbell).sweep()
+    assert [e.state for e in service.evaluations(job_id).items] == ["pending"] * 6
+
+
+def test_the_clock_of_a_running_job_is_kept(
+    store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
+) -> None:
+    job_id = service.submit(line())[0].id
+    claim_one(make_worker(), job_id)
+    store.write(lambda c: c.execute(update(jobs).values(clock_at=jobs.c.clock_at - 0.6)))
+    Sweeper(Runtime(store, settings), doorbell).sweep()
+    row = store.read(lambda c: c.execute(jobs.select()).one())
+    assert 0.6 <= row.run_seconds < 1.01  # never more than a lease at once

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from sqlalchemy import update
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation, Step
+from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from tests.workers.problems import expected_history, line, recorded_history
+from workers.service import JobService
+from workers.store import Store
+from workers.store.codec import pack_json
+from workers.store.tables import jobs
+
+
+def test_a_burst_and_single_steps_give_the_same_history(service: JobService, make_worker: MakeWorker) -> None:
+    problem = line()
+    expected = expected_history(problem)
+    for changes in ({}, {"burst_seconds": 0.0}, {"burst_seconds": 0.0, "cheap_seconds": 0.0}, {"chunk_seconds": 1e-4}):
+        job_id = service.submit(problem)[0].id
+        worker = make_worker(**changes)
+        worker.serve(job_id)
+        assert service.get(job_id).state == "finished"
+        assert recorded_history(service, job_id) == expected
+        assert [g.number for g in service.generations(job_id)] == list(range(20))
+
+
+def test_a_time_slice_ends_and_the_job_rings_for_itself(
+    service: JobService, make_worker: MakeWorker, doorbell: RecordingDoorbell
+) -> None:
+    long_job = service.submit(line(stopping={"max_evaluations": 6000}))[0].id
+    short_job = service.submit(line())[0].id
+    doorbell.rings.clear()
+    worker = make_worker(slice_seconds=0.2, burst_seconds=0.0)
+    worker.serve(long_job)
+    assert doorbell.rings[-1] == long_job
+    assert service.get(long_job).state == "running"
+    assert worker.next_job() == short_job  # the one that has waited longest
+    worker.serve(short_job)
+    assert service.get(short_job).evaluations > 0
+    assert worker.next_job() is not None
+
+
+def test_a_search_that_cannot_start_fails_the_job(service: JobService, make_worker: MakeWorker, store: Store) -> None:
+    job_id = service.submit(line())[0].id
+    impossible = line().document() | {"constraints": ["a + b > 9.9999999"]}
+    store.write(lambda c: c.execute(update(jobs).values(problem=pack_json(impossible))))
+    make_worker().serve(job_id)
+    view = service.get(job_id)
+    assert view.state == "failed"
+    assert view.error
+    assert view.finished_at is not None
+
+
+def test_a_problem_that_cannot_be_built_fails_the_job_not_the_worker(
+    service: JobService, make_worker: MakeWorker, store: Store
+) -> None:
+    job_id = service.submit(line())[0].id
+    store.write(lambda c: c.execute(update(jobs).values(problem='{"name": "x"}')))
+    worker = make_worker()
+    worker.serve(job_id)
+    view = service.get(job_id)
+    assert view.state == "failed"
+    assert view.error is not None
+    assert view.error.startswith("ProblemError: ")
+    other = service.submit(line())[0].id
+    worker.serve(other)
+    assert service.get(other).state == "finished"
+
+
+def test_a_bug_in_the_search_fails_the_job_not_the_worker(
+    service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> Step:
+        raise ZeroDivisionError("in the search")
+
+    job_id = service.submit(line())[0].id
+    monkeypatch.setattr(Calibration, "advance", broken)
+    make_worker().serve(job_id)
+    view = service.get(job_id)
+    assert (view.state, view.error) == ("failed", "ZeroDivisionError: in the search")
+
+
+def test_an_unknown_job_is_no_trouble(make_worker: MakeWorker, doorbell: RecordingDoorbell) -> None:
+    make_worker().serve("0123456789abcdef")
+    assert doorbell.rings == []
+
+
+def test_the_heartbeat_renews_the_lease_of_a_long_run(
+    service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job_id = service.submit(line(stopping={"max_evaluations": 6}))[0].id
+    original = Calibration.evaluate
+    seen: list[int] = []
+
+    def slow(self: Calibration, parameters: FloatArray) -> Evaluation:
+        if not seen:
+            time.sleep(1.6)  # longer than the lease
+            seen.append(worker.runtime.expire(job_id, 0, []))
+        return original(self, np.asarray(parameters))
+
+    monkeypatch.setattr(Calibration, "evaluate", slow)
+    worker = make_worker()
+    worker.start()
+    worker.serve(job_id)
+    worker.close()
+    assert seen == [0]
+    assert service.get(job_id).state == "finished"
+    assert {e.attempts for e in service.iterate_evaluations(job_id)} == {1}
