@@ -238,6 +238,7 @@ def follow_stage(
     holding = duration > 0.0 and not moving
     length, now = (_FIRST_HOLD * soil.kappa_star / soil.mu_star if holding else _FIRST_MOVE), 0.0
     guess, guess_length = np.zeros(6), 1.0
+    ends_stress, ends_strain, ends_pp = np.empty((3, 6)), np.empty((3, 6)), np.empty(3)
     steps, limit = 0, 0
     for point in range(count):
         until = times[point] / duration if duration > 0.0 else 1.0
@@ -260,30 +261,42 @@ def follow_stage(
             elif duration > 0.0:
                 log_time = math.log(duration * size / soil.tau)
             expected = guess * (size / guess_length)
-            s1, e1, h1, active = _substeps(
-                1, rows, of_stress, goal, start_values, now, end, log_time, log_length, stress, log_pp, expected, soil
-            )
-            s2, e2, h2, s3, e3, h3 = s1, e1, h1, s1, e1, h1
-            if active >= 0:
-                s2, e2, h2, active = _substeps(
-                    2, rows, of_stress, goal, start_values, now, end, log_time, log_length, stress, log_pp, e1, soil
+            active = -1
+            for substeps in range(1, 4):
+                S, E, H, active = _substeps(
+                    substeps,
+                    rows,
+                    of_stress,
+                    goal,
+                    start_values,
+                    now,
+                    end,
+                    log_time,
+                    log_length,
+                    stress,
+                    log_pp,
+                    expected,
+                    soil,
                 )
-            if active >= 0:
-                s3, e3, h3, active = _substeps(
-                    3, rows, of_stress, goal, start_values, now, end, log_time, log_length, stress, log_pp, e1, soil
-                )
+                if active < 0:
+                    break
+                ends_stress[substeps - 1], ends_strain[substeps - 1], ends_pp[substeps - 1] = S, E, H
+                expected = E
             if active < 0:
                 length = 0.25 * size
                 continue
-            new_stress = 4.5 * s3 - 4.0 * s2 + 0.5 * s1
-            new_strain = 4.5 * e3 - 4.0 * e2 + 0.5 * e1
-            new_pp = 4.5 * h3 - 4.0 * h2 + 0.5 * h1
-            error = hardening * abs(new_pp - 3.0 * h3 + 2.0 * h2)
+            new_stress = 4.5 * ends_stress[2] - 4.0 * ends_stress[1] + 0.5 * ends_stress[0]
+            new_strain = 4.5 * ends_strain[2] - 4.0 * ends_strain[1] + 0.5 * ends_strain[0]
+            new_pp = 4.5 * ends_pp[2] - 4.0 * ends_pp[1] + 0.5 * ends_pp[0]
+            low_stress = 3.0 * ends_stress[2] - 2.0 * ends_stress[1]
+            low_strain = 3.0 * ends_strain[2] - 2.0 * ends_strain[1]
+            low_pp = 3.0 * ends_pp[2] - 2.0 * ends_pp[1]
+            error = hardening * abs(new_pp - low_pp)
             pressure = (stress[0] + stress[1] + stress[2]) / 3.0 + soil.shift
             compliance = soil.kappa_star / max(pressure, soil.pressure_floor)
             for k in range(6):
-                error = max(error, abs(new_strain[k] - 3.0 * e3[k] + 2.0 * e2[k]))
-                error = max(error, compliance * abs(new_stress[k] - 3.0 * s3[k] + 2.0 * s2[k]))
+                error = max(error, abs(new_strain[k] - low_strain[k]))
+                error = max(error, compliance * abs(new_stress[k] - low_stress[k]))
             if active != limit:
                 # A limit was reached or left within the step: too late for the extrapolation to see. What happened
                 # must be small itself.
