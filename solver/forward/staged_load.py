@@ -22,7 +22,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from solver.arrays import FloatArray, IntArray
 from solver.constitutive.soft_soil_creep import SoftSoilCreep
 from solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from solver.errors import DivergedError, Issue, ProblemError
+from solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
 from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 from solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
 
@@ -211,6 +211,8 @@ class StagedLoadModel(ABC):
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
             soil = soil_from(parameters, spec.formulation, spec.tension_cutoff)
             OCR, POP = parameters.get("OCR", default_OCR), parameters.get("POP", default_POP)
+            if not (OCR >= 1.0 and POP >= 0.0 and (OCR == 1.0 or POP == 0.0)):
+                raise InfeasibleError(self.check({"OCR": OCR, "POP": POP}))
             lateral, log_pp = self.initial_state(soil, OCR, POP)
             status, stage, time, output, ends = constant_load_history(
                 soil,
