@@ -28,7 +28,7 @@ def test_same_history_as_in_process_for_1_and_2_workers(settings: Settings) -> N
     with open_engine(plain) as engine:
         for count in (1, 2):
             with celery_workers(plain, count):
-                wait_for(lambda n=count: len(engine.service.workers()) == n, "workers")  # type: ignore[misc]
+                wait_for(lambda n=count: len(engine.service.workers()) == n, "workers")
                 job_id = engine.service.submit(problem)[0].id
                 assert wait_until_ended(engine.service, job_id).state == "finished"
                 assert recorded_history(engine.service, job_id) == expected_history(problem)

@@ -13,9 +13,11 @@ from pathlib import Path
 import pytest
 
 from tests.integration.engines import LONG, STEADY, long_history, process_exists, wait_for, wait_until_ended
+from tests.servers import PostgresServer
 from tests.workers.problems import expected_history, line, recorded_history
 from workers.doorbell import MuteDoorbell
 from workers.engine import Engine, open_engine
+from workers.errors import StoreUnavailableError
 from workers.service import JobService
 from workers.settings import Settings
 from workers.store import Store
@@ -67,11 +69,11 @@ def test_killed_workers_change_nothing(database_url: str) -> None:
         wait_for_workers(engine, 2)
         job_id = engine.service.submit(LONG)[0].id
         for generations in (5, 20):
-            wait_for(lambda at=generations: engine.service.get(job_id).generations >= at, "progress")  # type: ignore[misc]
+            wait_for(lambda at=generations: engine.service.get(job_id).generations >= at, "progress")
             assert engine.service.get(job_id).state == "running"
             victim = worker_pids(engine)[0]
             os.kill(victim, signal.SIGKILL)
-            wait_for(lambda pid=victim: pid not in worker_pids(engine), "a new worker")  # type: ignore[misc]
+            wait_for(lambda pid=victim: pid not in worker_pids(engine), "a new worker")
         assert wait_until_ended(engine.service, job_id).state == "finished"
         assert recorded_history(engine.service, job_id) == long_history()
 
@@ -120,3 +122,17 @@ def test_no_worker_outlives_a_killed_engine(tmp_path: Path) -> None:
         parent.kill()
         parent.wait()
     wait_for(lambda: not any(process_exists(pid) for pid in pids), "the end of the orphans", 10)
+
+
+def test_a_restarted_database_changes_nothing(postgres_server: PostgresServer, fresh_postgres_url: str) -> None:
+    with open_engine(Settings(database_url=fresh_postgres_url, workers=2, **STEADY)) as engine:
+        job_id = engine.service.submit(LONG)[0].id
+        wait_for(lambda: engine.service.get(job_id).generations >= 5, "progress")
+        assert engine.service.get(job_id).state == "running"
+        postgres_server.kill()
+        with pytest.raises(StoreUnavailableError, match="database postgresql"):
+            engine.service.get(job_id)
+        postgres_server.start()
+        assert wait_until_ended(engine.service, job_id).state == "finished"
+        assert recorded_history(engine.service, job_id) == long_history()
+        assert not any(w.state == "lost" for w in engine.service.workers())

@@ -43,9 +43,9 @@ def test_many_processes_may_start_at_once(settings: Settings) -> None:
 
 def test_the_clock_is_utc_and_moves_inside_a_transaction(store: Store) -> None:
     def twice(connection: object) -> tuple[float, float]:
-        first = connection.scalar(select(database_now()))  # type: ignore[attr-defined]
+        first = connection.scalar(select(database_now()))
         time.sleep(0.02)
-        return first, connection.scalar(select(database_now()))  # type: ignore[attr-defined]
+        return first, connection.scalar(select(database_now()))
 
     first, second = store.read(twice)
     assert abs(first - time.time()) < 5.0
@@ -118,9 +118,9 @@ def test_writers_wait_for_each_other_instead_of_failing(store: Store) -> None:
     store.write(lambda c: c.execute(text("INSERT INTO counter VALUES (0)")))
 
     def add(connection: object) -> None:
-        n = connection.scalar(text("SELECT n FROM counter" + lock))  # type: ignore[attr-defined]
+        n = connection.scalar(text("SELECT n FROM counter" + lock))
         time.sleep(0.002)
-        connection.execute(text("UPDATE counter SET n = :n"), {"n": n + 1})  # type: ignore[attr-defined]
+        connection.execute(text("UPDATE counter SET n = :n"), {"n": n + 1})
 
     lock = "" if store.engine.dialect.name == "sqlite" else " FOR UPDATE"
     threads = [threading.Thread(target=lambda: [store.write(add) for _ in range(10)]) for _ in range(4)]

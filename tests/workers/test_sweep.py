@@ -107,3 +107,28 @@ def test_the_clock_of_a_running_job_is_kept(
     Sweeper(Runtime(store, settings), doorbell).sweep()
     row = store.read(lambda c: c.execute(jobs.select()).one())
     assert 0.6 <= row.run_seconds < 1.01  # never more than a lease at once
+
+
+def test_the_sweep_process_frees_what_a_dead_worker_held_and_stops_on_request(
+    store: Store, settings: Settings, service: JobService, make_worker: MakeWorker
+) -> None:
+    job_id = service.submit(line())[0].id
+    worker = make_worker()
+    identity = Identity("silent", "elsewhere", 1, "another machine", "celery")
+    worker.identity = identity
+    store.write(lambda c: register_worker(c, identity))
+    claim_one(worker, job_id)
+    program = (
+        "import sys; from workers.settings import Settings; from workers.sweep import run_sweep;"
+        "run_sweep(Settings.model_validate_json(sys.argv[1]))"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program, settings.model_dump_json()], stderr=subprocess.DEVNULL)
+    try:
+        deadline = time.monotonic() + 20.0
+        while service.evaluations(job_id, state="running").items and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert service.evaluations(job_id, state="running").items == []
+    finally:
+        process.terminate()
+        code = process.wait(10)
+    assert code == 0

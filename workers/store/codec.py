@@ -26,7 +26,7 @@ __all__ = [
 
 RAW = b"\x00"
 DEFLATED = b"\x01"
-WORTH_DEFLATING = 512  # bytes; smaller ones cost more time than they save
+WORTH_DEFLATING = 4096  # bytes; smaller ones cost more time than they save
 
 
 def clean_text(text: str) -> str:
