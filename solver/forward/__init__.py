@@ -1,6 +1,7 @@
 """Forward models: from parameter values to calculated series.
 
-A *spec* (pydantic, the ``forward_model`` section of a problem file) builds a *model* (:class:`~solver.forward.base.ForwardModel`).
+A *spec* (pydantic, the ``forward_model`` section of a problem file) builds a *model*
+(:class:`~solver.forward.base.ForwardModel`).
 Specs are found through the entry point group ``geoswarm.forward_models``; any installed package can add a kind.
 """
 
