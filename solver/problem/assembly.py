@@ -251,7 +251,7 @@ class _Assembly:
         if model is None:
             return ()
         observations, found = build_observations(complete, model, self._kind)
-        self.issues += found
+        self.issues += found or _preparation_issues(model, observations)
         return observations
 
     def _check_known_values(
@@ -302,3 +302,14 @@ class _Assembly:
         elif stopping.max_evaluations is not None and stopping.max_evaluations < method.particles:
             message = f"must be at least the number of particles ({method.particles}), not {stopping.max_evaluations}"
             self._report("stopping.max_evaluations", message)
+
+
+def _preparation_issues(model: ForwardModel, observations: tuple[Observation, ...]) -> list[Issue]:
+    """What a model only finds when it is prepared, such as a series that needs a further key of its section."""
+    try:
+        model.prepare({observation.series: observation.x for observation in observations})
+    except ProblemError as error:
+        return list(error.issues)
+    except (SolverError, ValueError) as error:
+        return [Issue("observations", str(error))]
+    return []
