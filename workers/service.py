@@ -15,7 +15,7 @@ from typing import Any
 from sqlalchemy import Connection
 
 from solver.calibration import choose_seed
-from solver.problem import MonteCarloMethod, Problem
+from solver.problem import Problem
 from workers.coordinator.machine import ENDED_STATES, CancelRequested, PauseRequested, ResumeRequested
 from workers.coordinator.runtime import Runtime
 from workers.doorbell import Doorbell
@@ -74,7 +74,7 @@ class JobService:
             "seed": choose_seed(problem.seed),
             "free_parameters": pack_json(list(problem.free_names)),
             "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
-            "max_evaluations": planned_evaluations(problem),
+            "max_evaluations": problem.planned_evaluations,
             "idempotency_key": idempotency_key,
             "body_hash": hashlib.sha256(canonical.encode()).hexdigest(),
         }
@@ -313,15 +313,6 @@ class JobService:
         return self.get(job_id)
 
 
-def planned_evaluations(problem: Problem) -> int | None:
-    """Return the number of evaluations after which a job ends at the latest; None when nothing limits it."""
-    limit = problem.stopping.max_evaluations
-    if isinstance(problem.method, MonteCarloMethod):
-        samples = problem.method.samples
-        return samples if limit is None else min(samples, limit)
-    return limit
-
-
 def _clip(limit: int) -> int:
     return max(1, min(limit, LARGEST_PAGE))
 
@@ -338,6 +329,6 @@ def _decode_cursor(cursor: str, *types: type) -> Any:
         raise InvalidCursorError(cursor) from None
     if not isinstance(key, list) or [type(part) for part in key] != list(types):
         raise InvalidCursorError(cursor)
-    if not all(isinstance(part, str) or 0 <= part < 2**40 for part in key):
+    if not all("\0" not in part if isinstance(part, str) else 0 <= part < 2**40 for part in key):
         raise InvalidCursorError(cursor)
     return tuple(key)

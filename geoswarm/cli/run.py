@@ -81,10 +81,9 @@ def _make_folder(folder: Path) -> None:
 @contextmanager
 def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]:
     """Show progress; when the user interrupts, tell the best found so far."""
-    from solver.check import planned_evaluations
 
     last: list[GenerationRecord] = []
-    with progress_bar(problem.name, planned_evaluations(problem)) as update:
+    with progress_bar(problem.name, problem.planned_evaluations) as update:
 
         def on_generation(record: GenerationRecord) -> None:
             last[:] = [record]
