@@ -67,7 +67,7 @@ tabs, and in quotes, numbers may have a decimal comma. The file's path is relati
 """
 
 STOPPING = """\
-The job ends as soon as one criterion is satisfied, after a whole generation; all satisfied ones are reported.
+A job ends after the generation in which a criterion is satisfied; all satisfied ones are reported.
 """
 
 
@@ -197,7 +197,7 @@ def fields(schema: dict[str, Any], definitions: dict[str, Any], order: Sequence[
     rows = []
     for key in order or schema["properties"]:
         rule = schema["properties"][key]
-        given = "needed" if key in required else default(rule.get("default"))
+        given = "needed" if key in required or key == "kind" else default(rule.get("default"))
         rows.append((f"`{key}`", kind_of(rule, definitions), given, sentence(rule.get("description", ""))))
     return table(("key", "value", "default", "meaning"), rows)
 
@@ -208,7 +208,7 @@ def default(value: Any) -> str:
         return ""
     if isinstance(value, dict):
         return f"kind {value['kind']}" if "kind" in value else ""
-    return "empty" if value == [] else f"`{value}`"
+    return "empty" if value == [] else f"`{number(value) if isinstance(value, float) else value}`"
 
 
 def kind_of(rule: dict[str, Any], definitions: dict[str, Any]) -> str:
@@ -240,13 +240,20 @@ def plural(words: str) -> str:
 def bounds(rule: dict[str, Any]) -> str:
     """Limits of a number in words."""
     words = {"exclusiveMinimum": "above", "minimum": "from", "exclusiveMaximum": "below", "maximum": "to"}
-    return "".join(f" {word} {rule[key]:.17g}" for key, word in words.items() if key in rule)
+    return "".join(f" {word} {number(rule[key])}" for key, word in words.items() if key in rule)
 
 
 def sentence(text: str) -> str:
     """A description as a sentence without its full stop, safe inside a table."""
     text = " ".join(text.split()).removesuffix(".").replace("|", "\\|").replace("*", "\\*")
-    return text[:1].upper() + text[1:] if text[:2] != "w_" else text
+    first = text.partition(" ")[0]
+    # Symbols and values keep their case.
+    return text if len(first.rstrip(";")) == 1 or first.endswith(":") else text[:1].upper() + text[1:]
+
+
+def number(value: float) -> str:
+    """A number with all its digits: 1, not 1.0."""
+    return repr(value).removesuffix(".0")
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
