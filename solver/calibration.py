@@ -21,6 +21,7 @@ from solver.search import (
     MonteCarlo,
     MonteCarloSettings,
     ParticleSwarm,
+    Runs,
     SamplingDesign,
     Search,
     SearchSpace,
@@ -37,7 +38,7 @@ from solver.stopping import (
     satisfied_reasons,
 )
 
-__all__ = ["SAMPLES_COMPLETED", "Best", "Calibration", "Evaluation", "Progress", "Step", "choose_seed"]
+__all__ = ["SAMPLES_COMPLETED", "Best", "Calibration", "Evaluation", "Progress", "RunLog", "Step", "choose_seed"]
 
 SAMPLES_COMPLETED = "samples_completed"
 
@@ -211,7 +212,15 @@ class Calibration:
             return Evaluation(parameters, self.objective.value(misfits), misfits, dict(responses), None, None, seconds)
         return Evaluation(parameters, None, {}, {}, reason, message, time.perf_counter() - began)
 
-    def advance(self, progress: Progress, objectives: Sequence[float | None], seconds: float) -> Step:
+    @property
+    def accelerated(self) -> bool:
+        """Whether the search learns from all runs so far: then :meth:`advance` needs them."""
+        method = self.problem.method
+        return isinstance(method, ParticleSwarmMethod) and method.acceleration != "none"
+
+    def advance(
+        self, progress: Progress, objectives: Sequence[float | None], seconds: float, runs: Runs | None = None
+    ) -> Step:
         """Close the current generation and ask for the next one; pure.
 
         Parameters
@@ -222,10 +231,14 @@ class Calibration:
             f of each particle in particle order, None for a failed evaluation.
         seconds
             Running time of the job so far [s].
+        runs
+            All evaluations so far, this generation included; needed when :attr:`accelerated`.
         """
+        if self.accelerated and runs is None:
+            raise ValueError("an accelerated search needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
         search = self._restore(progress.snapshot)
-        search.tell(told)
+        search.tell(told, runs)
         best, stagnation = _update_best(progress, told)
         positions = self._positions(search)
         evaluations = progress.evaluations + len(objectives)
@@ -268,6 +281,47 @@ class Calibration:
         return np.empty((0, self.space.dimension)) if positions is None else positions
 
 
+class RunLog:
+    """The runs of one job for a search that learns from them, kept between generations so that each is read once.
+
+    Parameters
+    ----------
+    calibration
+        Of this job.
+    """
+
+    def __init__(self, calibration: Calibration) -> None:
+        self.generations = 0
+        self._objective = calibration.objective
+        self._failed = np.full(sum(observed.y.size for observed in self._objective.observed), np.nan)
+        self._positions: list[FloatArray] = [np.empty((0, calibration.space.dimension))]
+        self._residuals: list[FloatArray] = [np.empty((0, self._failed.size))]
+
+    def add(self, parameters: Sequence[FloatArray], responses: Sequence[Mapping[str, FloatArray]]) -> None:
+        """Add the next generation for good; see :meth:`runs`."""
+        self._positions.append(np.array(parameters))
+        self._residuals.append(self._rows(responses))
+        self.generations += 1
+
+    def runs(self, parameters: Sequence[FloatArray] = (), responses: Sequence[Mapping[str, FloatArray]] = ()) -> Runs:
+        """Return all runs, and those of one more generation that is not final yet.
+
+        Parameters
+        ----------
+        parameters
+            Natural values of the free parameters of each particle in order, each of shape (d,).
+        responses
+            Calculated values of each series; empty for a failed evaluation.
+        """
+        positions, residuals = self._positions, self._residuals
+        if parameters:
+            positions, residuals = [*positions, np.array(parameters)], [*residuals, self._rows(responses)]
+        return Runs(np.concatenate(positions), np.concatenate(residuals))
+
+    def _rows(self, responses: Sequence[Mapping[str, FloatArray]]) -> FloatArray:
+        return np.array([self._objective.weighted_residuals(r) if r else self._failed for r in responses])
+
+
 def _update_best(progress: Progress, objectives: FloatArray) -> tuple[Best | None, int]:
     particle = int(np.argmin(objectives))  # the lowest index of equal ones
     objective = float(objectives[particle])
@@ -303,6 +357,7 @@ def swarm_settings(method: ParticleSwarmMethod) -> SwarmSettings:
         topology=method.topology,
         boundary=method.boundary,
         max_velocity=method.max_velocity,
+        acceleration=method.acceleration,
     )
 
 

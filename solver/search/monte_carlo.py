@@ -11,6 +11,7 @@ import numpy as np
 
 from solver.arrays import FloatArray
 from solver.errors import InfeasibleSpaceError
+from solver.search.acceleration.runs import Runs
 from solver.search.base import Snapshot
 from solver.search.randomness import design_generator, particle_generator
 from solver.search.space import SearchSpace
@@ -131,6 +132,6 @@ class MonteCarlo:
             points = self._design.points[first : first + count]
         return self._space.to_natural(points)
 
-    def tell(self, objectives: FloatArray) -> None:  # noqa: ARG002  (a sampling does not learn)
+    def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:  # noqa: ARG002  (it does not learn)
         """Close the current generation."""
         self.generation += 1

@@ -29,12 +29,19 @@ PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
 # Runs to its last evaluation, so that there is time to disturb it.
 WHOLE: dict[str, Any] = load_problem(PROBLEM).document() | {"stopping": {"max_evaluations": 1590}}
 
+# Learns from stored responses, so these must come back from the database bit for bit.
+ACCELERATED: dict[str, Any] = WHOLE | {
+    "method": {"kind": "particle_swarm", "particles": 10, "acceleration": "response_surface"},
+    "stopping": {"max_evaluations": 150},
+}
+
 Bits = list[tuple[int, int, float | None, tuple[tuple[str, float], ...], tuple[float, ...]]]
 
 
 @cache
-def in_process() -> Bits:
+def in_process(*, accelerated: bool = False) -> Bits:
     """The history of the reference."""
+    document = ACCELERATED if accelerated else WHOLE
     return [
         (
             record.generation,
@@ -43,7 +50,7 @@ def in_process() -> Bits:
             tuple(zip(("lambda_star", "kappa_star", "c"), record.evaluation.parameters.tolist(), strict=True)),
             tuple(record.evaluation.responses["settlement"].tolist()),
         )
-        for record in calibrate(parse_problem(WHOLE)).history
+        for record in calibrate(parse_problem(document)).history
     ]
 
 
@@ -101,10 +108,10 @@ def served(*arguments: str) -> Iterator[Client]:
         yield client
 
 
-def finish(client: Client, job_id: str) -> None:
+def finish(client: Client, job_id: str, evaluations: int = 1590) -> None:
     job = client.wait(job_id, timeout=120)
     assert job.state == "finished", job.error
-    assert (job.evaluations, job.failed_evaluations, job.stop_reasons) == (1590, 0, ["max_evaluations"])
+    assert (job.evaluations, job.failed_evaluations, job.stop_reasons) == (evaluations, 0, ["max_evaluations"])
 
 
 @pytest.mark.parametrize("workers", [1, 2, 4])
@@ -113,6 +120,21 @@ def test_embedded_service_gives_the_in_process_history(workers: int, tmp_path: P
         job = client.submit(WHOLE)
         finish(client, job.id)
         assert over_http(client, job.id) == in_process()
+
+
+def test_an_accelerated_job_gives_the_in_process_history(
+    tmp_path: Path, fresh_postgres_url: str, fresh_redis_url: str
+) -> None:
+    with served("--database", f"sqlite:///{tmp_path / 'jobs.db'}", "--workers", "2") as client:
+        job = client.submit(ACCELERATED)
+        finish(client, job.id, 150)
+        assert over_http(client, job.id) == in_process(accelerated=True)
+    backends = ("--database", fresh_postgres_url, "--broker", fresh_redis_url)
+    with served(*backends) as client, geoswarm("worker", "--concurrency", "2", *backends):
+        wait_for(lambda: len(client.workers()) == 2, "2 workers")
+        job = client.submit(ACCELERATED)
+        finish(client, job.id, 150)
+        assert over_http(client, job.id) == in_process(accelerated=True)
 
 
 @pytest.mark.parametrize("workers", [1, 2, 4])

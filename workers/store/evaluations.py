@@ -11,7 +11,7 @@ from sqlalchemy import Connection, and_, bindparam, insert, select, tuple_, upda
 from solver.arrays import FloatArray
 from workers.coordinator.evaluation import EvaluationStatus
 from workers.store.clock import database_now
-from workers.store.codec import pack_array
+from workers.store.codec import pack_array, unpack_array, unpack_responses
 from workers.store.database import Record
 from workers.store.tables import attempts, evaluations
 
@@ -21,6 +21,7 @@ __all__ = [
     "Filters",
     "get_evaluation",
     "list_evaluations",
+    "list_runs",
     "load_board",
     "overdue",
     "renew_leases",
@@ -228,6 +229,21 @@ def list_evaluations(
         statement = statement.where(tuple_(evaluations.c.generation, evaluations.c.particle) > after)
     order = (evaluations.c.generation, evaluations.c.particle)
     return connection.execute(statement.order_by(*order).limit(limit)).all()
+
+
+def list_runs(
+    connection: Connection, job_id: str, first: int, last: int
+) -> dict[int, tuple[list[FloatArray], list[dict[str, FloatArray]]]]:
+    """Return parameters and responses (empty: failed) of generations ``first`` to ``last``, particles in order."""
+    columns = (evaluations.c.generation, evaluations.c.parameters, evaluations.c.responses)
+    condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation.between(first, last))
+    order = (evaluations.c.generation, evaluations.c.particle)
+    found: dict[int, tuple[list[FloatArray], list[dict[str, FloatArray]]]] = {}
+    for generation, parameters, responses in connection.execute(select(*columns).where(condition).order_by(*order)):
+        positions, curves = found.setdefault(generation, ([], []))
+        positions.append(unpack_array(parameters))
+        curves.append({} if responses is None else unpack_responses(responses))
+    return found
 
 
 def get_evaluation(connection: Connection, job_id: str, generation: int, particle: int) -> Record | None:
