@@ -172,7 +172,7 @@ class Calibration:
         self._run = problem.model.prepare(self.grids)
         method = problem.method
         self._design = (
-            SamplingDesign(self.space, monte_carlo_settings(method), seed)
+            SamplingDesign(self.space, monte_carlo_settings(problem, method), seed)
             if isinstance(method, MonteCarloMethod)
             else None
         )
@@ -250,7 +250,8 @@ class Calibration:
             stagnation=stagnation,
         )
         reasons = satisfied_reasons(self.criteria, status)
-        if len(positions) == 0:
+        method = self.problem.method
+        if isinstance(method, MonteCarloMethod) and evaluations == method.samples:
             reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))
         following = Progress(
             generation=search.generation,
@@ -268,13 +269,14 @@ class Calibration:
         if isinstance(method, ParticleSwarmMethod):
             initial = np.array([np.nan if p.initial is None else p.initial for p in self.problem.free])
             return ParticleSwarm(self.space, swarm_settings(method), self.seed, initial)
-        return MonteCarlo(self.space, monte_carlo_settings(method), self.seed, self._design)
+        return MonteCarlo(self.space, monte_carlo_settings(self.problem, method), self.seed, self._design)
 
     def _restore(self, snapshot: Snapshot) -> Search:
         method = self.problem.method
         if isinstance(method, ParticleSwarmMethod):
             return ParticleSwarm.restore(self.space, swarm_settings(method), self.seed, snapshot)
-        return MonteCarlo.restore(self.space, monte_carlo_settings(method), self.seed, snapshot, self._design)
+        settings = monte_carlo_settings(self.problem, method)
+        return MonteCarlo.restore(self.space, settings, self.seed, snapshot, self._design)
 
     def _positions(self, search: Search) -> FloatArray:
         positions = search.ask()
@@ -361,9 +363,9 @@ def swarm_settings(method: ParticleSwarmMethod) -> SwarmSettings:
     )
 
 
-def monte_carlo_settings(method: MonteCarloMethod) -> MonteCarloSettings:
-    """Translate the ``method`` section of a Monte Carlo sampling."""
-    return MonteCarloSettings(method.samples, method.sampling, method.batch)
+def monte_carlo_settings(problem: Problem, method: MonteCarloMethod) -> MonteCarloSettings:
+    """Translate the ``method`` section of a sampling; no more points than ``max_evaluations`` are ever drawn."""
+    return MonteCarloSettings(problem.planned_evaluations or method.samples, method.sampling, method.batch)
 
 
 def _or(value: float | None, default: float) -> float:

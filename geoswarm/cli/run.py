@@ -31,7 +31,7 @@ __all__ = ["run_command"]
     help="Folder for result.json, problem.json, evaluations.csv, generations.csv and figures (png, svg).",
 )
 @click.option(
-    "--seed", type=click.IntRange(min=0), help="Seed in place of the problem's; the same seed, the same result."
+    "--seed", type=click.IntRange(0, 2**53 - 1), help="Seed in place of the problem's; the same seed, the same result."
 )
 @json_option
 def run_command(problem: Path, workers: int, output: Path | None, seed: int | None, as_json: bool) -> None:
@@ -104,7 +104,7 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> l
 
     written = [folder / name for name in ("result.json", "problem.json", "evaluations.csv", "generations.csv")]
     report.write_result(written[0], problem, result)
-    report.write_problem(written[1], problem)
+    report.write_problem(written[1], problem, result.seed)
     report.write_evaluations(written[2], problem, result)
     report.write_generations(written[3], problem, result)
     if not report.figures_available():

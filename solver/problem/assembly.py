@@ -14,7 +14,7 @@ from solver.errors import ExpressionError, Issue, ProblemError, SolverError
 from solver.expressions import Expression
 from solver.forward.base import ForwardModel, ForwardModelSpec
 from solver.forward.registry import find_spec, parse_spec
-from solver.problem.feasibility import infeasibility
+from solver.problem.feasibility import estimates_in_conflict, infeasibility
 from solver.problem.issues import describe, did_you_mean, issues_of, validated
 from solver.problem.observations import Observation, Points, build_observations, read_points
 from solver.problem.parameters import (
@@ -120,7 +120,7 @@ class _Assembly:
             stopping=stopping,
             seed=settings.seed,
         )
-        unsatisfiable = infeasibility(problem)
+        unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem)
         if unsatisfiable:
             raise ProblemError(unsatisfiable)
         return problem

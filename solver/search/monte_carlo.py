@@ -18,7 +18,7 @@ from solver.search.space import SearchSpace
 
 __all__ = ["MonteCarlo", "MonteCarloSettings", "SamplingDesign"]
 
-_LARGEST_DESIGN = 2**22  # points drawn at most in the search for feasible ones
+_LARGEST_DESIGN = 2**21  # points drawn at most in the search for feasible ones
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class SamplingDesign:
         size = wanted
         while size <= max(_LARGEST_DESIGN, wanted):
             points = self._draw(size)
-            feasible = np.array([self.space.is_feasible(point) for point in points])
+            feasible = np.array([self.space.feasible(point) for point in self.space.to_natural(points)])
             if feasible.sum() >= wanted:
                 chosen: FloatArray = points[feasible][:wanted]
                 return chosen
