@@ -26,7 +26,7 @@ A problem says what to calculate, what to identify, what was measured, how to se
 - YAML is read as YAML 1.2 (`1e-7` is a number, `yes` is text); a key that is given twice is an error.
 - Numbers are numbers: `"3"` and `true` are refused where a number is wanted, and so are NaN and infinity.
 - Every mistake is reported with its path, such as `parameters.c.lower`, and all of them at once.
-- A problem file has at most {problem_size} MB, a CSV file {table_size} MB, an expression {length} characters.
+- A problem file has at most {yaml_size} MB as YAML and {json_size} MB as JSON, a CSV file {table_size} MB, an expression {length} characters.
 """
 
 PARAMETERS = """\
@@ -79,14 +79,15 @@ def main() -> None:
 def page() -> str:
     """The page as it follows from the models."""
     from solver.expressions import FUNCTIONS, MAX_LENGTH
-    from solver.problem import MAX_PROBLEM_BYTES, MAX_TABLE_BYTES, problem_schema
+    from solver.problem import MAX_BYTES, MAX_TABLE_BYTES, problem_schema
     from solver.problem.feasibility import TRIED_POINTS
 
     schema = problem_schema()
     definitions = schema["$defs"]
     introduction = INTRODUCTION.format(
         example=(ROOT / "examples" / "oedometer" / "problem.yaml").read_text(encoding="utf-8"),
-        problem_size=MAX_PROBLEM_BYTES // 2**20,
+        yaml_size=MAX_BYTES["yaml"] // 2**20,
+        json_size=MAX_BYTES["json"] // 2**20,
         table_size=MAX_TABLE_BYTES // 2**20,
         length=MAX_LENGTH,
     )

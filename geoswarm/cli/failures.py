@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import sys
@@ -99,6 +100,8 @@ def explain(error: BaseException) -> tuple[str, int] | None:
         return str(error), BAD_INPUT
     if isinstance(error, OSError) and error.filename is not None:
         return f"{error.filename}: {error.strerror}", BAD_INPUT
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
+        return f"the output cannot be written: {error.strerror}", FAILED_RUN
     return _explain_service(error)
 
 

@@ -4,13 +4,13 @@ from solver.problem.assembly import load_problem, parse_problem
 from solver.problem.observations import Observation, Points
 from solver.problem.parameters import FixedParameter, FreeParameter, LinkedParameter, Parameter
 from solver.problem.problem import Problem
-from solver.problem.reading import MAX_PROBLEM_BYTES, read_document
+from solver.problem.reading import MAX_BYTES, read_document
 from solver.problem.schema import problem_schema
 from solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
 from solver.problem.tables import MAX_TABLE_BYTES
 
 __all__ = [
-    "MAX_PROBLEM_BYTES",
+    "MAX_BYTES",
     "MAX_TABLE_BYTES",
     "FixedParameter",
     "FreeParameter",

@@ -11,15 +11,15 @@ import numpy as np
 
 from solver.errors import Issue, ProblemError
 
-__all__ = ["MAX_PROBLEM_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
-
-MAX_PROBLEM_BYTES = 4 * 2**20
-"""Largest problem file; measured data beyond it belong into CSV files."""
+__all__ = ["MAX_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
 
 _MAX_DEPTH = 30
 _MAX_VALUES = 2_000_000
 
 Form: TypeAlias = Literal["yaml", "json"]
+
+MAX_BYTES: dict[Form, int] = {"yaml": 4 * 2**20, "json": 32 * 2**20}
+"""Largest problem file. YAML is read slowly; JSON also carries the measured data that a client has put in."""
 
 _FORMS: dict[str, Form] = {".json": "json", ".yaml": "yaml", ".yml": "yaml"}
 
@@ -39,20 +39,22 @@ def read_problem_file(path: Path) -> dict[str, Any]:
     form = _FORMS.get(path.suffix.lower())
     if form is None:
         raise _error(f"{path}: the name of a problem file ends in .yaml, .yml or .json")
-    return read_document(_text(path), form)
+    return read_document(_text(path, MAX_BYTES[form]), form)
 
 
-def _text(path: Path) -> str:
+def _text(path: Path, most: int) -> str:
+    if path.exists() and not path.is_file():  # a pipe would be waited for
+        raise _error(f"{path}: is not a file")
     try:
         with path.open("rb") as file:
-            content = file.read(MAX_PROBLEM_BYTES + 1)
+            content = file.read(most + 1)
     except FileNotFoundError:
         raise _error(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise _error(f"{path}: cannot be read: {reason}") from None
-    if len(content) > MAX_PROBLEM_BYTES:
-        raise _too_large()
+    if len(content) > most:
+        raise _too_large(most)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -71,8 +73,8 @@ def read_document(text: str, form: Form) -> dict[str, Any]:
     ProblemError
         Syntax error or duplicate key (both with line and column), not a mapping, too large or nested too deeply.
     """
-    if len(text) > MAX_PROBLEM_BYTES:
-        raise _too_large()
+    if len(text) > MAX_BYTES[form]:
+        raise _too_large(MAX_BYTES[form])
     try:
         document = _from_json(text) if form == "json" else _from_yaml(text)
     except RecursionError:
@@ -85,8 +87,8 @@ def _from_json(text: str) -> Any:
         return json.loads(text, object_pairs_hook=_without_duplicates)
     except json.JSONDecodeError as error:
         raise _error(f"JSON syntax error in line {error.lineno}, column {error.colno}: {error.msg}") from None
-    except ValueError as error:  # a number with thousands of digits
-        raise _error(f"JSON cannot be read: {error}") from None
+    except ValueError:
+        raise _error("JSON cannot be read: it has a number with thousands of digits") from None
 
 
 def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -119,6 +121,8 @@ def _from_yaml(text: str) -> Any:
     except YAMLError as error:
         raise _error(f"YAML syntax error: {_short(' '.join(str(error).split()))}") from None
     except _READING_ERRORS as error:
+        if "integer string conversion" in str(error):
+            raise _error("YAML cannot be read: it has a number with thousands of digits") from None
         raise _error(f"YAML cannot be read: {_short(' '.join(str(error).split()))}") from None
 
 
@@ -197,8 +201,8 @@ def _error(message: str) -> ProblemError:
     return ProblemError([Issue("", message)])
 
 
-def _too_large() -> ProblemError:
-    return _error(f"problem is larger than {MAX_PROBLEM_BYTES} bytes; put long series into CSV files (file: ...)")
+def _too_large(most: int) -> ProblemError:
+    return _error(f"problem is larger than {most} bytes; put long series into CSV files (file: ...), or write JSON")
 
 
 def _too_deep(path: str) -> ProblemError:

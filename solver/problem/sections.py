@@ -205,6 +205,14 @@ class Settings(_Section):
     """What of a problem is neither physics nor method."""
 
     name: str = Field("calibration", min_length=1, max_length=200, description="name of the problem")
+
+    @field_validator("name")
+    @classmethod
+    def _printable(cls, value: str) -> str:
+        if not value.isprintable():
+            raise PydanticCustomError("name", "must be printable text on one line, without control characters")
+        return value
+
     constraints: list[str] = Field(
         default=[], max_length=100, description='comparisons that hold for every proposal: "lambda_star > kappa_star"'
     )

@@ -23,6 +23,7 @@ from workers.errors import StoreUnavailableError
         (InfeasibleSpaceError("nothing satisfies a > b"), 2, "Error: nothing satisfies a > b\n"),
         (StoreUnavailableError("no database at x"), 2, "Error: no database at x\n"),
         (PermissionError(13, "Permission denied", "out/result.json"), 2, "Error: out/result.json: Permission denied\n"),
+        (OSError(28, "No space left on device"), 1, "Error: the output cannot be written: No space left on device\n"),
         (KeyboardInterrupt(), 130, "\nInterrupted.\n"),
         (click.Abort(), 130, "\nInterrupted.\n"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver.errors import ProblemError
-from solver.problem import MAX_PROBLEM_BYTES, load_problem, read_document
-from solver.problem.reading import plain_document
+from solver.problem import MAX_BYTES, load_problem, read_document
+from solver.problem.reading import Form, plain_document
 
 
 def test_numbers_are_those_of_yaml_1_2() -> None:
@@ -80,11 +81,11 @@ def test_many_aliases_do_not_fill_the_memory() -> None:
 
 
 def test_size_is_limited(tmp_path: Path) -> None:
-    with pytest.raises(ProblemError, match=f"larger than {MAX_PROBLEM_BYTES} bytes"):
-        read_document("#" * (MAX_PROBLEM_BYTES + 1), "yaml")
+    with pytest.raises(ProblemError, match=f"larger than {MAX_BYTES['yaml']} bytes"):
+        read_document("#" * (MAX_BYTES["yaml"] + 1), "yaml")
     path = tmp_path / "large.yaml"
-    path.write_text("#" * (MAX_PROBLEM_BYTES + 1), encoding="utf-8")
-    with pytest.raises(ProblemError, match=f"larger than {MAX_PROBLEM_BYTES} bytes"):
+    path.write_text("#" * (MAX_BYTES["yaml"] + 1), encoding="utf-8")
+    with pytest.raises(ProblemError, match=f"larger than {MAX_BYTES['yaml']} bytes"):
         load_problem(path)
 
 
@@ -112,3 +113,15 @@ def test_no_text_gives_anything_but_a_document_or_a_problem_error(text: str) -> 
         except ProblemError as error:
             outcome = error
         assert isinstance(outcome, dict | ProblemError)
+
+
+@pytest.mark.parametrize("form", ["yaml", "json"])
+def test_a_number_with_thousands_of_digits_is_told_in_words(form: Form) -> None:
+    with pytest.raises(ProblemError, match="it has a number with thousands of digits$"):
+        read_document('{"seed": ' + "1" * 5000 + "}", form)
+
+
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "problem.yaml")
+    with pytest.raises(ProblemError, match="is not a file"):
+        load_problem(tmp_path / "problem.yaml")
