@@ -43,8 +43,8 @@ def read_problem_file(path: Path) -> dict[str, Any]:
 
 
 def _text(path: Path, most: int) -> str:
-    if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise _error(f"{path}: is not a file")
+    if path.is_fifo():  # a pipe would be waited for
+        raise _error(f"{path}: a pipe, not a file")
     try:
         with path.open("rb") as file:
             content = file.read(most + 1)

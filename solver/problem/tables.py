@@ -66,8 +66,8 @@ def read_table(path: Path, x: str | None = None, y: str | None = None, weight: s
 
 
 def _text(path: Path) -> str:
-    if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise TableError(f"{path} is not a file")
+    if path.is_fifo():  # a pipe would be waited for
+        raise TableError(f"{path} is a pipe, not a file")
     try:
         with path.open("rb") as file:
             content = file.read(MAX_TABLE_BYTES + 1)

@@ -217,7 +217,7 @@ def _problems(draw: st.DrawFn) -> dict[str, Any]:
         )
     )
     document = {
-        "name": draw(st.text(min_size=1, max_size=10)),
+        "name": draw(st.text(min_size=1, max_size=10).filter(str.isprintable)),
         "forward_model": {"kind": "formula", "series": {"s": {"expression": f"x * {names[0]}", "y_unit": "m"}}},
         "parameters": parameters,
         "constraints": [f"{names[0]} <= 1"],
