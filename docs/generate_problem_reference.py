@@ -26,7 +26,8 @@ A problem says what to calculate, what to identify, what was measured, how to se
 - YAML is read as YAML 1.2 (`1e-7` is a number, `yes` is text); a key that is given twice is an error.
 - Numbers are numbers: `"3"` and `true` are refused where a number is wanted, and so are NaN and infinity.
 - Every mistake is reported with its path, such as `parameters.c.lower`, and all of them at once.
-- A problem file has at most {yaml_size} MB as YAML and {json_size} MB as JSON, a CSV file {table_size} MB, an expression {length} characters.
+- A problem file has at most {yaml_size} MB as YAML and {json_size} MB as JSON, a CSV file {table_size} MB,
+  an expression {length} characters.
 """
 
 PARAMETERS = """\
