@@ -13,13 +13,23 @@ from scipy.special import ndtri
 from solver.arrays import FloatArray
 from solver.identifiability.samples import Samples
 
-__all__ = ["NOT_CORRELATED", "Coordinates", "Correlation", "CorrelationMethod", "Correlations", "correlate"]
+__all__ = [
+    "COORDINATES",
+    "NOT_CORRELATED",
+    "Coordinates",
+    "Correlation",
+    "CorrelationMethod",
+    "Correlations",
+    "correlate",
+]
 
 NOT_CORRELATED = 0.5
 """Below this |r| two parameters count as not correlated (Meier et al. 2008)."""
 
 CorrelationMethod: TypeAlias = Literal["pearson", "spearman"]
 Coordinates: TypeAlias = Literal["linear", "search"]
+
+COORDINATES: tuple[Coordinates, ...] = ("linear", "search")
 
 _FEWEST = 4  # Fisher's z needs more than three samples
 _HEAVY_TAIL = 3.0  # excess kurtosis beyond which Fisher's variance is too small

@@ -165,7 +165,7 @@ def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations:
     derivatives = {s: np.empty((centre.responses[s].size, len(plan.optimum))) for s in names}
     errors = {s: np.empty_like(array) for s, array in derivatives.items()}
     for index, name in enumerate(calibration.free_names):
-        chosen = [i for i in np.flatnonzero(plan.parameter == index) if evaluations[i].reason is None]
+        chosen = [i for i in np.flatnonzero(plan.parameter == index).tolist() if evaluations[i].reason is None]
         if len(chosen) < 2:
             raise StatisticsError(
                 f"sensitivities to {name} cannot be had: only {len(chosen)} of its neighbouring evaluations succeeded"
@@ -191,7 +191,7 @@ def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations:
 
 
 def _weights(offsets: FloatArray) -> FloatArray:
-    """Weights of values at ``offsets``, shape (k,), in the first derivative at 0, exact for polynomials below order k."""
+    """Weights of values at ``offsets``, shape (k,), in the derivative at 0; exact for polynomials below order k."""
     scale = np.abs(offsets).max()
     system = np.vander(offsets / scale, increasing=True).T
     target = np.zeros(len(offsets))

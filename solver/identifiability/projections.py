@@ -41,10 +41,11 @@ class Projection:
     lowest, highest
         Least and largest value among the good fits; None without any.
     lower, upper
-        5 % and 95 % quantile among the good fits (the posterior width); None without any.
+        5 % and 95 % quantile among the good fits; None without any.
     width_ratio
-        Posterior width over prior width (the same quantiles of all samples; of the bounds for a swarm), both in search
-        coordinates; None without good fits.
+        Posterior over prior width: extent of the good fits over that of all samples (of the bounds for a swarm) in
+        search coordinates, the former enlarged by (k + 1) / (k - 1), as k samples do not reach the ends of what they
+        come from; at most 1. None without good fits.
     unimodal
         Whether the good fits form one group: no gap between neighbours that has a probability below 1 %. None when it
         cannot be told (fewer than five good fits, or a swarm's).
@@ -112,8 +113,8 @@ def _project(samples: Samples, index: int, threshold: float, bins: int) -> Proje
         chosen = natural[evidence]
         lowest, highest = float(chosen.min()), float(chosen.max())
         lower, upper = (float(q) for q in np.quantile(chosen, [0.05, 0.95]))
-        prior = np.array([0.05, 0.95]) if swarm else np.quantile(unit[fair], [0.05, 0.95])
-        width_ratio = float(np.ptp(np.quantile(unit[evidence], [0.05, 0.95])) / max(np.ptp(prior), 1e-300))
+        prior = 1.0 if swarm else max(float(np.ptp(unit[fair])), 1e-300)
+        width_ratio = float(min(np.ptp(unit[evidence]) / prior * (kept + 1) / (kept - 1), 1.0)) if kept > 1 else 1.0
         below, above = int((natural < lowest).sum()), int((natural > highest).sum())
         if swarm:
             open_below = bool(unit[evidence].min() <= _SWARM_CONTACT)

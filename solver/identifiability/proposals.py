@@ -108,7 +108,7 @@ class Proposal:
 
 
 def apply_proposals(document: Mapping[str, Any], accepted: list[Proposal]) -> dict[str, Any]:
-    """Give the problem document of a follow-up job; a later proposal about the same parameter replaces an earlier one."""
+    """Give the problem document of a follow-up job; of two proposals about one parameter the later counts."""
     changed = deepcopy(dict(document))
     for proposal in accepted:
         for name, section in proposal.changes.get("parameters", {}).items():
@@ -228,7 +228,10 @@ def _widen(parameter: str, samples: Samples, projection: Projection) -> list[Pro
         lower, upper = (max(lower - span / 2, floor), upper) if below else (lower, upper + span / 2)
     bound, value = ("lower", lower) if below else ("upper", upper)
     section = {"lower": float(lower), "upper": float(upper), "scale": samples.scales[index]}
-    sentence = f"Widen the {bound} bound of {parameter} to {value:.4g} if that is physically possible: good fits reach the bound."
+    sentence = (
+        f"Widen the {bound} bound of {parameter} to {value:.4g} if that is physically possible: good fits reach the "
+        "bound."
+    )
     return [Proposal("widen", parameter, sentence, {"parameters": {parameter: section}})]
 
 

@@ -62,7 +62,7 @@ class SeriesResiduals:
         Runs of one sign, how many independent residuals have on average, and the probability of as few (one-sided;
         Wald and Wolfowitz 1940). None with fewer than eight points.
     durbin_watson
-        2 without serial correlation, towards 0 with a positive one (Durbin and Watson 1950). None with fewer than eight.
+        2 without serial correlation, towards 0 with a positive one (Durbin and Watson 1950). None as above.
     durbin_watson_probability
         Probability of a value as small, normal approximation. None as above.
     lack_of_fit

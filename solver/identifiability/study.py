@@ -22,8 +22,8 @@ from solver.identifiability.weighting import SeriesWeight, shares
 __all__ = ["SWARM_BIAS", "Statistics", "analyse"]
 
 SWARM_BIAS = (
-    "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths describe "
-    "its path as well as the data. Only the lower envelope can be read as it is."
+    "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
+    "describe its path as well as the data. Only the lower envelope can be read as it is."
 )
 
 
@@ -127,6 +127,7 @@ def analyse(
     )
     filtered = filter_samples(samples, limit)
     pearson = correlate(filtered.samples)
+    pearson_search = correlate(filtered.samples, coordinates="search")
     projections = project(samples, filtered.threshold.value, bins=bins)
     best = samples.best
     at_best = {series: values[best] for series, values in samples.responses.items()}
@@ -139,10 +140,10 @@ def analyse(
         samples=samples,
         filtered=filtered,
         pearson=pearson,
-        pearson_search=correlate(filtered.samples, coordinates="search"),
+        pearson_search=pearson_search,
         spearman=correlate(filtered.samples, method="spearman"),
         projections=projections,
-        verdicts=judge(samples, filtered, pearson, projections, linearisation),
+        verdicts=judge(samples, filtered, projections, linearisation),
         linearisation=linearisation,
         residuals=residuals,
         weights=shares(calibration.problem, misfits) if misfits else (),

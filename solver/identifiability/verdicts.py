@@ -4,9 +4,10 @@ Rules, in this order (docs/statistics.md explains them):
 
 1. *Linearisation at the optimum*, when given. A parameter without influence is ``not_identified``. One that takes part
    in a combination that the data leave open is ``in_combination``.
-2. *Good fits of a sampling*, at least ten. With |r| >= 0.5 to another parameter (interval excludes 0): ``in_combination``.
-   Otherwise, with at most half the prior width left and no bound contact: ``identified``; with contact on one side:
-   ``bounded_on_one_side``; all else: ``not_identified``.
+2. *Good fits of a sampling*, at least ten. With |r| >= 0.5 to another parameter, over natural values or search
+   coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise, with at most half
+   the prior width left and no bound contact: ``identified``; with contact on one side: ``bounded_on_one_side``; all
+   else: ``not_identified``.
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
    ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits.
@@ -17,7 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
-from solver.identifiability.correlations import Correlation, Correlations
+from solver.identifiability.correlations import COORDINATES, Correlation, correlate
 from solver.identifiability.filtering import Filtered
 from solver.identifiability.projections import Projection
 from solver.identifiability.proposals import Proposal, propose
@@ -33,6 +34,8 @@ WIDTH_LIMIT = 0.5
 
 FEWEST_GOOD_FITS = 10
 
+_FALSE_PAIRS = 0.01  # probability of calling any pair correlated that is not
+
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
@@ -45,7 +48,7 @@ class Evidence:
     good_fits
         Monte Carlo samples below the threshold.
     range_lower, range_upper
-        5 % to 95 % of the good fits, or the confidence interval; natural values.
+        Least and largest value among the good fits, or the confidence interval; natural values.
     width_ratio, unimodal, open_below, open_above
         As in :class:`Projection`; of the interval where the basis is the linearisation.
     partners
@@ -89,7 +92,6 @@ class Verdict:
 def judge(
     samples: Samples,
     filtered: Filtered,
-    correlations: Correlations,
     projections: tuple[Projection, ...],
     linearisation: Linearisation | None = None,
 ) -> tuple[Verdict, ...]:
@@ -99,21 +101,37 @@ def judge(
     ----------
     samples, filtered
         All samples and the good fits among them.
-    correlations, projections
-        Of the good fits; of all samples with the filter's threshold.
+    projections
+        Of all samples with the filter's threshold.
     linearisation
         At the optimum, when it was made.
     """
+    tied = _tied_pairs(filtered)
     verdicts = []
     for projection in projections:
-        kind, evidence, sentence = _judge(samples, projection, correlations, linearisation)
+        kind, evidence, sentence = _judge(samples, projection, tied, linearisation)
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
     return tuple(verdicts)
 
 
+def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
+    """Pairs that are correlated beyond doubt over natural values or search coordinates, with their usual intervals.
+
+    A relation that is straight in one of them may be too bent in the other to show among few samples.
+    """
+    found: list[Correlation] = []
+    usual = [correlate(filtered.samples, coordinates=coordinates) for coordinates in COORDINATES]
+    level = 1.0 - _FALSE_PAIRS / max(len(COORDINATES) * len(usual[0].pairs), 1)
+    strict = [correlate(filtered.samples, coordinates=coordinates, level=level) for coordinates in COORDINATES]
+    for index in range(len(usual[0].pairs)):
+        tied = [u.pairs[index] for u, s in zip(usual, strict, strict=True) if s.pairs[index].correlated]
+        found += sorted(tied, key=lambda pair: -abs(pair.coefficient or 0.0))[:1]
+    return tuple(found)
+
+
 def _judge(
-    samples: Samples, projection: Projection, correlations: Correlations, linearisation: Linearisation | None
+    samples: Samples, projection: Projection, tied_pairs: tuple[Correlation, ...], linearisation: Linearisation | None
 ) -> tuple[VerdictKind, Evidence, str]:
     name = projection.parameter
     swarm = samples.source == "particle_swarm"
@@ -141,7 +159,7 @@ def _judge(
         )
         return "in_combination", evidence, sentence
     if good_fits >= FEWEST_GOOD_FITS:
-        return _judge_sampling(projection, correlations, influence)
+        return _judge_sampling(projection, tied_pairs, influence)
     if linearisation is not None:
         return _judge_linearisation(samples, name, linearisation, good_fits, swarm)
     evidence = Evidence("none", good_fits, sampling_bias=swarm)
@@ -154,19 +172,19 @@ def _judge(
 
 
 def _judge_sampling(
-    projection: Projection, correlations: Correlations, influence: float | None
+    projection: Projection, tied_pairs: tuple[Correlation, ...], influence: float | None
 ) -> tuple[VerdictKind, Evidence, str]:
     name, kept = projection.parameter, projection.kept
     tied = sorted(
-        (pair for pair in correlations if name in (pair.first, pair.second) and pair.correlated),
+        (pair for pair in tied_pairs if name in (pair.first, pair.second)),
         key=lambda pair: -abs(pair.coefficient or 0.0),
     )
     partners = tuple((_other(pair, name), pair.coefficient) for pair in tied)
     evidence = Evidence(
         "sampling",
         kept,
-        projection.lower,
-        projection.upper,
+        projection.lowest,
+        projection.highest,
         projection.width_ratio,
         projection.unimodal,
         projection.open_below,
@@ -174,9 +192,9 @@ def _judge_sampling(
         partners,
         influence,
     )
-    low, high = projection.lower or 0.0, projection.upper or 0.0
+    low, high = projection.lowest or 0.0, projection.highest or 0.0
     share = projection.width_ratio or 0.0
-    values = f"90 % of {kept} good fits lie between {low:.3g} and {high:.3g}, {share:.0%} of the searched range"
+    values = f"{kept} good fits lie between {low:.3g} and {high:.3g}, {share:.0%} of the searched range"
     several = "" if projection.unimodal is not False else "; they form more than one group"
     if tied:
         words = " and ".join(f"{_other(pair, name)} ({_interval(pair)})" for pair in tied)
