@@ -1,0 +1,127 @@
+"""From a run to its report: statistics, figures, content, HTML and PDF in one object that makes each part once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+
+from solver.calibration import Calibration
+from solver.errors import SolverError
+from solver.identifiability import (
+    Linearisation,
+    Samples,
+    Statistics,
+    analyse,
+    design,
+    from_evaluations,
+)
+from solver.local import CalibrationResult
+from solver.problem import ParticleSwarmMethod, Problem
+from solver.report.content import Content, report_content
+from solver.report.figures import FigureSet
+from solver.report.html import html_fragment, html_report
+from solver.report.pdf import pdf_report
+from solver.report.record import RunRecord, record_of_result
+from solver.report.style import save_figure
+
+__all__ = ["Report", "linearise_here", "report_of_result"]
+
+
+class Report:
+    """Everything that can be shown of one run.
+
+    Parameters
+    ----------
+    problem, record
+        What was asked for and how it went.
+    samples
+        Successful evaluations.
+    threshold
+        Objective up to which a fit is good; proposed when None.
+    linearisation
+        At the optimum, where somebody made it.
+
+    Raises
+    ------
+    StatisticsError
+        When the threshold is wrong.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        record: RunRecord,
+        samples: Samples,
+        *,
+        threshold: float | None = None,
+        linearisation: Linearisation | None = None,
+    ) -> None:
+        self.problem = problem
+        self.record = record
+        self.samples = samples
+        self.statistics: Statistics | None = None
+        if samples.size:
+            calibration = Calibration(problem, record.seed)
+            self.statistics = analyse(calibration, samples, threshold=threshold, linearisation=linearisation)
+
+    @cached_property
+    def figures(self) -> FigureSet:
+        """The figures by name."""
+        return FigureSet(self.problem, self.record, self.samples if self.samples.size else None, self.statistics)
+
+    @cached_property
+    def content(self) -> Content:
+        """What the report says."""
+        return report_content(self.problem, self.record, self.statistics, self.figures)
+
+    def html(self) -> str:
+        """Return the page."""
+        return html_report(self.content)
+
+    def fragment(self) -> str:
+        """Return a short form for a notebook."""
+        return html_fragment(self.content)
+
+    def pdf(self) -> bytes:
+        """Return the PDF."""
+        return pdf_report(self.content)
+
+    def save(self, folder: Path, *, figures: Sequence[str] | None = None) -> list[Path]:
+        """Write report.html, report.pdf and each figure as PNG, SVG and CSV; return the files."""
+        written = [folder / "report.html", folder / "report.pdf"]
+        written[0].write_text(self.html(), encoding="utf-8")
+        written[1].write_bytes(self.pdf())
+        for name in self.figures.names if figures is None else figures:
+            written += save_figure(self.figures.draw(name), folder, name)
+            table = folder / f"{name}.csv"
+            table.write_text(self.figures.csv(name), encoding="utf-8")
+            written.append(table)
+        return written
+
+
+def report_of_result(
+    problem: Problem, result: CalibrationResult, *, threshold: float | None = None, linearise: bool | None = None
+) -> Report:
+    """Make the report of a run in this process.
+
+    Parameters
+    ----------
+    linearise
+        Whether to calculate the sensitivities at the optimum, with four further forward runs a free parameter. By
+        default after a swarm only: the best of a sampling is no optimum.
+    """
+    samples = Samples.from_result(problem, result)
+    wanted = isinstance(problem.method, ParticleSwarmMethod) if linearise is None else linearise
+    found = linearise_here(problem, samples, result.seed) if wanted and samples.size else None
+    return Report(problem, record_of_result(problem, result), samples, threshold=threshold, linearisation=found)
+
+
+def linearise_here(problem: Problem, samples: Samples, seed: int) -> Linearisation | None:
+    """Linearise at the best sample with forward runs in this process; None where the data do not allow it."""
+    calibration = Calibration(problem, seed)
+    try:
+        plan = design(calibration, samples.parameters[samples.best])
+        return from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+    except SolverError:
+        return None
