@@ -22,6 +22,7 @@
 
 from __future__ import annotations
 
+from solver.identifiability.combinations import Combination
 from solver.identifiability.correlations import Correlation, Correlations, correlate
 from solver.identifiability.differences import DifferenceDesign, Jacobian, design, differentiate
 from solver.identifiability.errors import StatisticsError, TooFewPointsError
@@ -31,7 +32,7 @@ from solver.identifiability.projections import Projection, project
 from solver.identifiability.proposals import FittedLine, Proposal, apply_proposals, fit_line
 from solver.identifiability.residuals import SeriesResiduals, examine_residuals
 from solver.identifiability.samples import Samples
-from solver.identifiability.sensitivity import Combination, Linearisation, from_evaluations, linearise
+from solver.identifiability.sensitivity import Linearisation, from_evaluations, linearise
 from solver.identifiability.study import Statistics, analyse
 from solver.identifiability.verdicts import Evidence, Verdict, judge
 from solver.identifiability.weighting import (

@@ -20,6 +20,7 @@ from scipy.special import ndtri, stdtrit
 
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation
+from solver.identifiability.combinations import Combination, Directions, find_directions
 from solver.identifiability.differences import (
     DifferenceDesign,
     Jacobian,
@@ -29,30 +30,9 @@ from solver.identifiability.differences import (
 )
 from solver.identifiability.noise import Noise, estimate_noise, known_noise
 
-__all__ = ["Combination", "Linearisation", "design", "from_evaluations", "linearise"]
+__all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
 
-_EXACT = 1e-7  # relative size of a singular value that differences cannot tell from 0
-_TAKES_PART = 0.05  # component from which a parameter belongs to a combination
-_INFLUENCE = 1e-9
-
-
-@dataclass(frozen=True, slots=True)
-class Combination:
-    """A direction in the space of the parameters.
-
-    Parameters
-    ----------
-    singular_value
-        Of the weighted derivatives with columns of unit length: 0 for a direction that changes nothing measured.
-    components
-        Move of each parameter, parts of its range in search coordinates, unit length; small ones left out.
-    open
-        True when the data leave the combination undetermined.
-    """
-
-    singular_value: float
-    components: dict[str, float]
-    open: bool
+_FAR = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +69,12 @@ class Linearisation:
         Of the intervals.
     derivative_error
         Largest estimated relative error of a derivative column.
+    distance
+        How far, in standard errors, a Gauss-Newton step would move each parameter, shape (d,); nan where there is no
+        standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
+    profile_increase
+        How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
+        without one, by the mean noise variance of the weighted points. nan without noise.
     """
 
     names: tuple[str, ...]
@@ -105,6 +91,13 @@ class Linearisation:
     unit_widths: FloatArray
     level: float
     derivative_error: float
+    distance: FloatArray
+    profile_increase: FloatArray
+
+    @property
+    def at_optimum(self) -> bool:
+        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum."""
+        return not bool((self.distance > _FAR).any())
 
     def influence(self, name: str) -> float:
         """Length of the parameter's weighted derivative over the longest one, 0 to 1."""
@@ -172,6 +165,8 @@ class Linearisation:
             ],
             "correlation": [[_number(v) for v in row] for row in self.correlation().tolist()],
             "derivative_error": self.derivative_error,
+            "distance": [_number(v) for v in self.distance],
+            "at_optimum": self.at_optimum,
         }
 
 
@@ -215,168 +210,113 @@ def linearise(
     root = np.sqrt(weights)
     weighted = np.concatenate([jacobian.derivatives[s] for s in series]) * root[:, None]
     errors = np.concatenate([jacobian.error[s] for s in series]) * root[:, None]
-
-    lengths = np.linalg.norm(weighted, axis=0)
-    longest = max(float(lengths.max()), 1e-300)
-    values = np.concatenate([o.y for o in observed]) * root
-    # below this a derivative is rounding of the response
-    floor = max(_INFLUENCE * longest, 1e-11 * float(np.linalg.norm(values)))
-    active = lengths > np.maximum(floor, 3.0 * np.linalg.norm(errors, axis=0))
-    relative_error = np.linalg.norm(errors, axis=0)[active] / lengths[active]
-    derivative_error = float(relative_error.max(initial=0.0))
-
-    combinations, basis = _combinations(calibration.free_names, weighted, lengths, active, derivative_error)
-    determined = _determined(active, combinations, calibration.free_names)
+    residuals = np.concatenate([jacobian.responses[o.series] - o.y for o in observed]) * root
+    found = find_directions(calibration.free_names, weighted, errors, np.concatenate([o.y for o in observed]) * root)
     estimate = (
         known_noise(calibration.problem, noise)
         if noise is not None
         else estimate_noise(
             calibration.problem,
             {o.series: jacobian.responses[o.series] - o.y for o in observed},
-            _degrees_taken(weighted, basis, [(o.series, o.y.size) for o in observed]),
+            dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True)),
         )
     )
-    return _assemble(
-        calibration, jacobian, weighted, weights, combinations, basis, determined, active, lengths / longest, estimate,
-        level, derivative_error,
-    )  # fmt: skip
+    spread = _Spread.of(calibration, weighted, weights, residuals, found, estimate, level)
+    return _assemble(calibration, jacobian, found, estimate, level, spread, int((weights > 0).sum()))
 
 
-def _combinations(
-    names: tuple[str, ...], weighted: FloatArray, lengths: FloatArray, active: Any, derivative_error: float
-) -> tuple[tuple[Combination, ...], FloatArray]:
-    """All directions, and the determined ones as an orthonormal basis of the responses, shape (n, rank)."""
-    index = np.flatnonzero(active)
-    found = []
-    basis = np.empty((len(weighted), 0))
-    if index.size:
-        columns = weighted[:, index] / lengths[index]
-        left, singular, right = np.linalg.svd(columns, full_matrices=False)
-        tolerance = max(
-            _EXACT, 3.0 * min(derivative_error, 0.1) if derivative_error > 1e-3 else 10 * derivative_error**2
-        )
-        is_open = singular <= tolerance * singular[0]
-        basis = left[:, ~is_open]
-        for value, direction, opened in zip(singular, right, is_open, strict=True):
-            move = direction / lengths[index]
-            move = move / np.linalg.norm(move)
-            move *= np.sign(move[np.argmax(np.abs(move))])
-            components = {
-                names[i]: float(m)
-                for i, m, unit in zip(index, move, direction, strict=True)
-                if abs(m) >= _TAKES_PART or (opened and abs(unit) >= _TAKES_PART)
-            }
-            found.append(Combination(float(value), components, bool(opened)))
-    found += [Combination(0.0, {names[i]: 1.0}, True) for i in np.flatnonzero(~active)]
-    return tuple(found), basis
-
-
-def _determined(active: Any, combinations: tuple[Combination, ...], names: tuple[str, ...]) -> Any:
-    """Parameters that take no part in an open combination, shape (d,)."""
-    tied = {name for combination in combinations if combination.open for name in combination.components}
-    return active & np.array([name not in tied for name in names])
-
-
-def _degrees_taken(weighted: FloatArray, basis: FloatArray, sizes: list[tuple[str, int]]) -> dict[str, float]:
+def _blocks(leverage: FloatArray, sizes: Sequence[int]) -> list[float]:
     """Trace of each series' block of the hat matrix; their sum is the rank."""
-    del weighted
-    leverage = np.sum(basis * basis, axis=1)
-    taken, start = {}, 0
-    for series, size in sizes:
-        taken[series] = float(leverage[start : start + size].sum())
-        start += size
-    return taken
+    return [float(part.sum()) for part in np.split(leverage, np.cumsum(sizes)[:-1])]
+
+
+@dataclass(frozen=True, slots=True)
+class _Spread:
+    """Spread of the estimates in parts of the range: covariance (d, d), deviations, half widths, ... each (d,)."""
+
+    covariance: FloatArray
+    deviations: FloatArray
+    half: FloatArray
+    distance: FloatArray
+    profile_increase: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        calibration: Calibration,
+        weighted: FloatArray,
+        weights: FloatArray,
+        residuals: FloatArray,
+        found: Directions,
+        noise: Noise | None,
+        level: float,
+    ) -> _Spread:
+        dimension = weighted.shape[1]
+        nothing = np.full(dimension, np.nan)
+        covariance = np.full((dimension, dimension), np.nan)
+        if noise is None:
+            return cls(covariance, nothing, nothing, nothing, nothing)
+        quantile = _quantile(level, noise)
+        variances = weights * np.concatenate(
+            [
+                np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
+                for o in calibration.objective.observed
+            ]
+        )
+        mean_variance = float(variances.sum() / max(int((weights > 0).sum()), 1))
+        # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
+        inverse = np.linalg.pinv(found.basis.T @ weighted) @ found.basis.T
+        scaled = inverse * np.sqrt(variances)
+        full, curvature = scaled @ scaled.T, inverse @ inverse.T
+        deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
+        half = quantile * deviations
+        half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
+        deviations = np.where(np.isnan(half), np.nan, deviations)
+        shown = np.ix_(~np.isnan(half), ~np.isnan(half))
+        covariance[shown] = full[shown]
+        ratio = np.where(found.determined, np.diag(full) / np.where(found.determined, np.diag(curvature), 1.0), np.nan)
+        increase = quantile**2 * np.where(found.determined, ratio, mean_variance)
+        distance = np.abs(inverse @ residuals) / deviations
+        return cls(covariance, deviations, half, distance, increase)
 
 
 def _assemble(
     calibration: Calibration,
     jacobian: Jacobian,
-    weighted: FloatArray,
-    weights: FloatArray,
-    combinations: tuple[Combination, ...],
-    basis: FloatArray,
-    determined: Any,
-    active: Any,
-    influences: FloatArray,
+    found: Directions,
     noise: Noise | None,
     level: float,
-    derivative_error: float,
+    spread: _Spread,
+    points: int,
 ) -> Linearisation:
     space = calibration.space
-    dimension = space.dimension
     span = space.search_upper - space.search_lower
-    deviations = np.full(dimension, np.nan)
-    unit_covariance = None
-    if noise is not None:
-        unit_covariance = _covariance(calibration, weighted, weights, basis, determined, noise)
-        deviations = np.sqrt(np.diag(unit_covariance))
-    degrees = int((weights > 0).sum()) - dimension
-    quantile = _quantile(level, noise)
-    half = quantile * deviations
-    half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
-    deviations = np.where(np.isnan(half), np.nan, deviations)
     centre = space.to_search(jacobian.optimum)
-    ends = np.column_stack([centre - half * span, centre + half * span])
+    ends = np.column_stack([centre - spread.half * span, centre + spread.half * span])
     log = space.log[:, None]
-    intervals = np.where(log, np.exp(np.where(log, ends, 0.0)), ends)
-    slope = np.where(space.log, jacobian.optimum, 1.0)
-    covariance = None
-    if unit_covariance is not None:
-        covariance = unit_covariance * np.outer(span, span)
-        hidden = np.isnan(deviations)
-        covariance[hidden, :] = np.nan
-        covariance[:, hidden] = np.nan
     return Linearisation(
         names=calibration.free_names,
         scales=tuple("log" if is_log else "linear" for is_log in space.log),
         optimum=jacobian.optimum,
-        combinations=combinations,
+        combinations=found.combinations,
         without_influence=tuple(
-            n for n, is_active in zip(calibration.free_names, active, strict=True) if not is_active
+            n for n, is_active in zip(calibration.free_names, found.active, strict=True) if not is_active
         ),
-        influences=influences,
+        influences=found.influences,
         noise=noise,
-        degrees_of_freedom=degrees,
-        covariance=covariance,
-        standard_errors=deviations * span * slope,
-        intervals=intervals,
-        unit_widths=2.0 * half,
+        degrees_of_freedom=points - space.dimension,
+        covariance=None if noise is None else spread.covariance * np.outer(span, span),
+        standard_errors=spread.deviations * span * np.where(space.log, jacobian.optimum, 1.0),
+        intervals=np.where(log, np.exp(np.where(log, ends, 0.0)), ends),
+        unit_widths=2.0 * spread.half,
         level=level,
-        derivative_error=derivative_error,
+        derivative_error=found.derivative_error,
+        distance=spread.distance,
+        profile_increase=spread.profile_increase,
     )
 
 
-def _covariance(
-    calibration: Calibration,
-    weighted: FloatArray,
-    weights: FloatArray,
-    basis: FloatArray,
-    determined: Any,
-    noise: Noise,
-) -> FloatArray:
-    """Covariance in parts of the range, shape (d, d), nan for parameters that are not determined."""
-    variances = np.concatenate(
-        [
-            np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
-            for o in calibration.objective.observed
-        ]
-    )
-    dimension = weighted.shape[1]
-    covariance = np.full((dimension, dimension), np.nan)
-    if basis.shape[1] == 0 or not determined.any():
-        return covariance
-    # the pseudo-inverse over the determined directions; exact for parameters outside the open ones
-    inverse = np.linalg.pinv(basis.T @ weighted) @ basis.T
-    spread = inverse * np.sqrt(weights * variances)
-    full = spread @ spread.T
-    keep = np.ix_(determined, determined)
-    covariance[keep] = full[keep]
-    return covariance
-
-
-def _quantile(level: float, noise: Noise | None) -> float:
-    if noise is None:
-        return float("nan")
+def _quantile(level: float, noise: Noise) -> float:
     if np.isinf(noise.degrees_of_freedom):
         return float(ndtri(0.5 + level / 2.0))
     return float(stdtrit(noise.degrees_of_freedom, 0.5 + level / 2.0))
