@@ -176,9 +176,8 @@ def propose(
     fair = good_fits.select(good_fits.unbiased) if good_fits.source == "mixed" else good_fits
     if verdict == "in_combination":
         partner = partners[0][0]
-        line = fit_line(fair, parameter, partner)
-        if line is not None:
-            proposals.append(_link(line))
+        lines = (fit_line(fair, parameter, name) for name, r in partners if r is not None)
+        proposals += [_link(line) for line in lines if line is not None]
         proposals.append(_fix(parameter, projection, f"it cannot be told apart from {partner}"))
         proposals.append(_add_test(parameter, f"in which {parameter} and {partner} act differently"))
     elif verdict == "not_identified":

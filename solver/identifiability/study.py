@@ -19,11 +19,16 @@ from solver.identifiability.sensitivity import Linearisation
 from solver.identifiability.verdicts import Verdict, judge
 from solver.identifiability.weighting import SeriesWeight, shares
 
-__all__ = ["SWARM_BIAS", "Statistics", "analyse"]
+__all__ = ["NOT_AT_OPTIMUM", "SWARM_BIAS", "Statistics", "analyse"]
 
 SWARM_BIAS = (
     "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
     "describe its path as well as the data. Only the lower envelope can be read as it is."
+)
+
+NOT_AT_OPTIMUM = (
+    "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
+    "first."
 )
 
 
@@ -134,6 +139,8 @@ def analyse(
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
     warnings = [warning for r in residuals for warning in r.warnings]
+    if linearisation is not None and not linearisation.at_optimum:
+        warnings.insert(0, NOT_AT_OPTIMUM.format(far=float(np.nanmax(linearisation.distance))))
     if samples.source == "particle_swarm":
         warnings.insert(0, SWARM_BIAS)
     return Statistics(
