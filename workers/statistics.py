@@ -15,7 +15,7 @@ from solver.identifiability import Samples, reweight
 from solver.identifiability.weighting import Weighting
 from solver.local import GenerationRecord
 from solver.problem import Problem, parse_problem
-from solver.report import BestFit, Report, RunRecord
+from solver.report import BestFit, Report, RunRecord, reweighted_document
 from workers.errors import JobNotFoundError
 from workers.store import Store, jobs
 from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_responses
@@ -135,30 +135,6 @@ class StatisticsDesk:
                 while len(self._kept) > _KEPT:
                     self._kept.popitem(last=False)
         return made
-
-
-def reweighted_document(problem: Problem, after: Any) -> dict[str, Any]:
-    """Return what :meth:`StatisticsDesk.reweighted` describes, JSON-able but for numbers that are not finite."""
-    samples = after.samples
-
-    def place(index: int) -> dict[str, Any]:
-        return {
-            "generation": int(samples.generations[index]),
-            "particle": int(samples.particles[index]),
-            "objective": float(samples.objectives[index]),
-            "parameters": problem.values(samples.parameters[index].tolist()),
-        }
-
-    return {
-        "weights": [
-            {"series": w.series, "weight": w.weight, "misfit": w.misfit, "share": w.share} for w in after.shares
-        ],
-        "best": place(after.best_after),
-        "best_before": place(after.best_before),
-        "moved": after.best_before != after.best_after,
-        "warnings": list(after.warnings),
-        "problem": after.problem.document(),
-    }
 
 
 def _read(connection: Connection, job_id: str) -> StoredJob:

@@ -27,6 +27,7 @@ class CommandEntry:
 
 
 _PROBLEM, _SERVICE, _JOBS = "One problem, in this process", "The service", "Jobs of a running service"
+_RESULTS = "What a job, or a run in a folder, tells"
 
 COMMANDS: dict[str, CommandEntry] = {
     "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
@@ -47,6 +48,9 @@ COMMANDS: dict[str, CommandEntry] = {
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
     "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
+    "report": CommandEntry("geoswarm.cli.report", _RESULTS, "Write the report: verdicts, figures, tables."),
+    "statistics": CommandEntry("geoswarm.cli.statistics", _RESULTS, "Tell what the data say about each parameter."),
+    "reweight": CommandEntry("geoswarm.cli.reweight", _RESULTS, "Give stored evaluations other weights."),
 }
 
 

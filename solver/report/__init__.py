@@ -28,6 +28,7 @@ from solver.report.curves import (
 from solver.report.figures import FigureSet
 from solver.report.folder import report_of_folder, run_of_folder
 from solver.report.record import BestFit, RunRecord, record_of_result
+from solver.report.reweighted import reweighted_document
 from solver.report.style import figures_available, png_of, save_figure, svg_of
 from solver.report.tables import (
     write_evaluations,
@@ -52,6 +53,7 @@ __all__ = [
     "record_of_result",
     "report_of_folder",
     "report_of_result",
+    "reweighted_document",
     "run_of_folder",
     "save_figure",
     "series_curves",

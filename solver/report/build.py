@@ -87,11 +87,17 @@ class Report:
         """Return the PDF."""
         return pdf_report(self.content)
 
-    def save(self, folder: Path, *, figures: Sequence[str] | None = None) -> list[Path]:
-        """Write report.html, report.pdf and each figure as PNG, SVG and CSV; return the files."""
-        written = [folder / "report.html", folder / "report.pdf"]
-        written[0].write_text(self.html(), encoding="utf-8")
-        written[1].write_bytes(self.pdf())
+    def save(
+        self, folder: Path, *, html: bool = True, pdf: bool = True, figures: Sequence[str] | None = None
+    ) -> list[Path]:
+        """Write report.html, report.pdf and figures (all unless named) as PNG, SVG and CSV; return the files."""
+        written: list[Path] = []
+        if html:
+            written.append(folder / "report.html")
+            written[-1].write_text(self.html(), encoding="utf-8")
+        if pdf:
+            written.append(folder / "report.pdf")
+            written[-1].write_bytes(self.pdf())
         for name in self.figures.names if figures is None else figures:
             written += save_figure(self.figures.draw(name), folder, name)
             table = folder / f"{name}.csv"
