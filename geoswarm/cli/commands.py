@@ -33,6 +33,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
     "evaluate": CommandEntry("geoswarm.cli.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
     "run": CommandEntry("geoswarm.cli.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
+    "paper": CommandEntry("geoswarm.cli.paper", _PROBLEM, "Run the published studies again, number by number."),
     "demo": CommandEntry("geoswarm.cli.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
     "serve": CommandEntry(
         "geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."

@@ -9,23 +9,26 @@ from pathlib import Path
 from solver.calibration import Calibration
 from solver.errors import SolverError
 from solver.identifiability import (
-    Linearisation,
     Samples,
     Statistics,
     analyse,
     design,
     from_evaluations,
 )
+from solver.identifiability.polish import polish
 from solver.local import CalibrationResult
 from solver.problem import ParticleSwarmMethod, Problem
 from solver.report.content import Content, report_content
 from solver.report.figures import FigureSet
 from solver.report.html import html_fragment, html_report
 from solver.report.pdf import pdf_report
-from solver.report.record import RunRecord, record_of_result
+from solver.report.record import Optimum, RunRecord, record_of_result
 from solver.report.style import save_figure
 
 __all__ = ["Report", "linearise_here", "report_of_result"]
+
+
+_BUDGET = 20.0  # s
 
 
 class Report:
@@ -39,8 +42,8 @@ class Report:
         Successful evaluations.
     threshold
         Objective up to which a fit is good; proposed when None.
-    linearisation
-        At the optimum, where somebody made it.
+    optimum
+        Polished and linearised, where somebody made it.
 
     Raises
     ------
@@ -55,14 +58,16 @@ class Report:
         samples: Samples,
         *,
         threshold: float | None = None,
-        linearisation: Linearisation | None = None,
+        optimum: Optimum | None = None,
     ) -> None:
         self.problem = problem
         self.record = record
         self.samples = samples
+        self.optimum = optimum
         self.statistics: Statistics | None = None
         if samples.size:
             calibration = Calibration(problem, record.seed)
+            linearisation = None if optimum is None else optimum.linearisation
             self.statistics = analyse(calibration, samples, threshold=threshold, linearisation=linearisation)
 
     @cached_property
@@ -73,7 +78,7 @@ class Report:
     @cached_property
     def content(self) -> Content:
         """What the report says."""
-        return report_content(self.problem, self.record, self.statistics, self.figures)
+        return report_content(self.problem, self.record, self.statistics, self.figures, self.optimum)
 
     def html(self) -> str:
         """Return the page."""
@@ -114,20 +119,31 @@ def report_of_result(
     Parameters
     ----------
     linearise
-        Whether to calculate the sensitivities at the optimum, with four further forward runs a free parameter. By
+        Whether to polish the optimum and calculate the sensitivities there, with some hundred further forward runs. By
         default after a swarm only: the best of a sampling is no optimum.
     """
     samples = Samples.from_result(problem, result)
     wanted = isinstance(problem.method, ParticleSwarmMethod) if linearise is None else linearise
     found = linearise_here(problem, samples, result.seed) if wanted and samples.size else None
-    return Report(problem, record_of_result(problem, result), samples, threshold=threshold, linearisation=found)
+    return Report(problem, record_of_result(problem, result), samples, threshold=threshold, optimum=found)
 
 
-def linearise_here(problem: Problem, samples: Samples, seed: int) -> Linearisation | None:
-    """Linearise at the best sample with forward runs in this process; None where the data do not allow it."""
+def linearise_here(problem: Problem, samples: Samples, seed: int) -> Optimum | None:
+    """Polish the best sample and linearise there, with forward runs in this process.
+
+    None where the data do not allow it, or where a forward run takes so long that the few hundred needed would take
+    more than 20 s.
+    """
     calibration = Calibration(problem, seed)
+    best = samples.parameters[samples.best]
+    seconds = calibration.evaluate(best).seconds
+    affordable = int(_BUDGET / max(seconds, 1e-6))
+    if affordable < 40 * samples.dimension:
+        return None
     try:
-        plan = design(calibration, samples.parameters[samples.best])
-        return from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+        polished = polish(calibration, best, max_evaluations=min(affordable, 2000))
+        plan = design(calibration, polished.parameters)
+        found = from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
     except SolverError:
         return None
+    return Optimum(polished, found)

@@ -12,7 +12,7 @@ from solver.problem import FreeParameter, LinkedParameter, Problem
 from solver.report.curves import objective_unit, series_shares
 from solver.report.figures import FigureSet
 from solver.report.labels import ParameterLabel, parameter_labels
-from solver.report.record import RunRecord, method_in_words
+from solver.report.record import Optimum, RunRecord, method_in_words
 from solver.report.words import duration, number, reasons_in_words, verdict_in_words
 
 __all__ = ["Card", "Content", "Picture", "Table", "report_content"]
@@ -69,7 +69,13 @@ class Content:
     figures: FigureSet
 
 
-def report_content(problem: Problem, record: RunRecord, statistics: Statistics | None, figures: FigureSet) -> Content:
+def report_content(
+    problem: Problem,
+    record: RunRecord,
+    statistics: Statistics | None,
+    figures: FigureSet,
+    optimum: Optimum | None = None,
+) -> Content:
     """Put together what a report says.
 
     Parameters
@@ -80,6 +86,8 @@ def report_content(problem: Problem, record: RunRecord, statistics: Statistics |
         The statistics; None when there are none, because no evaluation has succeeded for example.
     figures
         Those that can be drawn.
+    optimum
+        Polished and linearised, where somebody made it.
     """
     labels = parameter_labels(problem)
     unit = objective_unit(problem)
@@ -103,7 +111,7 @@ def report_content(problem: Problem, record: RunRecord, statistics: Statistics |
         pictures=tuple(
             Picture(name, *_CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
         ),
-        tables=tuple(_tables(problem, record, statistics, labels)),
+        tables=tuple(_tables(problem, record, statistics, labels, optimum)),
         provenance=tuple(_provenance(problem, record).items()),
         problem=_listing(_short(problem.document())),
         figures=figures,
@@ -163,12 +171,16 @@ def _summary(cards: Sequence[Card], record: RunRecord) -> str:
 
 
 def _tables(
-    problem: Problem, record: RunRecord, statistics: Statistics | None, labels: dict[str, ParameterLabel]
+    problem: Problem,
+    record: RunRecord,
+    statistics: Statistics | None,
+    labels: dict[str, ParameterLabel],
+    optimum: Optimum | None,
 ) -> list[Table]:
     tables = []
     best = record.best
     if best is not None:
-        tables.append(_parameter_table(problem, best.parameters, statistics, labels))
+        tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum))
         unit = objective_unit(problem)
         rows = [
             (s.series, number(s.weight), number(s.misfit), f"{s.share:.1%}".replace("%", " %"))
@@ -188,13 +200,18 @@ def _tables(
 
 
 def _parameter_table(
-    problem: Problem, values: dict[str, float], statistics: Statistics | None, labels: dict[str, ParameterLabel]
+    problem: Problem,
+    values: dict[str, float],
+    statistics: Statistics | None,
+    labels: dict[str, ParameterLabel],
+    optimum: Optimum | None,
 ) -> Table:
     rows = []
+    polished = None if optimum is None else problem.values(optimum.polished.parameters.tolist())
     for name, parameter in problem.parameters.items():
         label = labels[name]
         shown = name if label.symbol == name else f"{label.symbol} ({name})"
-        cells = [shown, number(values[name]), label.unit]
+        cells = [shown, number(values[name]), *([] if polished is None else [number(polished[name])]), label.unit]
         if isinstance(parameter, FreeParameter):
             interval = _interval(statistics, name)
             sure = "–" if interval is None else f"{number(interval[0], 3)} … {number(interval[1], 3)}"
@@ -204,9 +221,17 @@ def _parameter_table(
         else:
             cells += ["", "fixed", ""]
         rows.append(tuple(cells))
-    columns = ("parameter", "best value", "unit", "search range", "scale", "95 % interval")
+    more = () if polished is None else ("polished",)
+    columns = ("parameter", "best value", *more, "unit", "search range", "scale", "95 % interval")
     note = "A dash: no interval can be given, because the data do not determine the parameter or nobody asked for it."
-    return Table("Parameters", columns, tuple(rows), (1,), note)
+    if optimum is not None:
+        p = optimum.polished
+        unit = objective_unit(problem)
+        note += (
+            f" Polished by least squares from the best evaluation, objective {_quantity(p.start_objective, unit)} to "
+            f"{_quantity(p.objective, unit)}, with {p.evaluations} further forward runs; intervals belong there."
+        )
+    return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)
 
 
 def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]) -> Table:

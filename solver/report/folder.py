@@ -70,11 +70,11 @@ def run_of_folder(folder: Path) -> StoredRun:
 
 
 def report_of_folder(folder: Path, *, threshold: float | None = None) -> Report:
-    """Make the report of a run that was written to a folder; the sensitivities of a swarm's optimum are made anew."""
+    """Make the report of a run that was written to a folder; a swarm's optimum is polished and examined anew."""
     stored = run_of_folder(folder)
     swarm = isinstance(stored.problem.method, ParticleSwarmMethod) and stored.samples.size > 0
     found = linearise_here(stored.problem, stored.samples, stored.record.seed) if swarm else None
-    return Report(stored.problem, stored.record, stored.samples, threshold=threshold, linearisation=found)
+    return Report(stored.problem, stored.record, stored.samples, threshold=threshold, optimum=found)
 
 
 def _table(path: Path) -> list[dict[str, str]]:

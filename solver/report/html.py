@@ -39,13 +39,13 @@ def html_fragment(content: Content) -> str:
     return render("fragment.html.j2", content=content)
 
 
-def render(template: str, **values: object) -> str:
-    """Fill a template of this package."""
+def render(template: str, *, folder: Path = TEMPLATES, **values: object) -> str:
+    """Fill a template of a folder; ``style`` and ``signs`` are those of a report."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
     environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
+        loader=FileSystemLoader(folder),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

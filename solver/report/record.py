@@ -10,10 +10,12 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 
 from solver.arrays import FloatArray
+from solver.identifiability import Linearisation
+from solver.identifiability.polish import Polished
 from solver.local import CalibrationResult, GenerationRecord
 from solver.problem import MonteCarloMethod, Problem
 
-__all__ = ["BestFit", "RunRecord", "environment", "record_of_result"]
+__all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]
 
 _PACKAGES = ("geoswarm", "numpy", "scipy", "numba", "matplotlib")
 
@@ -28,6 +30,14 @@ class BestFit:
     parameters: dict[str, float]
     misfits: dict[str, float]
     responses: dict[str, FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class Optimum:
+    """The best fit after polishing, and what the data determine there."""
+
+    polished: Polished
+    linearisation: Linearisation
 
 
 @dataclass(frozen=True, slots=True)
