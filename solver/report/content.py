@@ -20,11 +20,15 @@ __all__ = ["Card", "Content", "Picture", "Table", "report_content"]
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """Verdict on one parameter: symbol, its value at the best evaluation, kind, words, sentence, proposals."""
+    """Verdict on one parameter.
+
+    ``value`` is that of the polished optimum where there is one, and ``remark`` then tells that of the best evaluation.
+    """
 
     name: str
     symbol: str
     value: str
+    remark: str
     kind: str
     words: str
     sentence: str
@@ -100,7 +104,11 @@ def report_content(
         ("running time", duration(record.seconds)),
         ("stopped", reasons_in_words(record.stop_reasons)),
     )
-    cards = () if statistics is None else tuple(_card(statistics, name, labels, record) for name in problem.free_names)
+    cards = (
+        ()
+        if statistics is None
+        else tuple(_card(statistics, name, labels, record, optimum) for name in problem.free_names)
+    )
     return Content(
         title=problem.name,
         state=record.state,
@@ -143,15 +151,23 @@ _CAPTIONS: dict[str, tuple[str, str, bool]] = {
 }
 
 
-def _card(statistics: Statistics, name: str, labels: dict[str, ParameterLabel], record: RunRecord) -> Card:
+def _card(
+    statistics: Statistics, name: str, labels: dict[str, ParameterLabel], record: RunRecord, optimum: Optimum | None
+) -> Card:
     verdict = statistics.verdict(name)
     value = None if record.best is None else record.best.parameters[name]
     label = labels[name]
+    remark = ""
+    if optimum is not None:
+        polished = dict(zip(optimum.linearisation.names, optimum.polished.parameters.tolist(), strict=True))
+        remark = f"polished; best evaluation {_quantity(value, label.unit)}"
+        value = polished[name]
     proposals = tuple(proposal.sentence for proposal in verdict.proposals)
     return Card(
         name,
         label.symbol,
         _quantity(value, label.unit),
+        remark,
         verdict.kind,
         verdict_in_words(verdict.kind),
         verdict.sentence,

@@ -154,6 +154,7 @@ class FigureSet:
                     good,
                     None if linearisation is None else linearisation.interval(name),
                     0.95 if linearisation is None else linearisation.level,
+                    None if linearisation is None else float(linearisation.optimum[index]),
                     verdict_in_words(verdict.kind),
                 )
             )

@@ -33,6 +33,8 @@ class IntervalRow:
     confidence, level
         Confidence interval at the optimum and its level; None where there is none, for a parameter that is not
         identifiable above all.
+    optimum
+        Polished value that the confidence interval belongs to, or None.
     remark
         Shown beside the parameter: the verdict.
     """
@@ -45,6 +47,7 @@ class IntervalRow:
     good_fits: tuple[float, float] | None
     confidence: tuple[float, float] | None
     level: float
+    optimum: float | None
     remark: str
 
 
@@ -76,6 +79,16 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
                     markersize=10,
                     linewidth=2.0,
                     label=f"{row.level:.0%} interval at the optimum".replace("%", " %"),
+                )
+            if row.optimum is not None:
+                axes.plot(
+                    row.optimum,
+                    0.0,
+                    marker="o",
+                    markersize=4.5,
+                    color=ORANGE,
+                    linestyle="none",
+                    label="polished optimum",
                 )
             axes.plot(
                 row.best,
@@ -109,10 +122,12 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
 def interval_rows(rows: Sequence[IntervalRow]) -> tuple[list[str], list[list[object]]]:
     """Return header and rows of the figure's numbers: one row a parameter."""
     header = ["parameter", "unit", "lower", "upper", "scale", "best"]
-    header += ["good_fits_05", "good_fits_95", "interval_lower", "interval_upper", "level", "verdict"]
+    header += ["good_fits_05", "good_fits_95", "interval_lower", "interval_upper", "level", "optimum", "verdict"]
     table: list[list[object]] = []
     for r in rows:
         good, sure = r.good_fits or (None, None), r.confidence or (None, None)
         scale = "log" if r.log else "linear"
-        table.append([r.label.name, r.label.unit, r.lower, r.upper, scale, r.best, *good, *sure, r.level, r.remark])
+        table.append(
+            [r.label.name, r.label.unit, r.lower, r.upper, scale, r.best, *good, *sure, r.level, r.optimum, r.remark]
+        )
     return header, table

@@ -214,7 +214,7 @@ def _words(pair: Correlation, data: MatrixData) -> list[str]:
     rank = None if data.ranks is None else data.ranks.get(pair.first, pair.second).coefficient
     if rank is not None:
         lines.append(f"ρ = {rank:.2f}")
-    return [*lines, f"n = {pair.count}"]
+    return [line.replace("-", "\N{MINUS SIGN}") for line in [*lines, f"n = {pair.count}"]]
 
 
 def _rgb(colour: str) -> tuple[float, float, float]:

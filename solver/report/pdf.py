@@ -140,7 +140,12 @@ def _card(card: Card, width: float) -> Any:
         colWidths=[0.55 * width - 9, 0.45 * width - 9],
         style=[("LEFTPADDING", (0, 0), (-1, -1), 0), ("RIGHTPADDING", (0, 0), (-1, -1), 0)],
     )
-    lines = [head, _text(card.sentence, "body"), *(_text("→ " + proposal, "small") for proposal in card.proposals)]
+    lines = [
+        head,
+        *([_text(card.remark, "small")] if card.remark else []),
+        _text(card.sentence, "body"),
+        *(_text("→ " + proposal, "small") for proposal in card.proposals),
+    ]
     box = Grid(
         [[lines]],
         colWidths=[width],
