@@ -9,14 +9,18 @@
 ``proposals``           fix, link, widen, add a test; as changes of the problem file
 ``study``               all of these in one go
 ``differences``         sensitivities as one parallel generation
-``sensitivity``         combinations that the data leave open, standard errors, intervals
+``combinations``        combinations that the data leave open
+``sensitivity``         standard errors and intervals at the optimum
+``surface``             response surface over stored evaluations, checked by hold-out
+``stored``              sensitivities from stored evaluations
 ``noise``               known, or estimated from the residuals
 ``residuals``           runs test, Durbin-Watson, repeats
 ``weighting``           schemes, shares, re-weighting of stored responses
 ``polish``              Levenberg-Marquardt from an optimum
 ``profiles``            profile objectives and their intervals
+``chains``              one side of a profile
 ``posterior``           posterior sample through a checked response surface
-``global_sensitivity``  Sobol and Morris indices (extra ``sensitivity``)
+``global_sensitivity``  Sobol and Morris indices (extra ``statistics``)
 ======================  ====================================================================
 """
 

@@ -142,12 +142,12 @@ class Chain:
         assert self.curvature is not None
         others = self._others()
         done = not others or self.iterations >= _MOST_ITERATIONS or self.damping > _MOST_DAMPING
-        step = np.zeros(len(others))
+        step: FloatArray = np.zeros(len(others))
         if not done:
             diagonal = np.diag(self.curvature)
             scale = np.where(diagonal > 0, diagonal, 1.0)
             system = self.curvature + self.damping * np.diag(scale)
-            step = -np.linalg.solve(system, self.gradient)
+            step = np.asarray(-np.linalg.solve(system, self.gradient), dtype=np.float64)
             predicted = float(-(2.0 * self.gradient @ step + step @ self.curvature @ step))
             small = _SMALL_GAIN * self.increase
             done = predicted < small or (0.0 < gain < small and self.iterations > 1)

@@ -6,14 +6,15 @@ dispatched, :meth:`Profiles.advance` takes its evaluations and plans the next. T
 be stopped after any generation and resumed elsewhere with the same result.
 
 An interval ends where the profile has risen by ``increase``: for one series and estimated noise by the factor
-1 + F_{1, n-d} / (n - d) (Bates and Watts 1988, section 6.1.2). Where the profile stays below it up to a bound, the interval
-is open on that side.
+1 + F_{1, n-d} / (n - d) (Bates and Watts 1988, section 6.1.2). Where the profile stays below it up to a bound, the
+interval is open on that side.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -140,10 +141,7 @@ class Profiles:
         limit = self.objective + float(self.increase[index])
         ends = [_crossing(side, index, self.objective, limit) for side in sides]
         natural_ends = [
-            None
-            if end is None
-            else float(space.to_natural(low + np.where(np.arange(len(low)) == index, end, 0.5) * span)[index])
-            for end in ends
+            None if end is None else float(space.to_natural(low + np.full(len(low), end) * span)[index]) for end in ends
         ]
         lowest = min(point.objective for point in points)
         better = lowest if lowest < self.objective - 0.05 * self.increase[index] else None
@@ -223,7 +221,7 @@ def _crossing(side: list[ChainPoint], index: int, lowest: float, limit: float) -
 
     Interpolated between neighbours in the root of the rise, which is straight for a parabola.
     """
-    for before, after in zip(side[:-1], side[1:], strict=True):
+    for before, after in pairwise(side):
         if after.objective >= limit:
             a, b, c = (np.sqrt(max(f - lowest, 0.0)) for f in (before.objective, after.objective, limit))
             part = 1.0 if b <= a else (c - a) / (b - a)
