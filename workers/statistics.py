@@ -15,7 +15,7 @@ from solver.identifiability import Samples, reweight
 from solver.identifiability.weighting import Weighting
 from solver.local import GenerationRecord
 from solver.problem import Problem, parse_problem
-from solver.report import BestFit, Report, RunRecord, reweighted_document
+from solver.report import BestFit, Report, RunRecord, linearise_stored, reweighted_document
 from workers.errors import JobNotFoundError
 from workers.store import Store, jobs
 from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_responses
@@ -71,7 +71,15 @@ class StatisticsDesk:
         """
         job = self.stored(job_id)
         key = (*self._key(job_id), "report", threshold)
-        return self._once(key, lambda: Report(job.problem, job.record, job.samples, threshold=threshold))
+
+        def make() -> Report:
+            found = self._once(
+                (*self._key(job_id), "linearisation"),
+                lambda: linearise_stored(job.problem, job.samples, job.record.seed),
+            )
+            return Report(job.problem, job.record, job.samples, threshold=threshold, linearisation=found)
+
+        return self._once(key, make)
 
     def rendered(
         self, job_id: str, form: str, make: Callable[[Report], bytes], *, threshold: float | None = None

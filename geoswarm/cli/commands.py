@@ -49,7 +49,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
     "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
-    "report": CommandEntry("geoswarm.cli.report", _RESULTS, "Write the report: verdicts, figures, tables."),
+    "report": CommandEntry("geoswarm.cli.reports", _RESULTS, "Write the report: verdicts, figures, tables."),
     "statistics": CommandEntry("geoswarm.cli.statistics", _RESULTS, "Tell what the data say about each parameter."),
     "reweight": CommandEntry("geoswarm.cli.reweight", _RESULTS, "Give stored evaluations other weights."),
 }

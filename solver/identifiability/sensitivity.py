@@ -276,7 +276,9 @@ class _Spread:
         covariance[shown] = full[shown]
         ratio = np.where(found.determined, np.diag(full) / np.where(found.determined, np.diag(curvature), 1.0), np.nan)
         increase = quantile**2 * np.where(found.determined, ratio, mean_variance)
-        distance = np.abs(inverse @ residuals) / deviations
+        distance = np.full_like(deviations, np.nan)
+        distance[deviations == 0.0] = 0.0  # a perfect fit
+        np.divide(np.abs(inverse @ residuals), deviations, out=distance, where=deviations > 0.0)
         return cls(covariance, deviations, half, distance, increase)
 
 

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from solver.report.build import Report, linearise_here, report_of_result
+from solver.report.build import Report, linearise_here, linearise_stored, report_of_result
 from solver.report.curves import (
     SeriesCurve,
     SeriesShare,
@@ -48,6 +48,7 @@ __all__ = [
     "figures_available",
     "initial_values",
     "linearise_here",
+    "linearise_stored",
     "objective_unit",
     "png_of",
     "record_of_result",

@@ -9,13 +9,16 @@ from pathlib import Path
 from solver.calibration import Calibration
 from solver.errors import SolverError
 from solver.identifiability import (
+    Linearisation,
     Samples,
     Statistics,
     analyse,
     design,
     from_evaluations,
+    linearise,
 )
 from solver.identifiability.polish import polish
+from solver.identifiability.stored import jacobian_from_samples
 from solver.local import CalibrationResult
 from solver.problem import ParticleSwarmMethod, Problem
 from solver.report.content import Content, report_content
@@ -25,7 +28,7 @@ from solver.report.pdf import pdf_report
 from solver.report.record import Optimum, RunRecord, record_of_result
 from solver.report.style import save_figure
 
-__all__ = ["Report", "linearise_here", "report_of_result"]
+__all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
 
 
 _BUDGET = 20.0  # s
@@ -44,6 +47,8 @@ class Report:
         Objective up to which a fit is good; proposed when None.
     optimum
         Polished and linearised, where somebody made it.
+    linearisation
+        In place of ``optimum``: at the best sample, from stored evaluations (:func:`linearise_stored`).
 
     Raises
     ------
@@ -59,6 +64,7 @@ class Report:
         *,
         threshold: float | None = None,
         optimum: Optimum | None = None,
+        linearisation: Linearisation | None = None,
     ) -> None:
         self.problem = problem
         self.record = record
@@ -67,7 +73,7 @@ class Report:
         self.statistics: Statistics | None = None
         if samples.size:
             calibration = Calibration(problem, record.seed)
-            linearisation = None if optimum is None else optimum.linearisation
+            linearisation = linearisation if optimum is None else optimum.linearisation
             self.statistics = analyse(calibration, samples, threshold=threshold, linearisation=linearisation)
 
     @cached_property
@@ -126,6 +132,17 @@ def report_of_result(
     wanted = isinstance(problem.method, ParticleSwarmMethod) if linearise is None else linearise
     found = linearise_here(problem, samples, result.seed) if wanted and samples.size else None
     return Report(problem, record_of_result(problem, result), samples, threshold=threshold, optimum=found)
+
+
+def linearise_stored(problem: Problem, samples: Samples, seed: int) -> Linearisation | None:
+    """Linearise at the best sample of a swarm without a forward run; None where they are not dense enough."""
+    if not isinstance(problem.method, ParticleSwarmMethod) or not samples.responses or samples.size == 0:
+        return None
+    calibration = Calibration(problem, seed)
+    try:
+        return linearise(calibration, jacobian_from_samples(calibration, samples))
+    except SolverError:
+        return None
 
 
 def linearise_here(problem: Problem, samples: Samples, seed: int) -> Optimum | None:
