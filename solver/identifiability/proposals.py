@@ -35,7 +35,9 @@ class FittedLine:
     scale
         The one on which the line fits better.
     intercept, slope
-        Least squares of ``parameter`` on ``partner``.
+        Reduced major axis of the good fits: slope = sign(r) sd(parameter) / sd(partner). Neither of the two is a
+        measured cause of the other, and this line is the same whichever is linked to which, where least squares would
+        be flattened by the scatter in ``partner`` (Kermack and Haldane 1950; Isobe et al. 1990).
     lower, upper
         Range of ``partner`` among the good fits.
     residual
@@ -148,8 +150,8 @@ def _line(
     sxx, syy, sxy = float(dx @ dx), float(dy @ dy), float(dx @ dy)
     if not (sxx > 0 and syy > 0):
         return None
-    slope = sxy / sxx
-    scatter = np.sqrt(max(syy - slope * sxy, 0.0) / (count - 2))
+    slope = float(np.copysign(np.sqrt(syy / sxx), sxy))
+    scatter = np.sqrt(max(syy - 2.0 * slope * sxy + slope * slope * sxx, 0.0) / (count - 2))
     relative = scatter if scale == "log" else scatter / abs(y.mean())
     intercept = float(y.mean() - slope * x.mean())
     r = float(np.clip(sxy / np.sqrt(sxx * syy), -1.0, 1.0))
