@@ -138,7 +138,8 @@ def design(calibration: Calibration, optimum: FloatArray, *, step: float = 5e-3)
             for part in pattern:
                 unit = centre.copy()
                 unit[index] += part * step
-                point = space.to_natural(low + unit * span)
+                point = optimum.copy()  # the others stay as they are, to the last digit
+                point[index] = space.to_natural(low + unit * span)[index]
                 if 0.0 <= unit[index] <= 1.0 and space.feasible(point):
                     offsets.append(part * step)
                     points.append(point)

@@ -52,7 +52,7 @@ class Posterior:
     acceptance
         Mean acceptance fraction of the walkers; 0.2 to 0.5 is usual.
     autocorrelation
-        Largest integrated autocorrelation time, steps.
+        Largest integrated autocorrelation time, steps; infinite when a walker never moved.
     effective
         Independent samples that the sample is worth.
     surface_error
@@ -87,7 +87,7 @@ class Posterior:
             "samples": len(self.parameters),
             "effective": self.effective,
             "acceptance": self.acceptance,
-            "autocorrelation": self.autocorrelation,
+            "autocorrelation": self.autocorrelation if np.isfinite(self.autocorrelation) else None,
             "surface_error": self.surface_error,
             "trusted": self.trusted,
             "warnings": list(self.warnings),
@@ -155,7 +155,8 @@ def sample_posterior(
         state = sampler.run_mcmc(state, min(_CHUNK, steps - run), skip_initial_state_check=True)
         run += min(_CHUNK, steps - run)
         chain = sampler.get_chain(discard=run // 4)
-        time = float(np.max(emcee.autocorr.integrated_time(chain, quiet=True, tol=0)))
+        moved = bool((np.ptp(chain, axis=0) > 0).all())
+        time = float(np.max(emcee.autocorr.integrated_time(chain, quiet=True, tol=0))) if moved else np.inf
     unit = chain.reshape(-1, space.dimension)
     natural = space.to_natural(low + unit * span)
     error = surface.objective_error * _error_factor(calibration, noise, float(samples.objectives[samples.best]))
@@ -229,7 +230,9 @@ def _warnings(
             f"the response surface misses the log-likelihood of good fits by {error:.2g} (at most {TRUSTED_ERROR} is "
             "trusted): evaluate more samples near the optimum"
         )
-    if steps < _LONG_ENOUGH * time:
+    if np.isinf(time):
+        warnings.append("some walkers never moved: the response surface is too rough for the sampler")
+    elif steps < _LONG_ENOUGH * time:
         warnings.append(f"the chains are short: {steps} steps for an autocorrelation time of {time:.0f}")
     cut = [name for name, is_cut in zip(names, _reaches_edge(unit, surface), strict=True) if is_cut]
     if cut:

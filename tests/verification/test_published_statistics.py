@@ -51,7 +51,7 @@ def check_oedometer(studies: list[Statistics], least: float) -> None:
     wanted = {
         "phi": {"not_identified"},
         "mu_star": {"not_identified"},
-        **dict.fromkeys(("lambda_star", "kappa_star", "c"), {"identified", "in_combination"}),
+        **{name: {"identified", "in_combination"} for name in ("lambda_star", "kappa_star", "c")},
     }
     for name, kinds in wanted.items():
         share = np.mean([statistics.verdict(name).kind in kinds for statistics in studies])
