@@ -10,8 +10,6 @@ from datetime import datetime
 from html import escape
 from typing import Any, Generic, TypeVar
 
-from solver.notebook import result_html
-
 __all__ = [
     "ENDED_STATES",
     "Best",
@@ -69,6 +67,8 @@ class Job:
 
     def _repr_html_(self) -> str:
         """Show the job in a notebook."""
+        from solver.notebook import result_html
+
         facts = {
             "id": self.id,
             "state": self.state if self.error is None else f"{self.state}: {self.error}",
