@@ -68,7 +68,7 @@ def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> dict[
 
 
 @router.get(
-    "/report.html", response_class=Response, responses={200: {"content": {"text/html": {}}}, **problems_of(404)}
+    "/report.html", response_class=Response, responses={200: {"content": {"text/html": {}}}, **problems_of(404, 422)}
 )
 def report_html(job_id: JobId, service: Service, threshold: Threshold = None) -> Response:
     """Show the report of a job as one page that needs nothing else."""
@@ -77,7 +77,9 @@ def report_html(job_id: JobId, service: Service, threshold: Threshold = None) ->
 
 
 @router.get(
-    "/report.pdf", response_class=Response, responses={200: {"content": {"application/pdf": {}}}, **problems_of(404)}
+    "/report.pdf",
+    response_class=Response,
+    responses={200: {"content": {"application/pdf": {}}}, **problems_of(404, 422, 501)},
 )
 def report_pdf(job_id: JobId, service: Service, threshold: Threshold = None) -> Response:
     """Show the report of a job as PDF."""
@@ -92,7 +94,14 @@ def figures(job_id: JobId, service: Service) -> dict[str, list[str]]:
     return {"items": list(service.statistics.report(job_id).figures.names)}
 
 
-@router.get("/figures/{name}.{form}", response_class=Response, responses=problems_of(404, 422))
+@router.get(
+    "/figures/{name}.{form}",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/svg+xml": {}, "image/png": {}, "text/csv": {}}, "description": "The figure"},
+        **problems_of(404, 422, 501),
+    },
+)
 def figure(
     job_id: JobId,
     service: Service,
