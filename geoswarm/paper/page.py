@@ -35,13 +35,13 @@ def write_page(studies: Sequence[Study], folder: Path) -> Path:
     """Write ``index.html`` with the tables and the main figures of all studies; it needs nothing else."""
     from markupsafe import Markup
 
-    pictures = {
-        study.key: [
-            (figure, Markup(inline_svg(study.reports[report].figures.draw(figure), f"{study.key}{number}")))
-            for number, (report, figure) in enumerate(_PICTURES)
-        ]
-        for study in studies
-    }
+    pictures: dict[str, list[tuple[str, str, float]]] = {}
+    for study in studies:
+        pictures[study.key] = []
+        for number, (report, name) in enumerate(_PICTURES):
+            figure = study.reports[report].figures.draw(name)
+            svg = Markup(inline_svg(figure, f"{study.key}{number}"))
+            pictures[study.key].append((name, svg, float(figure.get_size_inches()[0])))
     path = folder / "index.html"
     path.write_text(render("paper.html.j2", folder=_TEMPLATES, studies=studies, pictures=pictures), encoding="utf-8")
     return path

@@ -26,11 +26,10 @@ def html_report(content: Content) -> str:
     from markupsafe import Markup
 
     # the figures are made here, from numbers and escaped text
-    pictures = [
-        (picture, Markup(inline_svg(content.figures.draw(picture.name), f"f{index}")))
-        for index, picture in enumerate(content.pictures)
-        if figures_available()
-    ]
+    pictures = []
+    for index, picture in enumerate(content.pictures if figures_available() else ()):
+        figure = content.figures.draw(picture.name)
+        pictures.append((picture, Markup(inline_svg(figure, f"f{index}")), float(figure.get_size_inches()[0])))
     return render("report.html.j2", content=content, pictures=pictures, figures_missing=not figures_available())
 
 
