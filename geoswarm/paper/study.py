@@ -134,13 +134,15 @@ def row(
     return Row(topic, quantity, _text(published, unit, digits), _text(here, unit, digits), difference, remark)
 
 
-def spread(values: FloatArray) -> str:
-    """Return median and middle 90 % of finite values."""
+def spread(values: FloatArray, published: float) -> str:
+    """Return median and middle 90 % of finite values, and whether the published one lies among them."""
     finite = values[np.isfinite(values)]
     if finite.size == 0:
         return "undefined"
     low, middle, high = np.quantile(finite, [0.05, 0.5, 0.95])
-    return f"median {middle:.2f}, 5 to 95 % {low:.2f} to {high:.2f} over {finite.size} seeds"
+    inside = "inside" if low <= published <= high else "outside"
+    text = f"median {middle:.2f}, 5 to 95 % {low:.2f} to {high:.2f} over {finite.size} seeds"
+    return f"{text}, the published value lies {inside}"
 
 
 def bounds_rows(
