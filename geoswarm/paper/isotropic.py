@@ -131,7 +131,8 @@ def _statistics_rows(sampling: Sampling, line: FittedLine | None) -> list[Row]:
     published: Any = ISOTROPIC
     pair = sampling.together.pearson.get("lambda_star", "c")
     all_seeds = "–" if pair.coefficient is None else f"{pair.coefficient:.2f}"
-    remark = f"{spread(sampling.correlations('lambda_star', 'c'), published['correlation'])}; all seeds together {all_seeds} ({pair.count} good fits)"
+    scatter = spread(sampling.correlations("lambda_star", "c"), published["correlation"])
+    remark = f"{scatter}; all seeds together {all_seeds} ({pair.count} good fits)"
     here = sampling.statistics.pearson.get("lambda_star", "c").coefficient
     rows = [
         row("statistics", "samples", published["samples"], sampling.statistics.filtered.total, digits=5),

@@ -160,7 +160,8 @@ def _statistics_rows(sampling: Sampling) -> list[Row]:
     for (first, second), value in published["correlations"].items():
         pair = sampling.together.pearson.get(first, second)
         all_seeds = "–" if pair.coefficient is None else f"{pair.coefficient:.2f}"
-        remark = f"{spread(sampling.correlations(first, second), value)}; all seeds together {all_seeds} ({pair.count} good fits)"
+        scatter = spread(sampling.correlations(first, second), value)
+        remark = f"{scatter}; all seeds together {all_seeds} ({pair.count} good fits)"
         here = sampling.statistics.pearson.get(first, second).coefficient
         rows.append(row("statistics", f"correlation ({first}, {second})", value, here, digits=2, remark=remark))
     for name in published["bounds"]:
