@@ -12,7 +12,7 @@ from solver.arrays import FloatArray
 from solver.identifiability.errors import StatisticsError
 from solver.problem import Problem
 
-__all__ = ["Noise", "estimate_noise", "known_noise", "noise_objective"]
+__all__ = ["Noise", "estimate_noise", "known_noise", "noise_objective", "problem_noise"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +53,14 @@ def known_noise(problem: Problem, deviations: Mapping[str, float] | float) -> No
     if wrong:
         raise StatisticsError(f"the standard deviation of noise must be above 0, not {', '.join(wrong)}")
     return Noise({name: float(values[name]) for name in names}, "known", np.inf)
+
+
+def problem_noise(problem: Problem) -> Noise | None:
+    """The noise that the problem file states (``error`` of every observation that counts), or None."""
+    errors = {o.series: o.error for o in problem.observations}
+    if any(o.error is None and o.weight > 0 for o in problem.observations):
+        return None
+    return Noise({series: error or 1.0 for series, error in errors.items()}, "known", np.inf)
 
 
 def estimate_noise(

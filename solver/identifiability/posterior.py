@@ -17,7 +17,7 @@ import numpy as np
 from solver.arrays import BoolArray, FloatArray
 from solver.calibration import Calibration
 from solver.identifiability.errors import StatisticsError
-from solver.identifiability.noise import known_noise
+from solver.identifiability.noise import Noise, known_noise, problem_noise
 from solver.identifiability.samples import Samples
 from solver.identifiability.surface import ResponseSurface, fit_surface
 
@@ -114,8 +114,8 @@ def sample_posterior(
     surface
         Fitted to the samples when absent.
     noise
-        Known standard deviation of a reading, base units; unknown when absent, and then series must have been weighted
-        by their precision, since their noise shares one unknown factor.
+        Known standard deviation of a reading, base units; that of the problem file when absent. Where it is unknown,
+        series must have been weighted by their precision, since their noise shares one unknown factor.
     walkers, steps
         Of the ensemble; it ends before ``steps`` when 50 autocorrelation times are left after the first quarter, which
         is dropped.
@@ -135,7 +135,8 @@ def sample_posterior(
     surface = surface or fit_surface(calibration, samples, seed=seed)
     space = calibration.space
     low, span = space.search_lower, space.search_upper - space.search_lower
-    log_likelihood = _likelihood(calibration, noise)
+    known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
+    log_likelihood = _likelihood(calibration, known)
 
     def log_probability(unit: FloatArray) -> FloatArray:
         value = np.full(len(unit), -np.inf)
@@ -159,7 +160,7 @@ def sample_posterior(
         time = float(np.max(emcee.autocorr.integrated_time(chain, quiet=True, tol=0))) if moved else np.inf
     unit = chain.reshape(-1, space.dimension)
     natural = space.to_natural(low + unit * span)
-    error = surface.objective_error * _error_factor(calibration, noise, float(samples.objectives[samples.best]))
+    error = surface.objective_error * _error_factor(calibration, known, float(samples.objectives[samples.best]))
     intervals = np.quantile(natural, [0.5 - level / 2.0, 0.5 + level / 2.0], axis=0).T
     warnings = _warnings(samples.names, unit, surface, error, len(chain), time)
     cut = _reaches_edge(unit, surface)
@@ -179,25 +180,25 @@ def sample_posterior(
     )
 
 
-def _likelihood(calibration: Calibration, noise: Mapping[str, float] | float | None) -> _Likelihood:
+def _likelihood(calibration: Calibration, noise: Noise | None) -> _Likelihood:
     observed = calibration.objective.observed
     weights = np.concatenate([o.weight * o.point_weights / o.y.size for o in observed])
     used = int((weights > 0).sum())
     if noise is None:
         return lambda residuals: np.asarray(-0.5 * used * np.log(np.sum(residuals**2, axis=1)))
-    deviations = known_noise(calibration.problem, noise).deviations
+    deviations = noise.deviations
     variance = np.concatenate([np.full(o.y.size, o.weight * deviations[o.series] ** 2 / o.y.size) for o in observed])
     variance = np.where(variance > 0, variance, 1.0)  # of the weighted residuals; those of weight 0 are 0 themselves
     return lambda residuals: np.asarray(-0.5 * np.sum(residuals**2 / variance, axis=1))
 
 
-def _error_factor(calibration: Calibration, noise: Mapping[str, float] | float | None, best: float) -> float:
+def _error_factor(calibration: Calibration, noise: Noise | None, best: float) -> float:
     """Error of the log-likelihood for a relative error of f near its minimum."""
     observed = calibration.objective.observed
     used = sum(int((o.point_weights > 0).sum()) for o in observed if o.weight > 0)
     if noise is None:
         return 0.5 * used
-    deviations = known_noise(calibration.problem, noise).deviations
+    deviations = noise.deviations
     expected = sum(o.weight * deviations[o.series] ** 2 for o in observed)
     return 0.5 * used * best / expected
 

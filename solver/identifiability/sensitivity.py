@@ -28,7 +28,7 @@ from solver.identifiability.differences import (
     design,
     differentiate,
 )
-from solver.identifiability.noise import Noise, estimate_noise, known_noise
+from solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
 
@@ -183,7 +183,8 @@ def from_evaluations(
     Parameters
     ----------
     noise
-        Known standard deviation of a reading, base units, one for all series or one each; estimated when absent.
+        Known standard deviation of a reading, base units, one for all series or one each; that of the problem file
+        when absent, and estimated where it states none.
 
     Raises
     ------
@@ -212,9 +213,10 @@ def linearise(
     errors = np.concatenate([jacobian.error[s] for s in series]) * root[:, None]
     residuals = np.concatenate([jacobian.responses[o.series] - o.y for o in observed]) * root
     found = find_directions(calibration.free_names, weighted, errors, np.concatenate([o.y for o in observed]) * root)
+    stated = known_noise(calibration.problem, noise) if noise is not None else problem_noise(calibration.problem)
     estimate = (
-        known_noise(calibration.problem, noise)
-        if noise is not None
+        stated
+        if stated is not None
         else estimate_noise(
             calibration.problem,
             {o.series: jacobian.responses[o.series] - o.y for o in observed},

@@ -11,7 +11,7 @@ import numpy as np
 from solver.calibration import Calibration
 from solver.identifiability.correlations import Correlations, correlate
 from solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
-from solver.identifiability.noise import known_noise, noise_objective
+from solver.identifiability.noise import known_noise, noise_objective, problem_noise
 from solver.identifiability.projections import Projection, project
 from solver.identifiability.residuals import SeriesResiduals, examine_residuals
 from solver.identifiability.samples import Samples
@@ -110,7 +110,8 @@ def analyse(
     threshold
         Of the objective; proposed when absent.
     noise
-        Known standard deviation of a reading, base units, one for all series or one each.
+        Known standard deviation of a reading, base units, one for all series or one each; that of the problem file when
+        absent.
     linearisation
         At the optimum, from :func:`solver.identifiability.from_evaluations`.
     bins
@@ -121,7 +122,7 @@ def analyse(
     StatisticsError
         When no evaluation succeeded, or threshold or noise are wrong.
     """
-    known = None if noise is None else known_noise(calibration.problem, noise)
+    known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
     points = sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
     limit = (
         propose_threshold(

@@ -7,19 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
 from solver.identifiability.errors import StatisticsError
+from solver.identifiability.noise import known_noise, problem_noise
 from solver.identifiability.samples import Samples
 from solver.objective import LeastSquares, ObservedSeries
 from solver.problem import Problem, parse_problem
+from solver.problem.weighting import WEIGHTINGS, Weighting, scheme_factors
 
 __all__ = ["Reweighted", "SeriesWeight", "Weighting", "reweight", "reweighted_problem", "scheme_weights", "shares"]
-
-Weighting: TypeAlias = Literal["by_error", "by_count", "by_range"]
 
 _EDGE_NEIGHBOURS = 0.02
 
@@ -83,45 +82,25 @@ def scheme_weights(
 ) -> dict[str, float]:
     """Weights w_g that a scheme gives, scaled so that the largest is 1.
 
-    ``by_error``
-        w_g = m_g / sigma_g^2: every reading counts by its precision, which makes the estimate the most likely one for
-        normal errors (f is then chi-square up to a factor).
-    ``by_count``
-        w_g = m_g / sum w_h: every reading counts alike, where eq. (2) lets every *series* count alike.
-    ``by_range``
-        w_g = 1 / (max y - min y)^2: misfits relative to the range of each series, for series of different units. A
-        series of constant readings takes their magnitude.
+    The schemes are those of the problem file, see :func:`solver.problem.weighting.scheme_factors`.
 
     Parameters
     ----------
     noise
-        Standard deviation of a reading of each series, base units; needed by ``by_error``.
+        Standard deviation of a reading of each series, base units; needed by ``by_error`` unless the problem tells it.
 
     Raises
     ------
     StatisticsError
         For an unknown scheme, or ``by_error`` without noise.
     """
-    observations = problem.observations
-    if weighting == "by_error":
-        from solver.identifiability.noise import known_noise
-
-        if noise is None:
-            raise StatisticsError("weighting by_error needs the standard deviation of a reading of each series (noise)")
-        deviations = known_noise(problem, noise).deviations
-        weights = {o.series: o.y.size / deviations[o.series] ** 2 for o in observations}
-    elif weighting == "by_count":
-        weights = {o.series: float(o.y.size) for o in observations}
-    elif weighting == "by_range":
-        weights = {o.series: 1.0 / _extent(o.y) ** 2 for o in observations}
-    else:
-        raise StatisticsError(f"unknown weighting '{weighting}'; known: by_error, by_count, by_range")
-    largest = max(weights.values())
-    return {series: weight / largest for series, weight in weights.items()}
-
-
-def _extent(y: FloatArray) -> float:
-    return float(np.ptp(y)) or float(np.abs(y).max()) or 1.0
+    if weighting not in WEIGHTINGS:
+        raise StatisticsError(f"unknown weighting '{weighting}'; known: {', '.join(WEIGHTINGS)}")
+    deviations = problem_noise(problem) if noise is None else known_noise(problem, noise)
+    if weighting == "by_error" and deviations is None:
+        raise StatisticsError("weighting by_error needs the standard deviation of a reading of each series (noise)")
+    errors = {} if deviations is None else deviations.deviations
+    return scheme_factors(weighting, {o.series: o.y for o in problem.observations}, errors)
 
 
 def reweighted_problem(
@@ -140,14 +119,15 @@ def reweighted_problem(
         When a weight is negative, all are 0, or a list has the wrong length.
     """
     document: dict[str, Any] = problem.document()
-    known = [o.series for o in problem.observations]
+    document.pop("weighting", None)  # what its scheme gave is in the weights
+    effective = {o.series: o.weight for o in problem.observations}
+    known = list(effective)
     unknown = sorted({*(weights or {}), *(point_weights or {})} - set(known))
     if unknown:
         raise StatisticsError(f"unknown series {', '.join(unknown)}; observed: {', '.join(known)}")
     for section in document["observations"]:
         series = section["series"]
-        if weights and series in weights:
-            section["weight"] = weights[series]
+        section["weight"] = (weights or {}).get(series, effective[series])
         if point_weights and series in point_weights:
             section["points"]["weight"] = list(point_weights[series])
     return parse_problem(document)

@@ -10,7 +10,15 @@ import pytest
 from solver.arrays import FloatArray
 from solver.calibration import Calibration
 from solver.errors import ProblemError
-from solver.identifiability import Samples, StatisticsError, reweight, scheme_weights, shares
+from solver.identifiability import (
+    Samples,
+    StatisticsError,
+    design,
+    from_evaluations,
+    reweight,
+    scheme_weights,
+    shares,
+)
 from solver.local import calibrate
 from solver.problem import Problem, parse_problem
 
@@ -129,3 +137,28 @@ def test_what_cannot_be_done_is_refused() -> None:
         reweight(problem, samples, weights={"near": -1.0})
     with pytest.raises(ProblemError, match="has 2 values, but x has 9"):
         reweight(problem, samples, point_weights={"near": [1.0, 1.0]})
+
+
+def test_the_noise_of_the_problem_file_is_known_noise() -> None:
+    document = two_series().document()
+    document["observations"][0]["error"] = 0.1
+    document["observations"][1] |= {"error": 2.0, "weight": 1.0}
+    calibration = Calibration(parse_problem(document | {"weighting": "by_error"}), 1)
+    plan = design(calibration, np.array([2.0, 3.0]))
+    found = from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+    assert found.noise is not None
+    assert found.noise.origin == "known"
+    near, far = np.stack([X, np.ones(9)], axis=1) / 0.1, np.stack([np.zeros(4), 100.0 * X[:4]], axis=1) / 2.0
+    jacobian = np.concatenate([near, far])
+    expected = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
+    np.testing.assert_allclose(found.standard_errors, expected, rtol=1e-6)
+
+
+def test_new_weights_take_the_place_of_a_scheme() -> None:
+    problem = two_series(weighting="by_range")
+    samples = samples_of(problem)
+    kept = reweight(problem, samples)
+    np.testing.assert_array_equal(kept.samples.objectives, samples.objectives)
+    changed = reweight(problem, samples, weights={"near": 3.0, "far": 0.2})
+    assert [o.weight for o in changed.problem.observations] == [3.0, 0.2]
+    check_fresh(changed.problem, samples.parameters, changed.samples.objectives)
