@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 import builtins
+import copy
 import hashlib
 import json
 import re
@@ -16,6 +17,7 @@ from sqlalchemy import Connection
 
 from solver.calibration import choose_seed
 from solver.problem import MonteCarloMethod, Problem
+from workers.access import LOCAL, Principal
 from workers.coordinator.machine import ENDED_STATES, CancelRequested, PauseRequested, ResumeRequested
 from workers.coordinator.runtime import Runtime
 from workers.doorbell import Doorbell
@@ -26,6 +28,7 @@ from workers.errors import (
     JobNotFoundError,
     StoreUnavailableError,
 )
+from workers.quotas import check_quotas
 from workers.settings import Settings
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json
@@ -45,14 +48,22 @@ class JobService:
     """Submits, shows and steers jobs. Safe to use from several threads.
 
     Every method may raise :class:`workers.errors.StoreUnavailableError`, those with a ``job_id``
-    :class:`workers.errors.JobNotFoundError`.
+    :class:`workers.errors.JobNotFoundError`: also for a job that :attr:`principal` may not see. That is decided in
+    :meth:`_row` and :meth:`_frame`, through which every method reaches its job.
     """
 
     def __init__(self, store: Store, doorbell: Doorbell, settings: Settings | None = None) -> None:
         self.store = store
         self.doorbell = doorbell
         self.settings = Settings(database_url=store.url) if settings is None else settings
+        self.principal = LOCAL
         self._runtime = Runtime(store, self.settings)
+
+    def on_behalf_of(self, principal: Principal) -> JobService:
+        """Return this service as somebody may use it: other owners' jobs are not there."""
+        bound = copy.copy(self)
+        bound.principal = principal
+        return bound
 
     def submit(self, problem: Problem, *, idempotency_key: str | None = None) -> tuple[JobView, bool]:
         """Store a job and wake workers; return it and whether it is new.
@@ -61,7 +72,11 @@ class JobService:
         ------
         IdempotencyConflictError
             When the key was used before, with another problem.
+        QuotaExceededError
         """
+        owner = self.principal.owner
+        # Each owner has keys of their own: nobody may find another's job by guessing one.
+        stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
         document = problem.document()
         text = pack_json(document)
         canonical = json.dumps(document, sort_keys=True, allow_nan=False)
@@ -75,15 +90,20 @@ class JobService:
             "free_parameters": pack_json(list(problem.free_names)),
             "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
             "max_evaluations": planned_evaluations(problem),
-            "idempotency_key": idempotency_key,
+            "idempotency_key": stored_key,
+            "owner": owner,
             "body_hash": hashlib.sha256(canonical.encode()).hexdigest(),
         }
 
         def work(connection: Connection) -> tuple[JobView, bool]:
-            if jobs.insert_job(connection, values):
-                return self._get(connection, values["id"]), True
-            # The key was used before, or this very insertion was committed but its answer lost.
-            same = None if idempotency_key is None else jobs.find_by_idempotency_key(connection, idempotency_key)
+            same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
+            if same is None:
+                if owner is not None and self.principal.role != "admin":
+                    check_quotas(connection, owner, values["max_evaluations"], self.settings)
+                if jobs.insert_job(connection, values):
+                    return self._get(connection, values["id"]), True
+                # The key was used just now, or this very insertion was committed but its answer lost.
+                same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None or idempotency_key is None:
                 return self._get(connection, values["id"]), True
             if same.body_hash != values["body_hash"]:
@@ -119,7 +139,8 @@ class JobService:
         """
         before = None if cursor is None else _decode_cursor(cursor, float, str)
         limit = _clip(limit)
-        rows = self.store.read(lambda c: jobs.list_jobs(c, state=state, before=before, limit=limit + 1))
+        owner = None if self.principal.role == "admin" else self.principal.owner or ""
+        rows = self.store.read(lambda c: jobs.list_jobs(c, state=state, before=before, limit=limit + 1, owner=owner))
         views = [job_view(row, self._gap) for row in rows[:limit]]
         following = _encode_cursor(rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
         return Page(views, following)
@@ -292,7 +313,7 @@ class JobService:
 
     def _row(self, connection: Connection, job_id: str) -> Any:
         row = jobs.get_job(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
-        if row is None:
+        if row is None or not self.principal.sees(row.owner):
             raise JobNotFoundError(job_id)
         return row
 
@@ -302,7 +323,7 @@ class JobService:
     def _frame(self, connection: Connection, job_id: str) -> tuple[builtins.list[str], dict[str, builtins.list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
         row = jobs.get_frame(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
-        if row is None:
+        if row is None or not self.principal.sees(row.owner):
             raise JobNotFoundError(job_id)
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 

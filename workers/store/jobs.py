@@ -215,8 +215,9 @@ def get_problem(connection: Connection, job_id: str) -> Record | None:
 
 
 def get_frame(connection: Connection, job_id: str) -> Record | None:
-    """Return ``free_parameters`` and ``grids`` of a job, as they are stored."""
-    return connection.execute(select(jobs.c.free_parameters, jobs.c.grids).where(jobs.c.id == job_id)).one_or_none()
+    """Return ``owner``, and ``free_parameters`` and ``grids`` of a job as they are stored."""
+    statement = select(jobs.c.owner, jobs.c.free_parameters, jobs.c.grids).where(jobs.c.id == job_id)
+    return connection.execute(statement).one_or_none()
 
 
 def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
@@ -225,10 +226,17 @@ def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
 
 
 def list_jobs(
-    connection: Connection, *, state: str | None, before: tuple[float, str] | None, limit: int
+    connection: Connection,
+    *,
+    state: str | None,
+    before: tuple[float, str] | None,
+    limit: int,
+    owner: str | None = None,
 ) -> Sequence[Record]:
-    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order."""
+    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order; ``owner`` None: of all."""
     statement = select(*VIEW_COLUMNS, database_now().label("now"))
+    if owner is not None:
+        statement = statement.where(jobs.c.owner == owner)
     if state is not None:
         statement = statement.where(jobs.c.state == state)
     if before is not None:
