@@ -58,7 +58,7 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
     app.include_router(api_router)
     app.include_router(pages_router)
     app.mount("/static", StaticFiles(directory=Path(__file__).parent / "static"), name="static")
-    app.add_middleware(Gate, settings=settings)
+    app.add_middleware(Gate, settings=settings, service=service)
     install_error_handlers(app)
     app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]
     return app

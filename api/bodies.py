@@ -24,7 +24,11 @@ async def _problem_document(request: Request) -> dict[str, Any]:
     if form is None:
         accepted = " or ".join(BODY_MEDIA_TYPES)
         raise DetailError(415, f"Content-Type {media_type!r} is not understood; send the problem as {accepted}.")
-    body = await _read(request, settings.max_body_bytes)
+    try:
+        async with asyncio.timeout(settings.body_seconds):
+            body = await _read(request, settings.max_body_bytes)
+    except TimeoutError:
+        raise DetailError(408, f"The body did not arrive within {settings.body_seconds:g} s.") from None
     try:
         text = body.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -31,6 +31,7 @@ from workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    QuotaExceededError,
     StoreUnavailableError,
 )
 
@@ -163,6 +164,8 @@ def translate(error: Exception) -> DetailError:
             return DetailError(409, str(error), kind="idempotency-conflict", title="Idempotency key already used")
         case InvalidCursorError():
             return DetailError(400, str(error), kind="invalid-cursor", title="Invalid cursor")
+        case QuotaExceededError():
+            return DetailError(403, f"{error}.", kind="quota-exceeded", title="Quota exceeded")
         case StoreUnavailableError() | BrokerUnavailableError():
             title = "Database" if isinstance(error, StoreUnavailableError) else "Broker"
             return DetailError(
@@ -182,6 +185,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     InvalidTransitionError,
     IdempotencyConflictError,
     InvalidCursorError,
+    QuotaExceededError,
     StoreUnavailableError,
     BrokerUnavailableError,
 )

@@ -10,7 +10,7 @@ import hashlib
 import json
 import re
 import secrets
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from sqlalchemy import Connection
@@ -286,6 +286,15 @@ class JobService:
             return [event_view(row) for row in rows]
 
         return self.store.read(work)
+
+    def news(self, after: Mapping[str, int], *, limit: int = 500) -> builtins.list[tuple[str, EventView]]:
+        """Return events of several jobs, each above the id given for it, with their jobs; knows no owners."""
+        rows = self.store.read(lambda connection: jobs.list_news(connection, after, limit=limit))
+        return [(row.job_id, event_view(row)) for row in rows]
+
+    def existing(self, job_ids: Collection[str]) -> set[str]:
+        """Return those of the ids that are jobs; knows no owners."""
+        return self.store.read(lambda connection: jobs.which_exist(connection, job_ids))
 
     def workers(self) -> builtins.list[WorkerView]:
         """Return the known worker processes, those lost within the last hour included."""

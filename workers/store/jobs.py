@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,14 +33,17 @@ __all__ = [
     "list_events",
     "list_generations",
     "list_jobs",
+    "list_news",
     "lock_job",
     "mark_rung",
     "note_served",
     "save_job",
+    "which_exist",
 ]
 
 # Everything but the problem document, which nothing but a worker's first look at the job needs.
 COLUMNS = [column for column in jobs.columns if column.name != "problem"]
+JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
 VIEW_COLUMNS = [column for column in COLUMNS if column.name not in LARGE]
 
@@ -254,6 +257,25 @@ def list_events(connection: Connection, job_id: str, *, after: int, limit: int) 
     """Return events with an id above ``after``, in order."""
     condition = and_(events.c.job_id == job_id, events.c.id > after)
     return connection.execute(select(events).where(condition).order_by(events.c.id).limit(limit)).all()
+
+
+def list_news(connection: Connection, after: Mapping[str, int], *, limit: int) -> Sequence[Record]:
+    """Return events of several jobs, each above the id given for it, in order.
+
+    Ids of one job's events grow in the order of their commits, as its row is locked; ids of different jobs need not.
+    """
+    found: list[Record] = []
+    watched = list(after.items())
+    for start in range(0, len(watched), JOBS_A_QUERY):
+        part = watched[start : start + JOBS_A_QUERY]
+        news = or_(*(and_(events.c.job_id == job_id, events.c.id > last) for job_id, last in part))
+        found += connection.execute(select(events).where(news).order_by(events.c.id).limit(limit)).all()
+    return found
+
+
+def which_exist(connection: Connection, job_ids: Collection[str]) -> set[str]:
+    """Return those of the ids that are jobs."""
+    return set(connection.scalars(select(jobs.c.id).where(jobs.c.id.in_(job_ids))))
 
 
 def delete_job(connection: Connection, job_id: str) -> None:
