@@ -94,6 +94,11 @@ class EventFeed:
         """Number of jobs that are being polled."""
         return len(self._tails)
 
+    @property
+    def listeners(self) -> int:
+        """Number of open streams."""
+        return sum(tail.listeners for tail in self._tails.values())
+
     async def read(self, job_id: str, after: int) -> list[EventView]:
         """Read the events that follow ``after`` from the database, at most one batch.
 

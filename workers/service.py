@@ -18,23 +18,24 @@ from sqlalchemy import Connection
 from solver.calibration import choose_seed
 from solver.problem import MonteCarloMethod, Problem
 from workers.access import LOCAL, Principal
-from workers.coordinator.machine import ENDED_STATES, CancelRequested, PauseRequested, ResumeRequested
+from workers.coordinator.machine import CancelRequested, PauseRequested, ResumeRequested
 from workers.coordinator.runtime import Runtime
 from workers.doorbell import Doorbell
 from workers.errors import (
     IdempotencyConflictError,
     InvalidCursorError,
-    InvalidTransitionError,
     JobNotFoundError,
-    StoreUnavailableError,
 )
+from workers.measures import Measures, measure
+from workers.probe import Probe
 from workers.quotas import check_quotas
+from workers.retention import delete_job
 from workers.settings import Settings
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json
 from workers.store.evaluations import Filters, get_evaluation, list_evaluations
 from workers.store.views import evaluation_view, event_view, generation_view, job_view, worker_view
-from workers.store.workers import busy_workers, list_workers
+from workers.store.workers import current_work, list_workers
 from workers.views import EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
 __all__ = ["JobService"]
@@ -57,6 +58,7 @@ class JobService:
         self.doorbell = doorbell
         self.settings = Settings(database_url=store.url) if settings is None else settings
         self.principal = LOCAL
+        self._probe = Probe(store)
         self._runtime = Runtime(store, self.settings)
 
     def on_behalf_of(self, principal: Principal) -> JobService:
@@ -176,7 +178,7 @@ class JobService:
         return self._request(job_id, ResumeRequested())
 
     def delete(self, job_id: str) -> None:
-        """Remove a job that has ended, with all that belongs to it.
+        """Remove a job that has ended, with all that belongs to it, for good.
 
         Raises
         ------
@@ -184,16 +186,8 @@ class JobService:
             When it has not ended.
         """
 
-        def work(connection: Connection) -> None:
-            self._row(connection, job_id)
-            locked = jobs.lock_job(connection, job_id)
-            if locked is None:
-                raise JobNotFoundError(job_id)
-            if locked.row.state not in ENDED_STATES:
-                raise InvalidTransitionError("delete", locked.row.state, ENDED_STATES)
-            jobs.delete_job(connection, job_id)
-
-        self.store.write(work)
+        self.get(job_id)
+        delete_job(self.store, job_id)
 
     def best(self, job_id: str) -> EvaluationView | None:
         """Return the best evaluation so far with its responses; None while none has succeeded."""
@@ -300,21 +294,20 @@ class JobService:
         """Return the known worker processes, those lost within the last hour included."""
 
         def work(connection: Connection) -> builtins.list[WorkerView]:
-            busy = busy_workers(connection)
+            busy = current_work(connection)
             rows = list_workers(connection, self.settings.lease_seconds)
-            return [worker_view(row, busy.get(row.id)) for row in rows]
+            seen = {id: self.principal.sees(work.owner) for id, work in busy.items()}
+            return [worker_view(row, busy.get(row.id), visible=seen.get(row.id, True)) for row in rows]
 
         return self.store.read(work)
 
+    def measures(self) -> Measures:
+        """Return what operators watch, over all owners: numbers only."""
+        return self.store.read(lambda connection: measure(connection, self.settings.lease_seconds))
+
     def health(self) -> dict[str, str]:
         """Return ``database`` and ``broker``: ``ok``, ``embedded``, or why not; never raises."""
-        try:
-            self.store.ping()
-        except StoreUnavailableError as error:
-            database = str(error)
-        else:
-            database = "ok"
-        return {"database": database, "broker": self.doorbell.health()}
+        return {"database": self._probe.database(), "broker": self.doorbell.health()}
 
     @property
     def _gap(self) -> float:

@@ -27,6 +27,7 @@ class CommandEntry:
 
 
 _PROBLEM, _SERVICE, _JOBS = "One problem, in this process", "The service", "Jobs of a running service"
+_OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
     "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
@@ -47,6 +48,8 @@ COMMANDS: dict[str, CommandEntry] = {
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
     "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
+    "keys": CommandEntry("geoswarm.cli.keys", _OPERATION, "Create, list and revoke API keys."),
+    "prune": CommandEntry("geoswarm.cli.prune", _OPERATION, "Delete old jobs for good."),
 }
 
 

@@ -24,7 +24,9 @@ __all__ = [
     "account_running_time",
     "claimable_jobs",
     "clocks_overdue",
+    "delete_evaluations",
     "delete_job",
+    "ended_before",
     "find_by_idempotency_key",
     "get_job",
     "get_frame",
@@ -278,9 +280,30 @@ def which_exist(connection: Connection, job_ids: Collection[str]) -> set[str]:
     return set(connection.scalars(select(jobs.c.id).where(jobs.c.id.in_(job_ids))))
 
 
+def delete_evaluations(connection: Connection, job_id: str, most: int) -> int:
+    """Remove evaluations of a job, the last ones first; return how many there were to remove, at most ``most``."""
+    rows = connection.execute(
+        select(evaluations.c.generation)
+        .where(evaluations.c.job_id == job_id)
+        .order_by(evaluations.c.generation.desc(), evaluations.c.particle.desc())
+        .limit(most)
+    ).all()
+    if rows:
+        condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation >= rows[-1].generation)
+        connection.execute(delete(evaluations).where(condition))
+    return len(rows)
+
+
 def delete_job(connection: Connection, job_id: str) -> None:
     """Remove a job and everything that belongs to it."""
     connection.execute(delete(jobs).where(jobs.c.id == job_id))
+
+
+def ended_before(connection: Connection, seconds: float, states: Collection[str]) -> Sequence[Record]:
+    """Return ``id``, ``name``, ``state`` and ``evaluations`` of jobs that ended longer than this ago [s]."""
+    condition = and_(jobs.c.state.in_(states), jobs.c.finished_at < database_now() - seconds)
+    columns = (jobs.c.id, jobs.c.name, jobs.c.state, jobs.c.evaluations)
+    return connection.execute(select(*columns).where(condition).order_by(jobs.c.finished_at)).all()
 
 
 def claimable_jobs(connection: Connection, limit: int, *, not_rung_for: float | None = None) -> list[str]:
