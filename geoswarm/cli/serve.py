@@ -95,11 +95,13 @@ def serve_command(
     settings = Settings.from_environment(database_url=database, broker_url=broker, workers=workers)
     prepare("serve", log_level, log_format, settings)
     api_settings = ApiSettings.from_environment(api_key=api_key)
+    if not settings.broker_url:  # with one, an unreachable broker is told first
+        refuse_open_door(host, api_key, settings)
     listener = bind(host, port)  # before the engine: a port in use must not start workers
     try:
         with open_engine(settings) as engine:
+            refuse_open_door(host, api_key, settings)
             keys = KeyRing(engine.service.store).used()
-            refuse_open_door(host, api_key, settings, keys=keys)
             api_settings = api_settings.model_copy(update={"require_key": keys})
             engine_name = "remote workers" if settings.broker_url else f"{settings.workers} worker processes"
             serve(
@@ -113,13 +115,8 @@ def serve_command(
     note("Stopped.")
 
 
-def refuse_open_door(host: str, api_key: str | None, settings: Settings, *, keys: bool) -> None:
+def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None:
     """Refuse to serve others than this machine's user without a key, or with one that everybody knows.
-
-    Parameters
-    ----------
-    keys
-        Whether the database has keys.
 
     Raises
     ------
@@ -128,11 +125,21 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings, *, keys
     SettingsError
         When the key could be guessed.
     """
+    from workers.keys import KeyRing
     from workers.secrets import is_loopback, refuse_weak_key
+    from workers.store import Store
 
     if api_key:
         refuse_weak_key(api_key)
-    elif not keys and (not is_loopback(host) or settings.broker_url):
+        return
+    if is_loopback(host) and not settings.broker_url:
+        return
+    store = Store(settings)
+    try:
+        keys = KeyRing(store).used()
+    finally:
+        store.close()
+    if not keys:
         why = "a service with a broker" if is_loopback(host) else f"--host {host} lets other machines in, so it"
         raise BadInputError(
             f"{why} needs an API key, and there is none. Make the first one in its database:\n"
