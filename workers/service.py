@@ -33,7 +33,8 @@ from workers.retention import delete_job
 from workers.settings import Settings
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json
-from workers.store.evaluations import Filters, get_evaluation, list_evaluations
+from workers.store.evaluations import get_evaluation
+from workers.store.listing import Filters, list_evaluations
 from workers.store.views import evaluation_view, event_view, generation_view, job_view, worker_view
 from workers.store.workers import current_work, list_workers
 from workers.views import EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
