@@ -1,4 +1,4 @@
-"""Requests made up from the OpenAPI document: never a 5xx, never a word of another owner's job, with and without keys."""
+"""Requests made up from the OpenAPI document: never a 5xx or a word of another owner's job, with and without keys."""
 
 from __future__ import annotations
 

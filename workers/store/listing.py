@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import Connection, Select, and_, select, text, tuple_
+from sqlalchemy import Connection, ScalarSelect, Select, select, text, tuple_
 
 from workers.store.database import Record
 from workers.store.tables import evaluations, generations, jobs
@@ -47,22 +47,18 @@ def list_evaluations(
         return connection.execute(statement.where(evaluations.c.generation == _current(job_id))).all()
     if filters.max_objective is None or filters.state == "failed":
         return connection.execute(statement).all()
-    finished = and_(
-        generations.c.job_id == evaluations.c.job_id,
-        generations.c.number == evaluations.c.generation,
-        generations.c.job_id == job_id,
-        generations.c.best_objective <= filters.max_objective,
+    # Each of these generations has a match, so this many are enough; one more when the page begins inside the first.
+    numbers = select(generations.c.number).where(
+        generations.c.job_id == job_id, generations.c.best_objective <= filters.max_objective
     )
-    # The same order through the index of generations: the database may stop as soon as it has enough.
-    by_generation = statement.join_from(generations, evaluations, finished).order_by(None)
     if after is not None:
-        by_generation = by_generation.where(generations.c.number >= after[0])
-    rows = list(connection.execute(by_generation.order_by(generations.c.number, evaluations.c.particle)).all())
-    if len(rows) < limit:  # the one under evaluation has no row of its own yet, and comes last
-        under_way = statement.where(evaluations.c.generation == _current(job_id)).limit(limit - len(rows))
-        known = {(row.generation, row.particle) for row in rows}
-        rows += [row for row in connection.execute(under_way) if (row.generation, row.particle) not in known]
-    return rows
+        numbers = numbers.where(generations.c.number >= after[0])
+    candidates = list(connection.scalars(numbers.order_by(generations.c.number).limit(limit + 1)))
+    # The one under evaluation has no row of its own yet, and comes last.
+    current = connection.scalar(select(jobs.c.generation).where(jobs.c.id == job_id))
+    if len(candidates) <= limit and current is not None and current not in candidates:
+        candidates.append(current)
+    return connection.execute(statement.where(evaluations.c.generation.in_(candidates))).all()
 
 
 def _statement(
@@ -81,5 +77,5 @@ def _statement(
     return statement.order_by(evaluations.c.generation, evaluations.c.particle)
 
 
-def _current(job_id: str) -> object:
+def _current(job_id: str) -> ScalarSelect[int]:
     return select(jobs.c.generation).where(jobs.c.id == job_id).scalar_subquery()

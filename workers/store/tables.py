@@ -108,6 +108,7 @@ generations = Table(
     Column("parameters", Text),
     Column("created_at", Double, nullable=False),
     Column("finished_at", Double, nullable=False),
+    Index("ix_generations_best", "job_id", "number", "best_objective"),  # tells where good evaluations are
 )
 
 evaluations = Table(

@@ -1,4 +1,4 @@
-"""Owners of jobs, API keys, counters for the metrics, and an index of failed evaluations."""
+"""Owners of jobs, API keys, counters for the metrics, and indexes for filters of long histories."""
 
 from __future__ import annotations
 
@@ -43,3 +43,4 @@ def upgrade() -> None:
         postgresql_where=sa.text("state = 'failed'"),
         sqlite_where=sa.text("state = 'failed'"),
     )
+    op.create_index("ix_generations_best", "generations", ["job_id", "number", "best_objective"], unique=False)
