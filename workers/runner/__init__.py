@@ -2,7 +2,7 @@
 
 ==============  ===========================================================================================
 ``runner``      a worker's side: hands out positions, watches limits, kills
-``nurse``       a small process that forks the evaluation processes from a warm state, and sees that nothing outlives them
+``nurse``       a small process that forks evaluation processes from a warm state; nothing outlives it
 ``child``       the evaluation process
 ``wire``        what goes over the sockets between them: JSON and float64, no pickle
 ``processes``   process trees and their memory

@@ -93,8 +93,7 @@ def _evaluate(calibration: Calibration, position: FloatArray, began: float) -> O
             with contextlib.suppress(OSError, ValueError):
                 stream.flush()
         log = tail(1)
-        message = evaluation.message
-        evaluation = replace(evaluation, message=None if message is None else message[:LOG_TAIL])
+        evaluation = replace(evaluation, message=(evaluation.message or "")[:LOG_TAIL])
     return Outcome(evaluation, log, began, time.monotonic())
 
 

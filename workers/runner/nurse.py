@@ -20,6 +20,8 @@ from typing import Any
 
 __all__ = ["BOOTSTRAP", "FORK", "KILL", "STATUS", "main"]
 
+log = logging.getLogger(__name__)
+
 # What runs a nurse; it takes over the worker's import path, as the program may run from its sources.
 BOOTSTRAP = (
     "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
@@ -27,8 +29,8 @@ BOOTSTRAP = (
 )
 FORK = b"f"
 KILL = b"k"
-STATUS = struct.Struct("=iii")
-"""Pid of the evaluation process, its exit code (below 0: the signal that ended it), and whether that is known."""
+STATUS = struct.Struct("=ii")
+"""Exit code of the evaluation process (below 0: the signal that ended it), and whether that is known."""
 
 REAP_SECONDS = 2.0
 
@@ -46,8 +48,7 @@ def main(given: Mapping[str, Any]) -> None:
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.WARNING)
     warm_up()
-    with contextlib.suppress(Exception):
-        warm()  # the compiled kernels, too; whatever is wrong with one comes up again where it is used
+    warm()
     control = socket.socket(fileno=given["control"])
     ended: dict[int, int] = {}
     current = 0
@@ -69,12 +70,12 @@ def main(given: Mapping[str, Any]) -> None:
             for descriptor in descriptors:
                 os.close(descriptor)
             ended = {}
-            answer = STATUS.pack(current, 0, 0)
+            answer = STATUS.pack(0, 0)
         else:
             ended |= kill_descendants(os.getpid())
             status = ended.get(current)
             code = 0 if status is None else os.waitstatus_to_exitcode(status)
-            answer = STATUS.pack(current, code, int(status is not None))
+            answer = STATUS.pack(code, int(status is not None))
         if not message:
             os._exit(0)
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
@@ -99,6 +100,8 @@ def _become_child(serve: Any, connection: int, output: int, board: int) -> None:
         os.close(board)
         serve(socket.socket(fileno=connection), shared)
         code = 0
+    except BaseException:
+        log.exception("the evaluation process ends")
     finally:
         sys.stderr.flush()
         os._exit(code)

@@ -8,10 +8,17 @@ import os
 import signal
 import sys
 import time
-from collections import defaultdict
 from pathlib import Path
 
-__all__ = ["adopt_orphans", "descendants", "die_with_parent", "kill_descendants", "kill_session", "tree_memory"]
+__all__ = [
+    "adopt_orphans",
+    "descendants",
+    "die_with_parent",
+    "kill_descendants",
+    "kill_session",
+    "memory_below",
+    "reap",
+]
 
 PROC = Path("/proc")
 PR_SET_PDEATHSIG = 1
@@ -45,18 +52,31 @@ def _stat(pid: str) -> list[str] | None:
 
 def descendants(pid: int) -> list[int]:
     """Return the processes below one, children before grandchildren; zombies are left out."""
-    children: dict[int, list[tuple[int, str]]] = defaultdict(list)
-    for name in _process_names():
-        fields = _stat(name)
-        if fields is not None:
-            children[int(fields[1])].append((int(name), fields[0]))
     found: list[int] = []
     parents = [pid]
     while parents:
-        below = [child for parent in parents for child in children[parent]]
-        found += [child for child, state in below if state != "Z"]
-        parents = [child for child, _ in below]
+        below = [child for parent in parents for child in _children(parent)]
+        found += [child for child in below if (fields := _stat(str(child))) is not None and fields[0] != "Z"]
+        parents = below
     return found
+
+
+def _children(pid: int) -> list[int]:
+    try:
+        threads = os.listdir(PROC / str(pid) / "task")  # noqa: PTH208  names, many times a second
+        return [
+            int(child)
+            for thread in threads
+            for child in (PROC / str(pid) / "task" / thread / "children").read_text().split()
+        ]
+    except FileNotFoundError:
+        if (PROC / "self" / "task" / str(os.getpid()) / "children").exists():
+            return []  # the process is gone
+    except OSError:
+        return []
+    # A kernel without these lists: look at all processes.
+    stats = ((int(name), _stat(name)) for name in _process_names())
+    return [child for child, fields in stats if fields is not None and int(fields[1]) == pid]
 
 
 def _process_names() -> list[str]:
@@ -106,9 +126,9 @@ def kill_session(session: int) -> None:
                 os.kill(int(name), signal.SIGKILL)
 
 
-def tree_memory(pid: int) -> float:
-    """Return the memory [MiB] of a process and all below it; pages that several share are counted once."""
-    return sum(_proportional(child) for child in [pid, *descendants(pid)]) / MIB
+def memory_below(pid: int) -> float:
+    """Return the memory [MiB] of all processes below one; pages that several share are counted once."""
+    return sum(_proportional(child) for child in descendants(pid)) / MIB
 
 
 def _proportional(pid: int) -> float:

@@ -20,7 +20,16 @@ from solver.arrays import FloatArray
 from solver.calibration import Evaluation
 from workers.store.codec import pack_array, unpack_array
 
-__all__ = ["Board", "ConnectionEnded", "Outcome", "anonymous_file", "pack_outcomes", "receive", "send", "unpack_outcomes"]
+__all__ = [
+    "Board",
+    "ConnectionEnded",
+    "Outcome",
+    "anonymous_file",
+    "pack_outcomes",
+    "receive",
+    "send",
+    "unpack_outcomes",
+]
 
 LENGTHS = struct.Struct("!II")
 ONCE = 1 << 16
