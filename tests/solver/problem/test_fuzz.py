@@ -180,7 +180,7 @@ def bend(document: dict[str, Any], rng: random.Random) -> None:
         holder[str(rng.choice(ODD))[:200]] = holder.pop(key)
     elif kind == 2:
         holder[key] = copy.deepcopy(at(document, rng.choice(spots)))
-    elif kind == 3 and isinstance(holder[key], int | float):
+    elif kind == 3 and isinstance(holder[key], int | float) and abs(holder[key]) < 1e300:
         holder[key] = holder[key] * rng.choice((-1, 0, 1e-12, 1e3, 1e12, 1e300))
     elif kind == 4 and isinstance(holder[key], str) and holder[key]:
         cut = rng.randrange(len(holder[key]))
