@@ -1,8 +1,15 @@
 from __future__ import annotations
 
+import asyncio
+import time
+from collections.abc import AsyncIterator
+
 import pytest
 
+from api import ApiSettings
 from api.limits import MOST_CLIENTS, RateLimiter
+from tests.api.conftest import API, App
+from workers.service import JobService
 
 
 class Clock:
@@ -48,3 +55,24 @@ def test_clients_are_forgotten_so_that_memory_stays_small(extra: int) -> None:
         limiter.take(str(number))
     assert len(limiter._buckets) == MOST_CLIENTS
     assert limiter.tokens("0") == 5
+
+
+def test_yaml_is_limited_as_it_is_read_slowly(app: App) -> None:
+    text = "name: " + "x" * 250_000
+    answer = app.post(f"{API}/jobs", content=text, headers={"Content-Type": "application/yaml"})
+    assert answer.status_code == 413
+    assert "application/json" in answer.json()["detail"]
+
+
+def test_a_body_must_arrive_in_time(service: JobService) -> None:
+    slow = App(service, ApiSettings(body_seconds=0.2))
+
+    async def drip() -> AsyncIterator[bytes]:
+        for _ in range(20):
+            yield b" "
+            await asyncio.sleep(0.1)
+
+    began = time.monotonic()
+    answer = slow.post(f"{API}/jobs", content=drip(), headers={"Content-Type": "application/json"})
+    assert answer.status_code == 408
+    assert time.monotonic() - began < 5.0
