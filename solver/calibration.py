@@ -21,6 +21,7 @@ from solver.search import (
     MonteCarlo,
     MonteCarloSettings,
     ParticleSwarm,
+    Runs,
     SamplingDesign,
     Search,
     SearchSpace,
@@ -37,7 +38,7 @@ from solver.stopping import (
     satisfied_reasons,
 )
 
-__all__ = ["SAMPLES_COMPLETED", "Best", "Calibration", "Evaluation", "Progress", "Step", "choose_seed"]
+__all__ = ["SAMPLES_COMPLETED", "Best", "Calibration", "Evaluation", "Progress", "RunLog", "Step", "choose_seed"]
 
 SAMPLES_COMPLETED = "samples_completed"
 
@@ -171,7 +172,7 @@ class Calibration:
         self._run = problem.model.prepare(self.grids)
         method = problem.method
         self._design = (
-            SamplingDesign(self.space, monte_carlo_settings(method), seed)
+            SamplingDesign(self.space, monte_carlo_settings(problem, method), seed)
             if isinstance(method, MonteCarloMethod)
             else None
         )
@@ -213,7 +214,15 @@ class Calibration:
             return Evaluation(parameters, self.objective.value(misfits), misfits, dict(responses), None, None, seconds)
         return Evaluation(parameters, None, {}, {}, reason, message, time.perf_counter() - began)
 
-    def advance(self, progress: Progress, objectives: Sequence[float | None], seconds: float) -> Step:
+    @property
+    def accelerated(self) -> bool:
+        """Whether the search learns from all runs so far: then :meth:`advance` needs them."""
+        method = self.problem.method
+        return isinstance(method, ParticleSwarmMethod) and method.acceleration != "none"
+
+    def advance(
+        self, progress: Progress, objectives: Sequence[float | None], seconds: float, runs: Runs | None = None
+    ) -> Step:
         """Close the current generation and ask for the next one; pure.
 
         Parameters
@@ -224,10 +233,14 @@ class Calibration:
             f of each particle in particle order, None for a failed evaluation.
         seconds
             Running time of the job so far [s].
+        runs
+            All evaluations so far, this generation included; needed when :attr:`accelerated`.
         """
+        if self.accelerated and runs is None:
+            raise ValueError("an accelerated search needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
         search = self._restore(progress.snapshot)
-        search.tell(told)
+        search.tell(told, runs)
         best, stagnation = _update_best(progress, told)
         positions = self._positions(search)
         evaluations = progress.evaluations + len(objectives)
@@ -239,7 +252,8 @@ class Calibration:
             stagnation=stagnation,
         )
         reasons = satisfied_reasons(self.criteria, status)
-        if len(positions) == 0:
+        method = self.problem.method
+        if isinstance(method, MonteCarloMethod) and evaluations == method.samples:
             reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))
         following = Progress(
             generation=search.generation,
@@ -257,17 +271,59 @@ class Calibration:
         if isinstance(method, ParticleSwarmMethod):
             initial = np.array([np.nan if p.initial is None else p.initial for p in self.problem.free])
             return ParticleSwarm(self.space, swarm_settings(method), self.seed, initial)
-        return MonteCarlo(self.space, monte_carlo_settings(method), self.seed, self._design)
+        return MonteCarlo(self.space, monte_carlo_settings(self.problem, method), self.seed, self._design)
 
     def _restore(self, snapshot: Snapshot) -> Search:
         method = self.problem.method
         if isinstance(method, ParticleSwarmMethod):
             return ParticleSwarm.restore(self.space, swarm_settings(method), self.seed, snapshot)
-        return MonteCarlo.restore(self.space, monte_carlo_settings(method), self.seed, snapshot, self._design)
+        settings = monte_carlo_settings(self.problem, method)
+        return MonteCarlo.restore(self.space, settings, self.seed, snapshot, self._design)
 
     def _positions(self, search: Search) -> FloatArray:
         positions = search.ask()
         return np.empty((0, self.space.dimension)) if positions is None else positions
+
+
+class RunLog:
+    """The runs of one job for a search that learns from them, kept between generations so that each is read once.
+
+    Parameters
+    ----------
+    calibration
+        Of this job.
+    """
+
+    def __init__(self, calibration: Calibration) -> None:
+        self.generations = 0
+        self._objective = calibration.objective
+        self._failed = np.full(sum(observed.y.size for observed in self._objective.observed), np.nan)
+        self._positions: list[FloatArray] = [np.empty((0, calibration.space.dimension))]
+        self._residuals: list[FloatArray] = [np.empty((0, self._failed.size))]
+
+    def add(self, parameters: Sequence[FloatArray], responses: Sequence[Mapping[str, FloatArray]]) -> None:
+        """Add the next generation for good; see :meth:`runs`."""
+        self._positions.append(np.array(parameters))
+        self._residuals.append(self._rows(responses))
+        self.generations += 1
+
+    def runs(self, parameters: Sequence[FloatArray] = (), responses: Sequence[Mapping[str, FloatArray]] = ()) -> Runs:
+        """Return all runs, and those of one more generation that is not final yet.
+
+        Parameters
+        ----------
+        parameters
+            Natural values of the free parameters of each particle in order, each of shape (d,).
+        responses
+            Calculated values of each series; empty for a failed evaluation.
+        """
+        positions, residuals = self._positions, self._residuals
+        if parameters:
+            positions, residuals = [*positions, np.array(parameters)], [*residuals, self._rows(responses)]
+        return Runs(np.concatenate(positions), np.concatenate(residuals))
+
+    def _rows(self, responses: Sequence[Mapping[str, FloatArray]]) -> FloatArray:
+        return np.array([self._objective.weighted_residuals(r) if r else self._failed for r in responses])
 
 
 def _update_best(progress: Progress, objectives: FloatArray) -> tuple[Best | None, int]:
@@ -305,12 +361,13 @@ def swarm_settings(method: ParticleSwarmMethod) -> SwarmSettings:
         topology=method.topology,
         boundary=method.boundary,
         max_velocity=method.max_velocity,
+        acceleration=method.acceleration,
     )
 
 
-def monte_carlo_settings(method: MonteCarloMethod) -> MonteCarloSettings:
-    """Translate the ``method`` section of a Monte Carlo sampling."""
-    return MonteCarloSettings(method.samples, method.sampling, method.batch)
+def monte_carlo_settings(problem: Problem, method: MonteCarloMethod) -> MonteCarloSettings:
+    """Translate the ``method`` section of a sampling; no more points than ``max_evaluations`` are ever drawn."""
+    return MonteCarloSettings(problem.planned_evaluations or method.samples, method.sampling, method.batch)
 
 
 def _or(value: float | None, default: float) -> float:

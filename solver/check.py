@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation, choose_seed
-from solver.problem import MonteCarloMethod, Problem
+from solver.problem import Problem
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
 
@@ -97,7 +97,7 @@ def check_problem(problem: Problem) -> CheckReport:
     run = calibration.evaluate(point)
     if run.seconds < WARM_UP_LIMIT:
         run = calibration.evaluate(point)
-    planned = planned_evaluations(problem)
+    planned = problem.planned_evaluations
     return CheckReport(
         name=problem.name,
         forward_model=problem.forward_model.kind,
@@ -116,14 +116,6 @@ def middle(calibration: Calibration) -> FloatArray:
     centre = space.to_natural((space.search_lower + space.search_upper) / 2)
     initial = [parameter.initial for parameter in calibration.problem.free]
     return np.array([c if i is None else i for c, i in zip(centre, initial, strict=True)], dtype=np.float64)
-
-
-def planned_evaluations(problem: Problem) -> int | None:
-    """Return the most evaluations that a job of this problem makes, or None when no number limits it."""
-    limit = problem.stopping.max_evaluations
-    if isinstance(problem.method, MonteCarloMethod):
-        return problem.method.samples if limit is None else min(limit, problem.method.samples)
-    return limit
 
 
 def _estimate(seconds: float, planned: int | None, max_seconds: float | None) -> float | None:

@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation, Progress, choose_seed
+from solver.calibration import Calibration, Evaluation, Progress, RunLog, choose_seed
 from solver.errors import WorkerLostError
 from solver.problem import Problem, parse_problem
 
@@ -119,6 +119,7 @@ def calibrate(
     calibration = Calibration(problem, seed)
     history: list[EvaluationRecord] = []
     records: list[GenerationRecord] = []
+    log = RunLog(calibration)
     began = time.monotonic()
     progress = calibration.start()
     with _evaluator(calibration, workers) as evaluate_generation:
@@ -126,7 +127,11 @@ def calibrate(
             evaluations = evaluate_generation(progress.positions)
             history += [EvaluationRecord(progress.generation, i, e) for i, e in enumerate(evaluations)]
             objectives = [e.objective for e in evaluations]
-            step = calibration.advance(progress, objectives, time.monotonic() - began)
+            runs = None
+            if calibration.accelerated:
+                log.add([e.parameters for e in evaluations], [e.responses for e in evaluations])
+                runs = log.runs()
+            step = calibration.advance(progress, objectives, time.monotonic() - began, runs)
             records.append(generation_record(problem, progress.generation, objectives, step.progress))
             if on_generation is not None:
                 on_generation(records[-1])

@@ -16,7 +16,8 @@ from typing import Any
 from sqlalchemy import Connection
 
 from solver.calibration import choose_seed
-from solver.problem import MonteCarloMethod, Problem
+from solver.errors import ProblemError
+from solver.problem import Problem, parse_problem
 from workers.access import LOCAL, Principal
 from workers.coordinator.machine import CancelRequested, PauseRequested, ResumeRequested
 from workers.coordinator.runtime import Runtime
@@ -80,9 +81,7 @@ class JobService:
         owner = self.principal.owner
         # Each owner has keys of their own: nobody may find another's job by guessing one.
         stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
-        document = problem.document()
-        text = pack_json(document)
-        canonical = json.dumps(document, sort_keys=True, allow_nan=False)
+        text = pack_json(problem.document())
         values: dict[str, Any] = {
             "id": secrets.token_hex(8),
             "name": clean_text(problem.name),
@@ -92,10 +91,10 @@ class JobService:
             "seed": choose_seed(problem.seed),
             "free_parameters": pack_json(list(problem.free_names)),
             "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
-            "max_evaluations": planned_evaluations(problem),
+            "max_evaluations": problem.planned_evaluations,
             "idempotency_key": stored_key,
             "owner": owner,
-            "body_hash": hashlib.sha256(canonical.encode()).hexdigest(),
+            "body_hash": _body_hash(problem),
         }
 
         def work(connection: Connection) -> tuple[JobView, bool]:
@@ -109,7 +108,7 @@ class JobService:
                 same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None or idempotency_key is None:
                 return self._get(connection, values["id"]), True
-            if same.body_hash != values["body_hash"]:
+            if same.body_hash != values["body_hash"] and not self._equals(connection, same.id, values["body_hash"]):
                 raise IdempotencyConflictError(idempotency_key, same.id)
             return self._get(connection, same.id), same.id == values["id"]
 
@@ -320,6 +319,15 @@ class JobService:
             raise JobNotFoundError(job_id)
         return row
 
+    @staticmethod
+    def _equals(connection: Connection, job_id: str, body_hash: str) -> bool:
+        """Whether a stored problem is the same with the defaults of this version, which may have more of them."""
+        row = jobs.get_problem(connection, job_id)
+        try:
+            return row is not None and _body_hash(parse_problem(unpack_json(row.problem))) == body_hash
+        except ProblemError:  # no longer accepted
+            return False
+
     def _get(self, connection: Connection, job_id: str) -> JobView:
         return job_view(self._row(connection, job_id), self._gap)
 
@@ -337,13 +345,8 @@ class JobService:
         return self.get(job_id)
 
 
-def planned_evaluations(problem: Problem) -> int | None:
-    """Return the number of evaluations after which a job ends at the latest; None when nothing limits it."""
-    limit = problem.stopping.max_evaluations
-    if isinstance(problem.method, MonteCarloMethod):
-        samples = problem.method.samples
-        return samples if limit is None else min(samples, limit)
-    return limit
+def _body_hash(problem: Problem) -> str:
+    return hashlib.sha256(json.dumps(problem.document(), sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
 def _clip(limit: int) -> int:
@@ -362,6 +365,6 @@ def _decode_cursor(cursor: str, *types: type) -> Any:
         raise InvalidCursorError(cursor) from None
     if not isinstance(key, list) or [type(part) for part in key] != list(types):
         raise InvalidCursorError(cursor)
-    if not all(isinstance(part, str) or 0 <= part < 2**40 for part in key):
+    if not all("\0" not in part if isinstance(part, str) else 0 <= part < 2**40 for part in key):
         raise InvalidCursorError(cursor)
     return tuple(key)

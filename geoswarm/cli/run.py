@@ -31,7 +31,7 @@ __all__ = ["run_command"]
     help="Folder for result.json, problem.json, evaluations.csv, generations.csv and figures (png, svg).",
 )
 @click.option(
-    "--seed", type=click.IntRange(min=0), help="Seed in place of the problem's; the same seed, the same result."
+    "--seed", type=click.IntRange(0, 2**53 - 1), help="Seed in place of the problem's; the same seed, the same result."
 )
 @json_option
 def run_command(problem: Path, workers: int, output: Path | None, seed: int | None, as_json: bool) -> None:
@@ -81,10 +81,9 @@ def _make_folder(folder: Path) -> None:
 @contextmanager
 def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]:
     """Show progress; when the user interrupts, tell the best found so far."""
-    from solver.check import planned_evaluations
 
     last: list[GenerationRecord] = []
-    with progress_bar(problem.name, planned_evaluations(problem)) as update:
+    with progress_bar(problem.name, problem.planned_evaluations) as update:
 
         def on_generation(record: GenerationRecord) -> None:
             last[:] = [record]
@@ -105,7 +104,7 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> l
 
     written = [folder / name for name in ("result.json", "problem.json", "evaluations.csv", "generations.csv")]
     report.write_result(written[0], problem, result)
-    report.write_problem(written[1], problem)
+    report.write_problem(written[1], problem, result.seed)
     report.write_evaluations(written[2], problem, result)
     report.write_generations(written[3], problem, result)
     if not report.figures_available():

@@ -215,7 +215,7 @@ def constant_load_history(
                     error = abs(new_ax - 3.0 * three_ax + 2.0 * two_ax)
                     error = max(error, scale * abs(new_lat - 3.0 * three_lat + 2.0 * two_lat))
                     error = max(error, stiffness * abs(new_pp - 3.0 * three_pp + 2.0 * two_pp))
-                    new_rate = _log_ratio(axial, new_lat, new_pp, soil)
+                new_rate = _log_ratio(axial, new_lat, new_pp, soil)
                 new_direction, new_lateral_direction, new_pace, new_held = creep_direction(
                     axial, new_lat, confined, soil
                 )

@@ -22,6 +22,7 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from solver.arrays import FloatArray
+from solver.errors import Issue, ProblemError
 from solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 from solver.forward.registry import AnyForwardModelSpec
 
@@ -125,12 +126,18 @@ class CombinedModel:
         return None
 
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
-        """Build the calculations of all parts that have points; x of shape (m_g,) in base units."""
+        """Build the calculations of all parts that have points; x of shape (m_g,) in base units.
+
+        Raises
+        ------
+        ProblemError
+            A part cannot be prepared for its points; paths lead to that part.
+        """
         by_part: dict[str, dict[str, FloatArray]] = {}
         for series, x in points.items():
             part, _, name = series.partition(".")
             by_part.setdefault(part, {})[name] = x
-        runs = [(self._parts[name], self._parts[name].model.prepare(wanted)) for name, wanted in by_part.items()]
+        runs = [(self._parts[name], _prepared(self._parts[name], wanted)) for name, wanted in by_part.items()]
 
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
             return {
@@ -140,6 +147,17 @@ class CombinedModel:
             }
 
         return run
+
+
+def _prepared(part: _Part, points: Mapping[str, FloatArray]) -> ForwardRun:
+    try:
+        return part.model.prepare(points)
+    except ProblemError as error:
+        place = f"forward_model.parts.{part.name}"
+        issues = [
+            Issue(f"{place}.{issue.path.removeprefix('forward_model.')}", issue.message) for issue in error.issues
+        ]
+        raise ProblemError(issues) from error
 
 
 def _shared_parameters(parts: Collection[_Part]) -> tuple[ParameterInfo, ...]:

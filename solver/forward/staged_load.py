@@ -85,7 +85,10 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
     )
     tolerance: float = Field(
-        2.0e-5, ge=1.0e-9, le=1.0e-2, description="Admitted time integration error, as axial logarithmic strain."
+        2.0e-5,
+        ge=1.0e-8,
+        le=1.0e-2,
+        description="Time integration error aimed at, as axial logarithmic strain; controlled step by step.",
     )
     initial_void_ratio: float | None = Field(
         None, gt=0.0, description="Void ratio before the first stage; needed by the series stage_void_ratio."
@@ -251,7 +254,10 @@ class StagedLoadModel(ABC):
         load = self.spec.stages[stage].stress
         if status == FAILED_SOIL:
             return f"stage {stage + 1} ({load:g} kPa): the load is above the strength of the soil"
-        return f"stage {stage + 1} ({load:g} kPa): no solution {time:.6g} day after its application"
+        return (
+            f"stage {stage + 1} ({load:g} kPa): no step meets the tolerance {self.spec.tolerance:g} "
+            f"{time:.3g} day after its application; a larger tolerance may"
+        )
 
     def _values(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         if series != "stage_void_ratio":

@@ -65,6 +65,15 @@ class LeastSquares:
         """
         return {observed.series: _misfit(observed, responses) for observed in self.observed}
 
+    def weighted_residuals(self, responses: Mapping[str, FloatArray]) -> FloatArray:
+        """Return sqrt(w_g w_h / m) (y_calc - y_meas) of all series in a row: its squared length is the objective."""
+        return np.concatenate(
+            [
+                np.sqrt(o.weight * o.point_weights / o.y.size) * (np.asarray(responses[o.series]) - o.y)
+                for o in self.observed
+            ]
+        )
+
     def value(self, misfits: Mapping[str, float]) -> float:
         """Return the objective f from the misfits."""
         return sum(observed.weight * misfits[observed.series] for observed in self.observed)

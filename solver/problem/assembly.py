@@ -14,7 +14,7 @@ from solver.errors import ExpressionError, Issue, ProblemError, SolverError
 from solver.expressions import Expression
 from solver.forward.base import ForwardModel, ForwardModelSpec
 from solver.forward.registry import find_spec, parse_spec
-from solver.problem.feasibility import infeasibility
+from solver.problem.feasibility import estimates_in_conflict, infeasibility
 from solver.problem.issues import describe, did_you_mean, issues_of, validated
 from solver.problem.observations import Observation, Points, build_observations, read_points
 from solver.problem.parameters import (
@@ -126,7 +126,7 @@ class _Assembly:
             failures=failures,
             priority=settings.priority,
         )
-        unsatisfiable = infeasibility(problem)
+        unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem)
         if unsatisfiable:
             raise ProblemError(unsatisfiable)
         return problem
@@ -257,7 +257,7 @@ class _Assembly:
         if model is None:
             return ()
         observations, found = build_observations(complete, model, self._kind)
-        self.issues += found
+        self.issues += found or _preparation_issues(model, observations)
         return observations
 
     def _check_known_values(
@@ -308,3 +308,14 @@ class _Assembly:
         elif stopping.max_evaluations is not None and stopping.max_evaluations < method.particles:
             message = f"must be at least the number of particles ({method.particles}), not {stopping.max_evaluations}"
             self._report("stopping.max_evaluations", message)
+
+
+def _preparation_issues(model: ForwardModel, observations: tuple[Observation, ...]) -> list[Issue]:
+    """What a model only finds when it is prepared, such as a series that needs a further key of its section."""
+    try:
+        model.prepare({observation.series: observation.x for observation in observations})
+    except ProblemError as error:
+        return list(error.issues)
+    except (SolverError, ValueError) as error:
+        return [Issue("observations", str(error))]
+    return []

@@ -12,7 +12,7 @@ from solver.errors import Issue
 from solver.problem.parameters import FreeParameter, outside_limits
 from solver.problem.problem import Problem
 
-__all__ = ["TRIED_POINTS", "infeasibility"]
+__all__ = ["TRIED_POINTS", "estimates_in_conflict", "infeasibility"]
 
 TRIED_POINTS = 10_000
 """Random points that are tried, beside the initial estimate, the centre and the corners of the bounds."""
@@ -40,6 +40,22 @@ def infeasibility(problem: Problem) -> list[Issue]:
             reason = _refusal(problem, values)
             refusals[reason] = refusals.get(reason, 0) + 1
     return _explained(problem, tried, fulfilled, refusals)
+
+
+def estimates_in_conflict(problem: Problem) -> list[Issue]:
+    """Why no admissible point has the initial values of the problem; empty when one was found, or none is given."""
+    initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
+    given = [p for p in problem.free if p.initial is not None]
+    if not given:
+        return []
+    for point in _points(problem.free):
+        if problem.satisfies(problem.values(np.where(np.isnan(initial), point, initial).tolist())):
+            return []
+        if len(given) == len(problem.free):
+            break
+    estimates = " and ".join(f"{p.name} = {p.initial:g}" for p in given)
+    message = f"no admissible point has {estimates}; change the initial values, or leave some out"
+    return [Issue(f"parameters.{given[0].name}.initial", message)]
 
 
 def _points(free: tuple[FreeParameter, ...]) -> Iterator[FloatArray]:

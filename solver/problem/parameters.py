@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
@@ -115,6 +116,8 @@ def _bound_mistakes(path: str, section: FreeSection) -> list[Issue]:
     issues = []
     if lower >= upper:
         issues.append(Issue(f"{path}.lower", f"must be below upper ({number(upper)}), not {number(lower)}"))
+    elif not math.isfinite(upper - lower):
+        issues.append(Issue(f"{path}.upper", f"is too far from lower ({number(lower)}); the largest range is 1.79e308"))
     if section.scale == "log":
         issues += [
             Issue(f"{path}.{bound}", f"must be above 0 on a log scale, not {number(value)}")

@@ -87,6 +87,14 @@ class Problem:
         for name, value in derived.items():
             object.__setattr__(self, name, value)
 
+    @property
+    def planned_evaluations(self) -> int | None:
+        """Number of evaluations after which a job ends at the latest; None when no number limits it."""
+        limit = self.stopping.max_evaluations
+        if isinstance(self.method, MonteCarloMethod):
+            return self.method.samples if limit is None else min(limit, self.method.samples)
+        return limit
+
     def values(self, free_values: Sequence[float]) -> dict[str, float]:
         """Values of all parameters, in the order of the problem file.
 

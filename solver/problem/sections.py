@@ -130,6 +130,9 @@ class ParticleSwarmMethod(_Section):
     max_velocity: float = Field(
         0.5, gt=0, le=1, description="largest step as a fraction of the range between the bounds"
     )
+    acceleration: Literal["none", "response_surface"] = Field(
+        "none", description="aims the worst particles at what all runs so far promise; none: the textbook swarm"
+    )
 
     @field_validator("inertia_weight")
     @classmethod
@@ -152,6 +155,10 @@ class ParticleSwarmMethod(_Section):
         return self
 
 
+LARGEST_DESIGN = 1_000_000
+"""Samples that a Latin hypercube or Sobol design may have."""
+
+
 class MonteCarloMethod(_Section):
     """Monte Carlo sampling of the space between the bounds, for the statistics."""
 
@@ -159,6 +166,17 @@ class MonteCarloMethod(_Section):
     samples: int = Field(ge=1, le=10_000_000, description="number of evaluations")
     sampling: Literal["random", "latin_hypercube", "sobol"] = Field("random", description="how the points are chosen")
     batch: int = Field(50, ge=1, le=1000, description="evaluations in a generation")
+
+    @model_validator(mode="after")
+    def _design_fits(self) -> MonteCarloMethod:
+        if self.sampling != "random" and self.samples > LARGEST_DESIGN:
+            raise PydanticCustomError(
+                "design",
+                "sampling {sampling} draws its points as a whole and takes at most {most} samples, not {samples}; "
+                "sampling: random has no such limit",
+                {"sampling": self.sampling, "most": LARGEST_DESIGN, "samples": self.samples},
+            )
+        return self
 
 
 METHODS: dict[str, type[ParticleSwarmMethod] | type[MonteCarloMethod]] = {

@@ -52,9 +52,9 @@ def write_result(path: Path, problem: Problem, result: CalibrationResult) -> Non
     _write_json(path, result_document(problem, result))
 
 
-def write_problem(path: Path, problem: Problem) -> None:
-    """Write the canonical problem, measured points inlined: running it again needs no other file."""
-    _write_json(path, problem.document())
+def write_problem(path: Path, problem: Problem, seed: int) -> None:
+    """Write the canonical problem with the seed that was used: running it again needs no other file."""
+    _write_json(path, problem.document() | {"seed": seed})
 
 
 def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -> None:

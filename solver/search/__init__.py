@@ -4,12 +4,14 @@
 ``space``            bounds, search coordinates, feasibility
 ``randomness``       random numbers that depend on (seed, generation, particle) alone
 ``particle_swarm``   the synchronous particle swarm of the published study
+``acceleration``     proposals learned from all runs so far
 ``monte_carlo``      random, Latin hypercube and Sobol sampling
 ===================  =====================================================================
 """
 
 from __future__ import annotations
 
+from solver.search.acceleration import Runs
 from solver.search.base import Search, Snapshot
 from solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
 from solver.search.particle_swarm import ParticleSwarm, SwarmSettings
@@ -19,6 +21,7 @@ __all__ = [
     "MonteCarlo",
     "MonteCarloSettings",
     "ParticleSwarm",
+    "Runs",
     "SamplingDesign",
     "Search",
     "SearchSpace",

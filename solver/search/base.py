@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Protocol, TypeAlias
 
 from solver.arrays import FloatArray
+from solver.search.acceleration.runs import Runs
 
 __all__ = ["Search", "Snapshot"]
 
@@ -25,8 +26,11 @@ class Search(Protocol):
     def ask(self) -> FloatArray | None:
         """Positions of the current generation, shape (n, d), natural values; None when the method has no more."""
 
-    def tell(self, objectives: FloatArray) -> None:
-        """Take the objectives of the current generation, shape (n,), in particle order; inf for a failed evaluation."""
+    def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
+        """Take the objectives of the current generation, shape (n,), in particle order; inf for a failed evaluation.
+
+        ``runs`` are all evaluations so far, the current generation included, for searches that learn from them.
+        """
 
     def snapshot(self) -> Snapshot:
         """State from which the same class restores a search that goes on bit for bit alike."""

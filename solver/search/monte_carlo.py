@@ -11,13 +11,14 @@ import numpy as np
 
 from solver.arrays import FloatArray
 from solver.errors import InfeasibleSpaceError
+from solver.search.acceleration.runs import Runs
 from solver.search.base import Snapshot
 from solver.search.randomness import design_generator, particle_generator
 from solver.search.space import SearchSpace
 
 __all__ = ["MonteCarlo", "MonteCarloSettings", "SamplingDesign"]
 
-_LARGEST_DESIGN = 2**22  # points drawn at most in the search for feasible ones
+_LARGEST_DESIGN = 2**21  # points drawn at most in the search for feasible ones
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class SamplingDesign:
         size = wanted
         while size <= max(_LARGEST_DESIGN, wanted):
             points = self._draw(size)
-            feasible = np.array([self.space.is_feasible(point) for point in points])
+            feasible = np.array([self.space.feasible(point) for point in self.space.to_natural(points)])
             if feasible.sum() >= wanted:
                 chosen: FloatArray = points[feasible][:wanted]
                 return chosen
@@ -131,6 +132,6 @@ class MonteCarlo:
             points = self._design.points[first : first + count]
         return self._space.to_natural(points)
 
-    def tell(self, objectives: FloatArray) -> None:  # noqa: ARG002  (a sampling does not learn)
+    def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:  # noqa: ARG002  (it does not learn)
         """Close the current generation."""
         self.generation += 1

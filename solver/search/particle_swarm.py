@@ -21,6 +21,7 @@ from typing import Literal
 import numpy as np
 
 from solver.arrays import FloatArray
+from solver.search.acceleration import Runs, propose
 from solver.search.base import Snapshot
 from solver.search.randomness import particle_generator
 from solver.search.space import SearchSpace
@@ -28,6 +29,9 @@ from solver.search.space import SearchSpace
 __all__ = ["ParticleSwarm", "SwarmSettings"]
 
 _HALVINGS = 40  # a step is halved this often before the particle stays where it was
+_LARGEST_SHARE = 0.8  # of a generation that is aimed while that pays, and the least when it does not
+_SMALLEST_SHARE = 0.2
+_SHARE_DECAY = 0.75
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +56,9 @@ class SwarmSettings:
         bounds, its velocity zero.
     max_velocity
         Limit of each velocity component as a fraction of the parameter's range in search coordinates.
+    acceleration
+        ``none``: the textbook swarm. ``response_surface``: the worst particles of a generation are aimed at points that
+        all runs so far promise (:mod:`solver.search.acceleration`).
     """
 
     particles: int = 10
@@ -62,6 +69,7 @@ class SwarmSettings:
     topology: Literal["global", "ring"] = "global"
     boundary: Literal["reflect", "absorb", "resample"] = "reflect"
     max_velocity: float = 0.5
+    acceleration: Literal["none", "response_surface"] = "none"
 
     @property
     def weights(self) -> tuple[float, float, float]:
@@ -112,6 +120,8 @@ class ParticleSwarm:
             self._position[i], self._velocity[i] = self._draw(random, initial if i == 0 else None)
         self._best_position = self._position.copy()
         self._best_objective = np.full(n, np.inf)
+        self._share = _LARGEST_SHARE
+        self._aimed: list[int] = []
 
     @classmethod
     def restore(cls, space: SearchSpace, settings: SwarmSettings, seed: int, snapshot: Snapshot) -> ParticleSwarm:
@@ -123,6 +133,9 @@ class ParticleSwarm:
         swarm._velocity = np.array(snapshot["velocity"])
         swarm._best_position = np.array(snapshot["best_position"])
         swarm._best_objective = np.array([np.inf if f is None else f for f in snapshot["best_objective"]])
+        # Absent in what earlier versions stored: there was no aim.
+        swarm._share = snapshot.get("share", _LARGEST_SHARE)
+        swarm._aimed = snapshot.get("aimed", [])
         return swarm
 
     def snapshot(self) -> Snapshot:
@@ -133,20 +146,29 @@ class ParticleSwarm:
             "velocity": self._velocity.tolist(),
             "best_position": self._best_position.tolist(),
             "best_objective": [f if math.isfinite(f) else None for f in self._best_objective.tolist()],
+            "share": self._share,
+            "aimed": self._aimed,
         }
 
     def ask(self) -> FloatArray:
         """Positions of the current generation, shape (n, d), natural values."""
         return self._space.to_natural(self._position)
 
-    def tell(self, objectives: FloatArray) -> None:
-        """Take the objectives of the current generation, shape (n,), and move every particle."""
+    def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
+        """Take the objectives of the current generation, shape (n,), and move every particle.
+
+        ``runs``, all evaluations so far, lets an accelerated swarm aim some of them.
+        """
         if objectives.shape != self._best_objective.shape:
             raise ValueError(f"objectives has shape {objectives.shape}, expected {self._best_objective.shape}")
+        if self._aimed:
+            paid = objectives[self._aimed].min() < self._best_objective.min()
+            self._share = _LARGEST_SHARE if paid else max(_SMALLEST_SHARE, _SHARE_DECAY * self._share)
         better = objectives < self._best_objective
         self._best_objective = np.where(better, objectives, self._best_objective)
         self._best_position = np.where(better[:, None], self._position, self._best_position)
         self.generation += 1
+        before = self._position.copy()
         informants = [self._informant(i) for i in range(self._settings.particles)]
         for i, informant in enumerate(informants):
             random = particle_generator(self._seed, self.generation, i)
@@ -154,6 +176,19 @@ class ParticleSwarm:
                 self._position[i], self._velocity[i] = self._move(i, self._best_position[informant], random)
             else:
                 self._position[i], self._velocity[i] = self._draw(random, None)
+        self._aimed = []
+        if runs is not None and self._settings.acceleration == "response_surface":
+            self._aim(objectives, before, runs)
+
+    def _aim(self, objectives: FloatArray, before: FloatArray, runs: Runs) -> None:
+        """Replace the moves of the worst particles by proposals; their velocity leads from where they were."""
+        count = max(1, round(self._share * self._settings.particles))
+        proposals = propose(self._space, runs, self._seed, self.generation, count)
+        worst_first = np.argsort(-objectives, kind="stable")
+        self._aimed = worst_first[: len(proposals)].tolist()
+        for i, proposal in zip(self._aimed, proposals, strict=True):
+            self._position[i] = proposal
+            self._velocity[i] = self._limit(proposal - before[i])
 
     def _informant(self, particle: int) -> int:
         """Index of the best personal best in the neighbourhood of a particle; the lowest index of equal ones."""

@@ -98,6 +98,15 @@ def test_a_sampling_ends_with_its_samples() -> None:
     assert calibration.advance(step.progress, [1.0] * 10, 1.0).stop_reasons == ("samples_completed",)
 
 
+@pytest.mark.parametrize("sampling", ["random", "latin_hypercube", "sobol"])
+def test_a_sampling_ends_before_its_samples_when_fewer_evaluations_are_allowed(sampling: str) -> None:
+    method = {"kind": "monte_carlo", "samples": 1_000_000, "batch": 20, "sampling": sampling}
+    calibration = Calibration(decay_problem(method=method, stopping={"max_evaluations": 30}), seed=3)
+    step = calibration.advance(calibration.start(), [1.0] * 20, 1.0)
+    assert (step.stop_reasons, len(step.progress.positions)) == ((), 10)
+    assert calibration.advance(step.progress, [1.0] * 10, 1.0).stop_reasons == ("max_evaluations",)
+
+
 def test_advance_is_pure() -> None:
     calibration = Calibration(decay_problem(), seed=3)
     progress = calibration.start()

@@ -71,7 +71,10 @@ def test_listing_pages_newest_first(service: JobService) -> None:
     assert [job.id for job in service.list(state="cancelled").items] == [ids[3]]
 
 
-@pytest.mark.parametrize("cursor", ["", "nonsense", "WzEsMl0", "WyJhIl0", "Ww", "é", "W251bGwsMV0", "WzFlOTk5LCJhIl0"])
+@pytest.mark.parametrize(
+    "cursor",
+    ["", "nonsense", "WzEsMl0", "WyJhIl0", "Ww", "é", "W251bGwsMV0", "WzFlOTk5LCJhIl0", "WzEuNSwiYVx1MDAwMCJd"],
+)
 def test_foreign_cursors_are_refused(service: JobService, cursor: str) -> None:
     job_id = service.submit(line())[0].id
     with pytest.raises(InvalidCursorError):

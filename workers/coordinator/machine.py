@@ -21,6 +21,7 @@ from solver.arrays import FloatArray
 from solver.calibration import Calibration, Progress
 from solver.errors import InfeasibleSpaceError
 from solver.local import GenerationRecord, generation_record, no_success_message
+from solver.search import Runs
 from workers.errors import InvalidTransitionError
 
 __all__ = [
@@ -99,11 +100,15 @@ class JobStarted:
 
 @dataclass(frozen=True, slots=True)
 class GenerationJoined:
-    """Every particle of a generation has its counted result, here in particle order; ``seconds``: running time [s]."""
+    """Every particle of a generation has its counted result, here in particle order; ``seconds``: running time [s].
+
+    ``runs``: all evaluations so far, for a search that learns from them.
+    """
 
     generation: int
     results: Sequence[Joined]
     seconds: float
+    runs: Runs | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +237,7 @@ def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) ->
             f" ({'with' if calibration else 'without'} a calibration)"
         )
     objectives = [result.objective for result in event.results]
-    step = calibration.advance(progress, objectives, event.seconds)
+    step = calibration.advance(progress, objectives, event.seconds, event.runs)
     record = generation_record(calibration.problem, progress.generation, objectives, step.progress)
     reasons = Counter(result.reason for result in event.results if result.reason is not None)
     messages = (result.message for result in event.results if result.reason is not None)

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import itertools
 import statistics
-from collections.abc import Sequence
+from collections.abc import MutableMapping, Sequence
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from sqlalchemy import Connection
 
-from solver.calibration import Calibration, Progress
+from solver.calibration import Calibration, Progress, RunLog
 from solver.errors import InfeasibleSpaceError
+from solver.search import Runs
 from workers.coordinator.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
 from workers.coordinator.machine import (
     CancelRequested,
@@ -35,7 +37,7 @@ from workers.errors import JobNotFoundError
 from workers.settings import Settings
 from workers.store import Store
 from workers.store.codec import clean_text, pack_json, pack_responses, unpack_array
-from workers.store.evaluations import Board, Cell, load_board, renew_leases, write_new
+from workers.store.evaluations import Board, Cell, list_runs, load_board, renew_leases, write_new
 from workers.store.jobs import LockedJob, lock_job, note_served, save_job
 
 __all__ = ["Runtime"]
@@ -44,12 +46,13 @@ MESSAGE_LENGTH = 2000
 
 
 class Runtime:
-    """The coordinator of all jobs in one store; holds no state of its own."""
+    """The coordinator of all jobs in one store; holds no state of its own, but remembers finished runs."""
 
     def __init__(self, store: Store, settings: Settings) -> None:
         self.store = store
         self.settings = settings
         self._sizing = Sizing(settings.cheap_seconds, settings.burst_seconds)
+        self.logs: MutableMapping[Calibration, RunLog] = WeakKeyDictionary()
 
     def request(self, job_id: str, event: CancelRequested | PauseRequested | ResumeRequested) -> bool:
         """Apply a user's request; return whether workers should be woken.
@@ -179,6 +182,7 @@ class _Session:
     ) -> None:
         self.settings = runtime.settings
         self.sizing = runtime._sizing
+        self.logs = runtime.logs
         self.connection = connection
         self.locked = locked
         self.worker = worker
@@ -293,11 +297,20 @@ class _Session:
         if self.job is None:
             raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
         seconds = self.locked.run_seconds(self.settings.lease_seconds)
-        transition = apply(self.job, GenerationJoined(board.generation, results, seconds), self.calibration)
+        runs = self._runs(board.generation) if self.calibration.accelerated else None
+        transition = apply(self.job, GenerationJoined(board.generation, results, seconds, runs), self.calibration)
         succeeded = [v["seconds"] for v in values if v["reason"] is None]
         self.typical = statistics.median(succeeded) if succeeded else self.typical
         self._save([transition], [])
         return _dispatched(self.locked.id, transition) if transition.job.state == "running" else None
+
+    def _runs(self, generation: int) -> Runs:
+        """All runs so far. Only earlier generations go into the log: this one is final when the commit succeeds."""
+        log = self.logs.setdefault(self.calibration, RunLog(self.calibration))
+        found = list_runs(self.connection, self.locked.id, log.generations, generation)
+        for number in range(log.generations, generation):
+            log.add(*found[number])
+        return log.runs(*found[generation])
 
     def _save(self, transitions: Sequence[Transition], finished_at: Sequence[float]) -> None:
         save_job(
@@ -344,7 +357,9 @@ class _Session:
         return chosen
 
     def _claim(self, board: Board, cells: Sequence[Cell]) -> Claim:
-        whole = len(cells) == len(board.cells) and self.sizing.burst(self.typical, len(cells))
+        # A search that learns from stored runs advances here, where they are stored.
+        alone = len(cells) == len(board.cells) and not self.calibration.accelerated
+        whole = alone and self.sizing.burst(self.typical, len(cells))
         return Claim(
             job_id=self.locked.id,
             generation=board.generation,

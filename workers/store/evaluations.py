@@ -11,7 +11,7 @@ from sqlalchemy import Connection, and_, bindparam, insert, select, update
 from solver.arrays import FloatArray
 from workers.coordinator.evaluation import EvaluationStatus
 from workers.store.clock import database_now
-from workers.store.codec import pack_array
+from workers.store.codec import pack_array, unpack_array, unpack_responses
 from workers.store.database import Record
 from workers.store.tables import attempts, evaluations
 
@@ -19,6 +19,7 @@ __all__ = [
     "Board",
     "Cell",
     "get_evaluation",
+    "list_runs",
     "load_board",
     "overdue",
     "renew_leases",
@@ -193,6 +194,21 @@ def overdue(connection: Connection, lost_workers: Sequence[str]) -> Sequence[Rec
         late = late | evaluations.c.worker.in_(lost_workers)
     condition = and_(evaluations.c.state == "running", late)
     return connection.execute(select(evaluations.c.job_id, evaluations.c.generation).where(condition).distinct()).all()
+
+
+def list_runs(
+    connection: Connection, job_id: str, first: int, last: int
+) -> dict[int, tuple[list[FloatArray], list[dict[str, FloatArray]]]]:
+    """Return parameters and responses (empty: failed) of generations ``first`` to ``last``, particles in order."""
+    columns = (evaluations.c.generation, evaluations.c.parameters, evaluations.c.responses)
+    condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation.between(first, last))
+    order = (evaluations.c.generation, evaluations.c.particle)
+    found: dict[int, tuple[list[FloatArray], list[dict[str, FloatArray]]]] = {}
+    for generation, parameters, responses in connection.execute(select(*columns).where(condition).order_by(*order)):
+        positions, curves = found.setdefault(generation, ([], []))
+        positions.append(unpack_array(parameters))
+        curves.append({} if responses is None else unpack_responses(responses))
+    return found
 
 
 def get_evaluation(connection: Connection, job_id: str, generation: int, particle: int) -> Record | None:

@@ -48,6 +48,15 @@ def test_number_of_workers_and_seed_do_what_they_say(tmp_path: Path, capsys: pyt
     assert outcomes[2]["parameters"] != outcomes[0]["parameters"]
 
 
+def test_the_written_problem_has_the_seed_that_was_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "output"
+    assert main(["run", write(tmp_path, seed=None), "--output", str(folder), "--json"]) == 0
+    first = json.loads(capsys.readouterr().out)
+    assert main(["run", str(folder / "problem.json"), "--json"]) == 0
+    second = json.loads(capsys.readouterr().out)
+    assert {**first, "seconds": 0} == {**second, "seconds": 0}
+
+
 def test_table_shows_what_was_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", write(tmp_path)]) == 0
     text = capsys.readouterr().out

@@ -10,6 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from solver.arrays import FloatArray
+from solver.errors import ProblemError
 from solver.forward.base import ForwardModel, ForwardRun, ParameterInfo, SeriesInfo
 from solver.forward.combined import CombinedModel, CombinedSpec
 from solver.forward.formula import FormulaSpec
@@ -102,6 +103,13 @@ def test_check_names_the_part() -> None:
 def test_grid() -> None:
     model = CombinedModel({"first": _closed()})
     np.testing.assert_array_equal(model.grid("first.y"), [0.0, 1.0])
+
+
+def test_a_part_that_cannot_be_prepared_is_named() -> None:
+    section = {"kind": "oedometer", "height": 0.02, "initial_stress": 1, "stages": [{"stress": 9, "duration": 1}]}
+    model = CombinedSpec.model_validate({"kind": "combined", "parts": {"first": section}}).build()
+    with pytest.raises(ProblemError, match=r"^forward_model\.parts\.first\.initial_void_ratio: is missing"):
+        model.prepare({"first.stage_void_ratio": np.array([1.0])})
 
 
 @pytest.mark.parametrize(

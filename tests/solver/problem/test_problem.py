@@ -128,6 +128,13 @@ def test_a_corner_counts_in_the_search_for_a_feasible_point() -> None:
     assert problem.satisfies(problem.values([10.0, -1.0]))
 
 
+def test_a_range_beyond_all_numbers_is_refused() -> None:
+    parameters = {"a": {"lower": -1e308, "upper": 1e308}, "b": {"lower": -8e307, "upper": 8e307}}
+    assert _messages(_document(parameters=parameters)) == [
+        "parameters.a.upper: is too far from lower (-1e+308); the largest range is 1.79e308"
+    ]
+
+
 def test_very_many_mistakes_are_counted_not_listed() -> None:
     document = _document()
     document["observations"][0]["points"]["y"] = [math.nan] * 500

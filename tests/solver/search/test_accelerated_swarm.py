@@ -1,0 +1,75 @@
+"""The swarm that aims particles at what all runs so far promise."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.calibration import Calibration, RunLog
+from solver.local import CalibrationResult, calibrate
+from solver.problem import Problem, load_problem, parse_problem
+from tests.solver.problems import decay_problem
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+ACCELERATED = {"kind": "particle_swarm", "particles": 10, "acceleration": "response_surface"}
+
+
+def accelerated(example: str, **stopping: float) -> Problem:
+    document = load_problem(EXAMPLES / example / "problem.yaml").document()
+    return parse_problem(document | {"method": ACCELERATED, "stopping": stopping})
+
+
+def objectives(result: CalibrationResult) -> list[float | None]:
+    return [record.evaluation.objective for record in result.history]
+
+
+def test_the_published_oedometer_takes_tens_of_runs() -> None:
+    problem = accelerated("oedometer", max_evaluations=1590, target_objective=5e-9)
+    results = [calibrate(problem, seed=seed) for seed in range(30)]
+    assert all("target_objective" in result.stop_reasons for result in results)
+    evaluations = [result.evaluations for result in results]
+    assert 20 <= np.median(evaluations) <= 40
+    assert np.percentile(evaluations, 90) <= 70
+
+
+def test_failing_runs_cost_little() -> None:
+    problem = decay_problem(
+        forward_model={"kind": "formula", "series": {"y": "amplitude * exp(-rate * x) + 0 * sqrt(rate - 0.2)"}},
+        method=ACCELERATED,
+    )
+    result = calibrate(problem)
+    assert "target_objective" in result.stop_reasons
+    assert result.failed_evaluations > 0
+    assert result.evaluations <= 100
+
+
+def test_the_same_seed_gives_the_same_history_for_any_number_of_workers() -> None:
+    problem = accelerated("oedometer", max_evaluations=60)
+    assert objectives(calibrate(problem, workers=2)) == objectives(calibrate(problem))
+
+
+def test_the_share_falls_while_aiming_does_not_pay_and_recovers() -> None:
+    calibration = Calibration(decay_problem(method=ACCELERATED), seed=4)
+    log, progress = RunLog(calibration), calibration.start()
+    shares = []
+    for generation in range(12):
+        evaluations = [calibration.evaluate(position) for position in progress.positions]
+        log.add([e.parameters for e in evaluations], [e.responses for e in evaluations])
+        told = [e.objective for e in evaluations]
+        if generation < 6:  # as if nothing after the first generation was any better
+            told = [1.0 + generation] * len(told)
+        progress = calibration.advance(progress, told, 1.0, log.runs()).progress
+        shares.append(progress.snapshot["share"])
+        json.dumps(progress.to_json(), allow_nan=False)
+    assert shares[0] == 0.8
+    assert shares[5] < 0.4
+    assert 0.8 in shares[6:]
+
+
+def test_an_accelerated_search_needs_the_runs() -> None:
+    calibration = Calibration(decay_problem(method=ACCELERATED), seed=4)
+    with pytest.raises(ValueError, match="needs the runs so far"):
+        calibration.advance(calibration.start(), [1.0] * 10, 1.0)
