@@ -32,6 +32,7 @@ from workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    QuotaExceededError,
     StoreUnavailableError,
 )
 
@@ -166,6 +167,8 @@ def translate(error: Exception) -> DetailError:
             return DetailError(422, str(error), kind="invalid-statistics", title="Statistics not possible")
         case InvalidCursorError():
             return DetailError(400, str(error), kind="invalid-cursor", title="Invalid cursor")
+        case QuotaExceededError():
+            return DetailError(403, f"{error}.", kind="quota-exceeded", title="Quota exceeded")
         case StoreUnavailableError() | BrokerUnavailableError():
             title = "Database" if isinstance(error, StoreUnavailableError) else "Broker"
             return DetailError(
@@ -186,6 +189,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     IdempotencyConflictError,
     InvalidCursorError,
     StatisticsError,
+    QuotaExceededError,
     StoreUnavailableError,
     BrokerUnavailableError,
 )

@@ -151,7 +151,10 @@ class Worker(Model):
     pid: int
     engine: str
     state: str
-    job: str | None
+    job: str | None = Field(description="what it works on; null: on nothing, or on a job of somebody else")
+    generation: int | None
+    evaluations: int | None = Field(description="number of evaluations that it has claimed")
+    busy_since: datetime | None
     started_at: datetime
     seen_at: datetime
 

@@ -13,9 +13,11 @@ from typing import Any
 from workers.embedded import PipeDoorbell
 from workers.errors import StoreUnavailableError
 from workers.identity import Identity, this_machine
+from workers.logs import start_logging
 from workers.settings import Settings
 from workers.store import Store
 from workers.sweep import Sweeper, with_signals
+from workers.tracing import start_tracing
 from workers.warm import warm_up
 from workers.worker import Worker
 
@@ -26,7 +28,8 @@ log = logging.getLogger(__name__)
 
 def main(given: Mapping[str, Any]) -> None:
     """Work until the parent asks for the end, or dies."""
-    logging.basicConfig(level=given["log_level"])
+    start_logging(given["log_level"])
+    start_tracing("worker")
     settings = Settings(**given["settings"])
     read_end, write_end = given["doorbell"]
     doorbell = PipeDoorbell(settings.workers, (read_end, write_end))

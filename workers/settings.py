@@ -17,6 +17,8 @@ ENVIRONMENT = {
     "GEOSWARM_DATABASE_URL": "database_url",
     "GEOSWARM_BROKER_URL": "broker_url",
     "GEOSWARM_WORKERS": "workers",
+    "GEOSWARM_QUOTA_JOBS": "quota_jobs",
+    "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
 }
 DRIVERS = {
     "sqlite": "sqlite",
@@ -66,6 +68,8 @@ class Settings(BaseModel):
         How long to wait for a database or broker that does not answer [s].
     grace_seconds
         How long a stopping engine waits for an evaluation that is being calculated [s].
+    quota_jobs, quota_evaluations
+        Jobs that have not ended, and stored or planned evaluations, that one owner of API keys may have.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
@@ -84,6 +88,8 @@ class Settings(BaseModel):
     max_attempts: int = Field(3, ge=1)
     connect_seconds: float = Field(3.0, gt=0)
     grace_seconds: float = Field(3.0, ge=0)
+    quota_jobs: int = Field(100, ge=0)
+    quota_evaluations: int = Field(10_000_000, ge=0)
 
     @field_validator("database_url")
     @classmethod
@@ -117,7 +123,7 @@ class Settings(BaseModel):
 
     @classmethod
     def from_environment(cls, **overrides: Any) -> Settings:
-        """Read GEOSWARM_DATABASE_URL, GEOSWARM_BROKER_URL and GEOSWARM_WORKERS; overrides that are not None win.
+        """Read the variables of :data:`ENVIRONMENT`; overrides that are not None win.
 
         Raises
         ------

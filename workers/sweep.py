@@ -26,6 +26,7 @@ from workers.store.workers import (
     mark_lost,
     overdue_workers,
 )
+from workers.tally import tally
 
 __all__ = ["Sweeper", "run_sweep"]
 
@@ -62,6 +63,7 @@ class Sweeper:
         if store.read(lambda c: any_lost_before(c, REMEMBER_LOST_SECONDS)):
             store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
         self._ring()
+        tally.flush(store)
 
     def release(self, job_id: str, generation: int, lost_workers: list[str]) -> None:
         """Free the overdue evaluations of one generation, and those of lost workers, and ring for the job."""
@@ -74,6 +76,7 @@ class Sweeper:
                 generation,
                 extra={"job": job_id, "generation": generation},
             )
+            tally.add("lease_expirations", "", expired)
             self.doorbell.ring(job_id, expired)
 
     def start(self) -> None:
@@ -107,6 +110,7 @@ class Sweeper:
         if lost:
             log.warning("workers lost: %s", ", ".join(lost))
             store.write(lambda c: mark_lost(c, lost))
+            tally.add("sweep_actions", "worker_given_up", len(lost))
         return lost
 
     def _ring(self) -> None:
@@ -120,6 +124,7 @@ class Sweeper:
         job_ids = store.read(forgotten)
         if job_ids:
             store.write(lambda c: mark_rung(c, job_ids))
+            tally.add("sweep_actions", "job_rung", len(job_ids))
             for job_id in job_ids:
                 self.doorbell.ring(job_id)
 

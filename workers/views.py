@@ -120,7 +120,14 @@ class EventView:
 
 @dataclass(frozen=True, slots=True)
 class WorkerView:
-    """One worker process; ``state`` is idle, busy or lost, ``engine`` embedded or celery."""
+    """One worker process; ``state`` is idle, busy or lost, ``engine`` embedded or celery.
+
+    Parameters
+    ----------
+    job, generation, evaluations, busy_since
+        What it runs: job, generation, number of evaluations that it has claimed, and since when; None: nothing.
+        Of a job that the viewer may not see, job and generation are None.
+    """
 
     id: str
     host: str
@@ -130,3 +137,6 @@ class WorkerView:
     job: str | None
     started_at: datetime
     seen_at: datetime
+    generation: int | None = None
+    evaluations: int | None = None
+    busy_since: datetime | None = None

@@ -22,6 +22,8 @@ from workers.store import Store
 from workers.store.codec import unpack_json
 from workers.store.jobs import claimable_jobs, get_problem
 from workers.store.workers import count_live, forget_worker, see_worker
+from workers.tally import tally
+from workers.tracing import span
 
 __all__ = ["Worker"]
 
@@ -67,6 +69,7 @@ class Worker:
         self.stopping.set()
         self._heartbeat.join()
         try:
+            tally.flush(self.store)
             self.store.write(lambda connection: forget_worker(connection, self.identity.id))
         except StoreUnavailableError as error:
             log.warning("worker %s could not sign off: %s", self.identity.id, error)
@@ -93,6 +96,8 @@ class Worker:
         except StoreUnavailableError as error:
             # Whatever was claimed comes back through its lease.
             log.warning("worker %s: %s", self.identity.id, error, extra=extra)
+            # Jobs may be listed by a database that takes nothing in (disk full): do not ask it without a pause.
+            self.stopping.wait(self.settings.poll_seconds)
         except Exception as error:
             log.exception("job %s cannot be worked on", job_id, extra=extra)
             self._give_up(job_id, f"{type(error).__name__}: {error}")
@@ -156,7 +161,9 @@ class Worker:
                 at = time.monotonic() - began
                 if (results or leaps) and (at > self.settings.chunk_seconds or self.stopping.is_set()):
                     return HandIn(claim, leaps, generation, results)
-                evaluation = calibration.evaluate(position)
+                with span("evaluation", job=claim.job_id, generation=generation, evaluation=particle):
+                    evaluation = calibration.evaluate(position)
+                self._note(claim.job_id, generation, particle, evaluation)
                 finished = claim.now + (time.monotonic() - began)
                 results.append(Result(particle, attempt, evaluation, claim.now + at, finished))
             if job is None:
@@ -170,6 +177,13 @@ class Worker:
                 return HandIn(claim, leaps, job.generation, ())
             generation, positions = job.generation, job.progress.positions
             particles, attempts = range(len(positions)), [1] * len(positions)
+
+    def _note(self, job_id: str, generation: int, particle: int, evaluation: Evaluation) -> None:
+        """Count a run, and log it when it failed."""
+        tally.run(evaluation.reason or "finished", evaluation.seconds)
+        if evaluation.reason is not None:
+            context = {"job": job_id, "generation": generation, "evaluation": particle, "worker": self.identity.id}
+            log.info("run failed: %s", evaluation.message, extra=context | {"reason": evaluation.reason})
 
     def _calibration(self, job_id: str) -> Calibration | None:
         """Return the job made ready, from the cache of this process if possible; None: there is no such job."""
@@ -196,6 +210,7 @@ class Worker:
             claim = self._claim
             try:
                 self._see()
+                tally.flush(self.store)
                 if claim is not None:
                     self.runtime.renew(claim, self.identity.id)
             except StoreUnavailableError as error:

@@ -30,7 +30,7 @@ PROBLEM_BODY = {
     status_code=201,
     responses={
         200: {"model": Job, "description": "The job that the same request has created before"},
-        **problems_of(400, 409, 413, 415, 422),
+        **problems_of(400, 408, 409, 413, 415, 422),
     },
     openapi_extra={"requestBody": PROBLEM_BODY},
 )

@@ -28,6 +28,7 @@ class CommandEntry:
 
 _PROBLEM, _SERVICE, _JOBS = "One problem, in this process", "The service", "Jobs of a running service"
 _RESULTS = "What a job, or a run in a folder, tells"
+_OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
     "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
@@ -62,6 +63,8 @@ COMMANDS: dict[str, CommandEntry] = {
         _RESULTS,
         "Calculate the objectives that stored responses have under other weights; no forward run.",
     ),
+    "keys": CommandEntry("geoswarm.cli.keys", _OPERATION, "Create, list and revoke API keys."),
+    "prune": CommandEntry("geoswarm.cli.prune", _OPERATION, "Delete old jobs for good."),
 }
 
 

@@ -174,7 +174,10 @@ def resume_command(job: str, as_json: bool, url: str, api_key: str | None) -> No
 @json_option
 @connection_options
 def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
-    """List the workers of a service."""
+    """List the workers of a service.
+
+    Who runs what, and since when. An id begins with host and process number.
+    """
     with connect(url, api_key) as client:
         workers = client.workers()
     if as_json:
@@ -184,7 +187,18 @@ def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
         click.echo("No workers. Start some with 'geoswarm worker', or serve without --broker.")
         return
     rows = [
-        (w.id, w.host, str(w.pid), w.engine, w.state, w.job or "-", _age(w.started_at), _age(w.seen_at))
+        (
+            w.id,
+            w.engine,
+            w.state,
+            w.job or "-",
+            "-" if w.generation is None else str(w.generation),
+            "-" if w.evaluations is None else str(w.evaluations),
+            "-" if w.busy_since is None else _age(w.busy_since),
+            _age(w.started_at),
+            _age(w.seen_at),
+        )
         for w in workers
     ]
-    echo_table(None, ("id", "host", "pid", "engine", "state", "job", "up for", "last seen"), rows, right=(2, 6, 7))
+    columns = ("id", "engine", "state", "job", "generation", "evaluations", "busy for", "up for", "last seen")
+    echo_table(None, columns, rows, right=(4, 5, 6, 7, 8))

@@ -198,6 +198,9 @@ class Worker:
     job: str | None
     started_at: datetime
     seen_at: datetime
+    generation: int | None = None
+    evaluations: int | None = None
+    busy_since: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import Connection, and_, bindparam, insert, select, tuple_, update
+from sqlalchemy import Connection, and_, bindparam, insert, select, update
 
 from solver.arrays import FloatArray
 from workers.coordinator.evaluation import EvaluationStatus
@@ -18,9 +18,7 @@ from workers.store.tables import attempts, evaluations
 __all__ = [
     "Board",
     "Cell",
-    "Filters",
     "get_evaluation",
-    "list_evaluations",
     "list_runs",
     "load_board",
     "overdue",
@@ -196,39 +194,6 @@ def overdue(connection: Connection, lost_workers: Sequence[str]) -> Sequence[Rec
         late = late | evaluations.c.worker.in_(lost_workers)
     condition = and_(evaluations.c.state == "running", late)
     return connection.execute(select(evaluations.c.job_id, evaluations.c.generation).where(condition).distinct()).all()
-
-
-@dataclass(frozen=True, slots=True)
-class Filters:
-    """Which evaluations to list; None: any."""
-
-    generation: int | None = None
-    state: str | None = None
-    max_objective: float | None = None
-
-
-def list_evaluations(
-    connection: Connection,
-    job_id: str,
-    filters: Filters,
-    *,
-    after: tuple[int, int] | None,
-    limit: int,
-    responses: bool,
-) -> Sequence[Record]:
-    """Return evaluations ordered by (generation, particle) that come after ``after``."""
-    statement = select(evaluations) if responses else select(*LIST_COLUMNS)
-    statement = statement.where(evaluations.c.job_id == job_id)
-    if filters.generation is not None:
-        statement = statement.where(evaluations.c.generation == filters.generation)
-    if filters.state is not None:
-        statement = statement.where(evaluations.c.state == filters.state)
-    if filters.max_objective is not None:
-        statement = statement.where(evaluations.c.objective <= filters.max_objective)
-    if after is not None:
-        statement = statement.where(tuple_(evaluations.c.generation, evaluations.c.particle) > after)
-    order = (evaluations.c.generation, evaluations.c.particle)
-    return connection.execute(statement.order_by(*order).limit(limit)).all()
 
 
 def list_runs(

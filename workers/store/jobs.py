@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,9 @@ __all__ = [
     "account_running_time",
     "claimable_jobs",
     "clocks_overdue",
+    "delete_evaluations",
     "delete_job",
+    "ended_before",
     "find_by_idempotency_key",
     "get_job",
     "get_frame",
@@ -33,14 +35,17 @@ __all__ = [
     "list_events",
     "list_generations",
     "list_jobs",
+    "list_news",
     "lock_job",
     "mark_rung",
     "note_served",
     "save_job",
+    "which_exist",
 ]
 
 # Everything but the problem document, which nothing but a worker's first look at the job needs.
 COLUMNS = [column for column in jobs.columns if column.name != "problem"]
+JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
 VIEW_COLUMNS = [column for column in COLUMNS if column.name not in LARGE]
 
@@ -215,8 +220,9 @@ def get_problem(connection: Connection, job_id: str) -> Record | None:
 
 
 def get_frame(connection: Connection, job_id: str) -> Record | None:
-    """Return ``free_parameters`` and ``grids`` of a job, as they are stored."""
-    return connection.execute(select(jobs.c.free_parameters, jobs.c.grids).where(jobs.c.id == job_id)).one_or_none()
+    """Return ``owner``, and ``free_parameters`` and ``grids`` of a job as they are stored."""
+    statement = select(jobs.c.owner, jobs.c.free_parameters, jobs.c.grids).where(jobs.c.id == job_id)
+    return connection.execute(statement).one_or_none()
 
 
 def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
@@ -225,10 +231,17 @@ def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
 
 
 def list_jobs(
-    connection: Connection, *, state: str | None, before: tuple[float, str] | None, limit: int
+    connection: Connection,
+    *,
+    state: str | None,
+    before: tuple[float, str] | None,
+    limit: int,
+    owner: str | None = None,
 ) -> Sequence[Record]:
-    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order."""
+    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order; ``owner`` None: of all."""
     statement = select(*VIEW_COLUMNS, database_now().label("now"))
+    if owner is not None:
+        statement = statement.where(jobs.c.owner == owner)
     if state is not None:
         statement = statement.where(jobs.c.state == state)
     if before is not None:
@@ -248,9 +261,49 @@ def list_events(connection: Connection, job_id: str, *, after: int, limit: int) 
     return connection.execute(select(events).where(condition).order_by(events.c.id).limit(limit)).all()
 
 
+def list_news(connection: Connection, after: Mapping[str, int], *, limit: int) -> Sequence[Record]:
+    """Return events of several jobs, each above the id given for it, in order.
+
+    Ids of one job's events grow in the order of their commits, as its row is locked; ids of different jobs need not.
+    """
+    found: list[Record] = []
+    watched = list(after.items())
+    for start in range(0, len(watched), JOBS_A_QUERY):
+        part = watched[start : start + JOBS_A_QUERY]
+        news = or_(*(and_(events.c.job_id == job_id, events.c.id > last) for job_id, last in part))
+        found += connection.execute(select(events).where(news).order_by(events.c.id).limit(limit)).all()
+    return found
+
+
+def which_exist(connection: Connection, job_ids: Collection[str]) -> set[str]:
+    """Return those of the ids that are jobs."""
+    return set(connection.scalars(select(jobs.c.id).where(jobs.c.id.in_(job_ids))))
+
+
+def delete_evaluations(connection: Connection, job_id: str, most: int) -> int:
+    """Remove evaluations of a job, the last ones first; return how many there were to remove, at most ``most``."""
+    rows = connection.execute(
+        select(evaluations.c.generation)
+        .where(evaluations.c.job_id == job_id)
+        .order_by(evaluations.c.generation.desc(), evaluations.c.particle.desc())
+        .limit(most)
+    ).all()
+    if rows:
+        condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation >= rows[-1].generation)
+        connection.execute(delete(evaluations).where(condition))
+    return len(rows)
+
+
 def delete_job(connection: Connection, job_id: str) -> None:
     """Remove a job and everything that belongs to it."""
     connection.execute(delete(jobs).where(jobs.c.id == job_id))
+
+
+def ended_before(connection: Connection, seconds: float, states: Collection[str]) -> Sequence[Record]:
+    """Return ``id``, ``name``, ``state`` and ``evaluations`` of jobs that ended longer than this ago [s]."""
+    condition = and_(jobs.c.state.in_(states), jobs.c.finished_at < database_now() - seconds)
+    columns = (jobs.c.id, jobs.c.name, jobs.c.state, jobs.c.evaluations)
+    return connection.execute(select(*columns).where(condition).order_by(jobs.c.finished_at)).all()
 
 
 def claimable_jobs(connection: Connection, limit: int, *, not_rung_for: float | None = None) -> list[str]:

@@ -84,16 +84,18 @@ def event_view(row: Record) -> EventView:
     return EventView(row.id, row.kind, unpack_json(row.data), to_datetime(row.created_at))
 
 
-def worker_view(row: Record, job: str | None) -> WorkerView:
-    """Show a worker that works on ``job``, None: on nothing."""
-    state = "lost" if row.lost else "idle" if job is None else "busy"
+def worker_view(row: Record, work: Record | None, *, visible: bool = True) -> WorkerView:
+    """Show a worker and what it has claimed, None: nothing; ``visible``: the viewer may see that job."""
     return WorkerView(
         id=row.id,
         host=row.host,
         pid=row.pid,
         engine=row.engine,
-        state=state,
-        job=job,
+        state="lost" if row.lost else "idle" if work is None else "busy",
+        job=work.job_id if work is not None and visible else None,
         started_at=to_datetime(row.started_at),
         seen_at=to_datetime(row.seen_at),
+        generation=work.generation if work is not None and visible else None,
+        evaluations=None if work is None else work.claimed,
+        busy_since=None if work is None else to_optional_datetime(work.since),
     )
