@@ -15,6 +15,7 @@ from workers.errors import StoreUnavailableError
 from workers.identity import Identity, this_machine
 from workers.logs import start_logging
 from workers.settings import Settings
+from workers.slots import Slots
 from workers.store import Store
 from workers.sweep import Sweeper, with_signals
 from workers.tracing import start_tracing
@@ -36,7 +37,7 @@ def main(given: Mapping[str, Any]) -> None:
     identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")
     try:
         store = Store(settings)
-        worker = Worker(store, doorbell, settings, identity)
+        worker = Worker(store, doorbell, settings, identity, Slots(settings.slots, given["slots"]))
         worker.start()
     except StoreUnavailableError as error:
         log.warning("worker %s cannot start: %s", identity.id, error)
@@ -45,7 +46,8 @@ def main(given: Mapping[str, Any]) -> None:
     threading.Thread(target=_follow_parent, args=(worker, settings.grace_seconds), daemon=True).start()
     sweeper = Sweeper(worker.runtime, doorbell)
     sweeper.start()
-    warm_up()
+    if not settings.isolate:
+        warm_up()
     _work(worker, doorbell, settings)
     sweeper.stop()
     worker.close()

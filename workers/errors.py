@@ -7,6 +7,7 @@
     ├── JobNotFoundError            no job has this id
     ├── InvalidTransitionError      the job's state does not admit the request
     ├── IdempotencyConflictError    the key was used before, with another problem
+    ├── NothingToRetryError         no failed evaluation of the job can be run again
     ├── KeyNotFoundError            no API key has this id
     ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
@@ -27,6 +28,7 @@ __all__ = [
     "InvalidTransitionError",
     "JobNotFoundError",
     "KeyNotFoundError",
+    "NothingToRetryError",
     "QuotaExceededError",
     "SettingsError",
     "StoreUnavailableError",
@@ -70,6 +72,14 @@ class InvalidTransitionError(WorkersError):
         self.state = state
         self.accepted = tuple(accepted)
         super().__init__(f"cannot {action} a job that is {state}; accepted states: {', '.join(accepted)}")
+
+
+class NothingToRetryError(WorkersError):
+    """No failed evaluation of the job can be run again."""
+
+    def __init__(self, job_id: str) -> None:
+        self.job_id = job_id
+        super().__init__(f"job {job_id} has no failed evaluation to run again")
 
 
 class IdempotencyConflictError(WorkersError):

@@ -35,11 +35,11 @@ from workers.settings import Settings
 from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json
-from workers.store.evaluations import get_evaluation
+from workers.store.evaluations import get_evaluation, list_attempts
 from workers.store.listing import Filters, list_evaluations
-from workers.store.views import evaluation_view, event_view, generation_view, job_view, worker_view
+from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
 from workers.store.workers import current_work, list_workers
-from workers.views import EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
+from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
     from workers.statistics import StatisticsDesk
@@ -98,6 +98,7 @@ class JobService:
             "id": secrets.token_hex(8),
             "name": clean_text(problem.name),
             "forward_model": problem.forward_model.kind,
+            "priority": problem.priority,
             "method": problem.method.kind,
             "problem": text,
             "seed": choose_seed(problem.seed),
@@ -126,7 +127,7 @@ class JobService:
 
         view, new = self.store.write(work)
         if new:
-            self.doorbell.ring(view.id)
+            self.doorbell.ring(view.id, kind=view.forward_model)
         return view, new
 
     def get(self, job_id: str) -> JobView:
@@ -170,7 +171,7 @@ class JobService:
         return self._request(job_id, CancelRequested())
 
     def pause(self, job_id: str) -> JobView:
-        """Stop handing out evaluations; what runs is finished and kept.
+        """Stop within two seconds: what finishes in the next one is kept, the rest is killed, to be run again later.
 
         Raises
         ------
@@ -188,6 +189,35 @@ class JobService:
             When it is not paused.
         """
         return self._request(job_id, ResumeRequested())
+
+    def retry_failed(self, job_id: str) -> tuple[JobView, int]:
+        """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
+
+        What the search was told stays as it was; see :mod:`workers.coordinator.retry`.
+
+        Raises
+        ------
+        InvalidTransitionError
+            When it is queued or running.
+        NothingToRetryError
+            When no evaluation has failed.
+        """
+        kind = self.get(job_id).forward_model
+        number = self._runtime.retry_failed(job_id)
+        self.doorbell.ring(job_id, number, kind=kind)
+        return self.get(job_id), number
+
+    def attempts(self, job_id: str, generation: int, particle: int) -> builtins.list[AttemptView]:
+        """Return the tries at one evaluation, the one under way or counted last; empty: there is no such evaluation."""
+
+        def work(connection: Connection) -> builtins.list[AttemptView]:
+            self._row(connection, job_id)
+            return attempt_views(
+                get_evaluation(connection, job_id, generation, particle),
+                list_attempts(connection, job_id, generation, particle),
+            )
+
+        return self.store.read(work)
 
     def delete(self, job_id: str) -> None:
         """Remove a job that has ended, with all that belongs to it, for good.
@@ -351,9 +381,9 @@ class JobService:
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 
     def _request(self, job_id: str, event: CancelRequested | PauseRequested | ResumeRequested) -> JobView:
-        self.get(job_id)
+        kind = self.get(job_id).forward_model
         if self._runtime.request(job_id, event):
-            self.doorbell.ring(job_id)
+            self.doorbell.ring(job_id, kind=kind)
         return self.get(job_id)
 
 

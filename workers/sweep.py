@@ -16,8 +16,9 @@ from workers.errors import StoreUnavailableError
 from workers.identity import is_dead
 from workers.settings import Settings
 from workers.store import Store
+from workers.store.database import Record
 from workers.store.evaluations import overdue
-from workers.store.jobs import account_running_time, claimable_jobs, clocks_overdue, mark_rung
+from workers.store.jobs import account_running_time, claimable_jobs, clocks_overdue, get_job, mark_rung
 from workers.store.workers import (
     any_lost_before,
     busy_workers,
@@ -77,7 +78,9 @@ class Sweeper:
                 extra={"job": job_id, "generation": generation},
             )
             tally.add("lease_expirations", "", expired)
-            self.doorbell.ring(job_id, expired)
+            row = self.runtime.store.read(lambda c: get_job(c, job_id))
+            if row is not None:
+                self.doorbell.ring(job_id, expired, kind=row.forward_model)
 
     def start(self) -> None:
         """Sweep every ``sweep_seconds`` in a thread."""
@@ -116,17 +119,18 @@ class Sweeper:
     def _ring(self) -> None:
         store, settings = self.runtime.store, self.runtime.settings
 
-        def forgotten(connection: Connection) -> list[str]:
+        def forgotten(connection: Connection) -> list[Record]:
             idle = count_live(connection, settings.lease_seconds) - len(busy_workers(connection))
             # With nobody idle a ring would only lie in the queue: who becomes idle is rung for in the next sweep.
-            return claimable_jobs(connection, idle, not_rung_for=0.9 * settings.sweep_seconds) if idle > 0 else []
+            late = (settings.overdue_seconds, settings.overdue_factor)
+            since = 0.9 * settings.sweep_seconds
+            return claimable_jobs(connection, idle, overdue=late, not_rung_for=since) if idle > 0 else []
 
-        job_ids = store.read(forgotten)
-        if job_ids:
-            store.write(lambda c: mark_rung(c, job_ids))
-            tally.add("sweep_actions", "job_rung", len(job_ids))
-            for job_id in job_ids:
-                self.doorbell.ring(job_id)
+        rows = store.read(forgotten)
+        if rows:
+            store.write(lambda c: mark_rung(c, [row.id for row in rows]))
+            for row in rows:
+                self.doorbell.ring(row.id, kind=row.forward_model)
 
 
 def run_sweep(settings: Settings) -> None:

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from solver.errors import FailureReason
 
-__all__ = ["DEFAULT_RETRIES", "Failures", "Limits", "Policy"]
+__all__ = ["DEFAULT_RETRIES", "Failures", "Limits", "Policy", "fatal_message"]
 
 Policy: TypeAlias = Literal["penalise", "fail"]
 
@@ -50,3 +50,9 @@ class Failures(BaseModel):
         """Whether a failure for this reason, with no try left, ends the job."""
         policy = self.policy if isinstance(self.policy, str) else self.policy.get(reason)  # type: ignore[call-overload]
         return bool(policy == "fail")
+
+
+def fatal_message(generation: int, particle: int, reason: str, message: str | None) -> str:
+    """Say which failed evaluation ended a job."""
+    text = f"evaluation {particle} of generation {generation} failed ({reason}), which ends the job (failures.policy)"
+    return f"{text}: {message}" if message else text

@@ -21,6 +21,7 @@ from workers.store import Store
 from workers.store.tables import attempts, evaluations, jobs
 
 PROBLEM = line(stopping={"max_evaluations": 60})
+PATIENT = line(stopping={"max_evaluations": 60}, failures={"retry": {"worker_lost": 1000}})
 CALIBRATION = calibration(PROBLEM)
 EXPECTED = expected_history(PROBLEM)
 
@@ -294,8 +295,8 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
 def test_any_order_of_workers_losses_and_pauses_gives_the_same_history(
     store: Store, settings: Settings, service: JobService, actions: list[tuple[str, int]]
 ) -> None:
-    job_id = service.submit(PROBLEM)[0].id
-    runtime = runtime_for(store, settings, max_attempts=10**6)
+    job_id = service.submit(PATIENT)[0].id
+    runtime = runtime_for(store, settings)
     hands = [Hand(runtime, job_id, f"w{i}") for i in range(3)]
     parked: list[tuple[Hand, HandIn]] = []
     for action, i in actions:

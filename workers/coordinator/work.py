@@ -40,13 +40,14 @@ class Claim:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Outcome of one try; times are the database's [s]."""
+    """Outcome of one try; times are the database's [s]; ``log``: the end of what a failed one has written."""
 
     particle: int
     attempt: int
     evaluation: Evaluation
     started_at: float
     finished_at: float
+    log: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +62,16 @@ class Leap:
 
 @dataclass(frozen=True, slots=True)
 class HandIn:
-    """What a worker returns for a claim: whole generations in order, then results of the last one begun."""
+    """What a worker returns for a claim: whole generations in order, then results of the last one begun.
+
+    ``killed``: it was at one more particle, which was killed on request.
+    """
 
     claim: Claim | None = None
     leaps: Sequence[Leap] = ()
     generation: int = -1
     results: Sequence[Result] = ()
+    killed: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

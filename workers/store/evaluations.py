@@ -6,23 +6,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import Connection, and_, bindparam, insert, select, update
+from sqlalchemy import Connection, and_, bindparam, exists, insert, select, update
 
 from solver.arrays import FloatArray
 from workers.coordinator.evaluation import EvaluationStatus
 from workers.store.clock import database_now
 from workers.store.codec import pack_array, unpack_array, unpack_responses
 from workers.store.database import Record
-from workers.store.tables import attempts, evaluations
+from workers.store.tables import attempts, evaluations, jobs
 
 __all__ = [
     "Board",
     "Cell",
     "get_evaluation",
+    "list_attempts",
     "list_runs",
     "load_board",
     "overdue",
     "renew_leases",
+    "still_wanted",
     "write_new",
 ]
 
@@ -33,7 +35,9 @@ RESULT_COLUMNS = (
     "responses",
     "reason",
     "message",
+    "log",
     "attempts",
+    "duplicates",
     "worker",
     "lease_expires_at",
     "started_at",
@@ -100,9 +104,22 @@ class Board:
                 "finished_at": at,
                 "outcome": outcome,
                 "message": None,
+                "log": None,
             }
             | columns
         )
+
+    def tries(self, connection: Connection, cell: Cell) -> Sequence[Record]:
+        """Return number, worker and outcome of the tries at one evaluation that did not count, those noted here too."""
+        statement = select(attempts.c.number, attempts.c.worker, attempts.c.outcome).where(
+            attempts.c.job_id == self.job_id,
+            attempts.c.generation == self.generation,
+            attempts.c.particle == cell.particle,
+        )
+        if self.lost_tries:
+            connection.execute(insert(attempts), self.lost_tries)
+            self.lost_tries = []
+        return connection.execute(statement).all()
 
     def write(self, connection: Connection) -> None:
         """Write what has changed."""
@@ -115,21 +132,23 @@ class Board:
             self.lost_tries = []
 
     def _update(self, connection: Connection) -> None:
-        changed = [cell for cell in self.cells if cell.changes]
-        if not changed:
-            return
-        statement = update(evaluations).where(
-            evaluations.c.job_id == self.job_id,
-            evaluations.c.generation == self.generation,
-            evaluations.c.particle == bindparam("key"),
-        )
-        statement = statement.values({name: bindparam(f"to_{name}") for name in RESULT_COLUMNS})
-        connection.execute(
-            statement,
-            [{"key": cell.particle} | {f"to_{name}": cell.values[name] for name in RESULT_COLUMNS} for cell in changed],
-        )
-        for cell in changed:
-            cell.changes = {}
+        """Write only columns that have changed: a claim touches few of them."""
+        alike: dict[tuple[str, ...], list[Cell]] = {}
+        for cell in self.cells:
+            if cell.changes:
+                alike.setdefault(tuple(cell.changes), []).append(cell)
+        for names, cells in alike.items():
+            statement = update(evaluations).where(
+                evaluations.c.job_id == self.job_id,
+                evaluations.c.generation == self.generation,
+                evaluations.c.particle == bindparam("key"),
+            )
+            connection.execute(
+                statement.values({name: bindparam(f"to_{name}") for name in names}),
+                [{"key": cell.particle} | {f"to_{name}": cell.changes[name] for name in names} for cell in cells],
+            )
+            for cell in cells:
+                cell.changes = {}
 
     def _rows(self) -> list[dict[str, Any]]:
         key = {"job_id": self.job_id, "generation": self.generation}
@@ -187,6 +206,20 @@ def renew_leases(
     )
 
 
+def still_wanted(connection: Connection, job_id: str, generation: int, particles: Sequence[int]) -> str:
+    """Return the state of the job of evaluations under way; ``gone``: there is none, ``done``: all have results."""
+    state: str | None = connection.scalar(select(jobs.c.state).where(jobs.c.id == job_id))
+    if state != "running":
+        return state or "gone"
+    missing = exists().where(
+        evaluations.c.job_id == job_id,
+        evaluations.c.generation == generation,
+        evaluations.c.particle.in_(particles),
+        evaluations.c.state.in_(("pending", "running")),
+    )
+    return state if connection.scalar(select(missing)) else "done"
+
+
 def overdue(connection: Connection, lost_workers: Sequence[str]) -> Sequence[Record]:
     """Return job_id and generation of running evaluations whose lease has ended, or whose worker is lost."""
     late = evaluations.c.lease_expires_at < database_now()
@@ -209,6 +242,12 @@ def list_runs(
         positions.append(unpack_array(parameters))
         curves.append({} if responses is None else unpack_responses(responses))
     return found
+
+
+def list_attempts(connection: Connection, job_id: str, generation: int, particle: int) -> Sequence[Record]:
+    """Return the tries at one evaluation that did not count, in order."""
+    here = (attempts.c.job_id == job_id, attempts.c.generation == generation, attempts.c.particle == particle)
+    return connection.execute(select(attempts).where(*here).order_by(attempts.c.number, attempts.c.id)).all()
 
 
 def get_evaluation(connection: Connection, job_id: str, generation: int, particle: int) -> Record | None:

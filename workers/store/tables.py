@@ -90,6 +90,8 @@ jobs = Table(
     Column("typical_seconds", Double),  # median forward calculation of the last finished generation
     Column("served_at", Double),  # a worker last took it up
     Column("rung_at", Double),  # a sweep last rang for it
+    Column("priority", Integer, nullable=False, server_default="0"),
+    Column("retry_to", String(16)),  # its failures are run again; what it is then: see workers.coordinator.retry
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     Index("ix_jobs_created_at_id", "created_at", "id"),
     Index("ix_jobs_state_served_at", "state", "served_at"),
@@ -124,7 +126,9 @@ evaluations = Table(
     Column("responses", LargeBinary),
     Column("reason", String(32)),
     Column("message", Text),
+    Column("log", Text),  # end of what a failed forward model wrote
     Column("attempts", Integer, nullable=False),
+    Column("duplicates", Integer),  # how often it was given to another worker because it was overdue
     Column("worker", String(80)),
     Column("lease_expires_at", Double),
     Column("started_at", Double),
@@ -145,6 +149,13 @@ evaluations = Table(
         postgresql_where=text("state = 'failed'"),
         sqlite_where=text("state = 'failed'"),
     ),
+    Index(
+        "ix_evaluations_reopened",
+        "job_id",
+        "generation",
+        postgresql_where=text("state = 'pending' AND reason IS NOT NULL"),
+        sqlite_where=text("state = 'pending' AND reason IS NOT NULL"),
+    ),
 )
 
 attempts = Table(
@@ -160,10 +171,11 @@ attempts = Table(
     Column("finished_at", Double, nullable=False),
     Column("outcome", String(32), nullable=False),
     Column("message", Text),
+    Column("log", Text),
     Index("ix_attempts_evaluation", "job_id", "generation", "particle"),
     sqlite_autoincrement=True,
 )
-"""Tries that did not count (worker lost, result too late); the counted try is the evaluation's own row."""
+"""Tries that did not count: failed but tried again, too late, stopped. The counted one is the evaluation's own row."""
 
 events = Table(
     "events",
