@@ -207,8 +207,8 @@ class Worker:
                     self._note(claim.job_id, generation, particle, evaluation)
                     times = (claim.now + (outcome.began - began), claim.now + (outcome.ended - began))
                     results.append(Result(particle, attempts[number], evaluation, *times, outcome.log))
-            except NeverMind:
-                killed = particles[len(results)]
+            except NeverMind as end:
+                killed = particles[end.index]
             reasons = {r.evaluation.reason for r in results if r.evaluation.reason is not None}
             decide = any(failures.retries(reason) or failures.ends_job(reason) for reason in reasons)
             if job is None or decide or len(results) < len(positions):
