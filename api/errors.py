@@ -31,6 +31,7 @@ from workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    NothingToRetryError,
     QuotaExceededError,
     StoreUnavailableError,
 )
@@ -158,6 +159,8 @@ def translate(error: Exception) -> DetailError:
             )
         case JobNotFoundError():
             return DetailError(404, str(error), kind="job-not-found", title="Job not found")
+        case NothingToRetryError():
+            return DetailError(409, str(error), kind="nothing-to-retry", title="No failed evaluation")
         case InvalidTransitionError():
             return DetailError(409, str(error), kind="invalid-transition", title="Not possible in this state")
         case IdempotencyConflictError():
@@ -183,6 +186,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     RequestValidationError,
     JobNotFoundError,
     InvalidTransitionError,
+    NothingToRetryError,
     IdempotencyConflictError,
     InvalidCursorError,
     QuotaExceededError,

@@ -27,6 +27,7 @@ from geoswarm.client.errors import (
     WaitTimeoutError,
 )
 from geoswarm.client.models import (
+    Attempt,
     Best,
     CheckResult,
     Curve,
@@ -39,6 +40,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Parameter,
+    Retry,
     Series,
     TestRun,
     Worker,
@@ -48,6 +50,7 @@ from geoswarm.client.sync import Client
 __all__ = [
     "AsyncClient",
     "Client",
+    "Attempt",
     "Best",
     "CheckResult",
     "Curve",
@@ -60,6 +63,7 @@ __all__ = [
     "Job",
     "Page",
     "Parameter",
+    "Retry",
     "Series",
     "TestRun",
     "Worker",

@@ -27,6 +27,7 @@ from geoswarm.client.errors import (
     UnauthorizedError,
 )
 from geoswarm.client.models import (
+    Attempt,
     Best,
     CheckResult,
     Evaluation,
@@ -36,6 +37,7 @@ from geoswarm.client.models import (
     Health,
     Job,
     Page,
+    Retry,
     Worker,
 )
 
@@ -43,6 +45,7 @@ __all__ = [
     "DEFAULT_URL",
     "Call",
     "Problem",
+    "attempts",
     "best",
     "change",
     "check",
@@ -60,6 +63,7 @@ __all__ = [
     "health",
     "list_jobs",
     "problem",
+    "retry_failed",
     "submit",
     "workers",
 ]
@@ -200,6 +204,17 @@ def problem(job_id: str) -> Call[dict[str, Any]]:
 def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
     """Cancel, pause or resume."""
     return Call("POST", f"{_job_path(job_id)}/{action}", _reader(Job))
+
+
+def retry_failed(job_id: str) -> Call[Retry]:
+    """Run failed evaluations again."""
+    return Call("POST", f"{_job_path(job_id)}/retry-failed", _reader(Retry))
+
+
+def attempts(job_id: str, generation: int, particle: int) -> Call[tuple[Attempt, ...]]:
+    """Show the tries at an evaluation."""
+    path = f"{_job_path(job_id)}/evaluations/{generation:d}/{particle:d}/attempts"
+    return Call("GET", path, _reader(tuple[Attempt, ...], "items"))
 
 
 def delete(job_id: str) -> Call[None]:

@@ -14,10 +14,10 @@ from geoswarm.cli.commands import COMMANDS, cli
 
 WANTED = (
     *("check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
-    *("list", "show", "cancel", "pause", "resume", "export", "demo", "workers"),
+    *("list", "show", "cancel", "pause", "resume", "retry-failed", "export", "demo", "workers"),
     *("keys", "prune"),
 )
-READING = ("check", "evaluate", "run", "submit", "watch", "list", "show", "workers", "prune")
+READING = ("check", "evaluate", "run", "submit", "watch", "list", "show", "retry-failed", "workers", "prune")
 
 
 def command(name: str) -> click.Command:
