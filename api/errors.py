@@ -32,6 +32,7 @@ from workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    NothingToRetryError,
     QuotaExceededError,
     StoreUnavailableError,
 )
@@ -159,6 +160,8 @@ def translate(error: Exception) -> DetailError:
             )
         case JobNotFoundError():
             return DetailError(404, str(error), kind="job-not-found", title="Job not found")
+        case NothingToRetryError():
+            return DetailError(409, str(error), kind="nothing-to-retry", title="No failed evaluation")
         case InvalidTransitionError():
             return DetailError(409, str(error), kind="invalid-transition", title="Not possible in this state")
         case IdempotencyConflictError():
@@ -186,6 +189,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     RequestValidationError,
     JobNotFoundError,
     InvalidTransitionError,
+    NothingToRetryError,
     IdempotencyConflictError,
     InvalidCursorError,
     StatisticsError,

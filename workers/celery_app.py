@@ -8,7 +8,6 @@ from __future__ import annotations
 import logging
 import os
 import time
-from importlib.metadata import entry_points
 
 import redis
 from celery import Celery
@@ -69,11 +68,6 @@ def create_celery(settings: Settings) -> Celery:
 def queue_name(kind: str) -> str:
     """Return the queue on which workers of this kind of forward model listen; empty: all workers."""
     return f"{QUEUE}.{kind}" if kind else QUEUE
-
-
-def installed_kinds() -> list[str]:
-    """Return the kinds of forward model that have an entry point here, without importing them."""
-    return sorted({entry.name for entry in entry_points(group="geoswarm.forward_models")})
 
 
 class CeleryDoorbell:
@@ -152,6 +146,8 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     from workers.store import Store
 
     os.environ.update(ONE_THREAD)
+    from solver.forward.registry import kinds
+
     doorbell = CeleryDoorbell(settings)
     doorbell.check()
     doorbell.close()
@@ -161,7 +157,7 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     worker: CeleryWorker = app.Worker(
         hostname=f"geoswarm-{os.getpid()}@%h",
         concurrency=concurrency,
-        queues=[QUEUE, *map(queue_name, settings.kinds or installed_kinds())],
+        queues=[QUEUE, *map(queue_name, settings.kinds or kinds())],
         pool_cls="prefork",
         optimization="fair",
         without_gossip=True,

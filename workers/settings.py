@@ -17,6 +17,8 @@ ENVIRONMENT = {
     "GEOSWARM_DATABASE_URL": "database_url",
     "GEOSWARM_BROKER_URL": "broker_url",
     "GEOSWARM_WORKERS": "workers",
+    "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
+    "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
     "GEOSWARM_QUOTA_JOBS": "quota_jobs",
     "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
 }

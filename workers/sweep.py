@@ -18,7 +18,8 @@ from workers.settings import Settings
 from workers.store import Store
 from workers.store.database import Record
 from workers.store.evaluations import overdue
-from workers.store.jobs import account_running_time, claimable_jobs, clocks_overdue, get_job, mark_rung
+from workers.store.jobs import account_running_time, clocks_overdue, get_job
+from workers.store.line import claimable_jobs, mark_rung
 from workers.store.workers import (
     any_lost_before,
     busy_workers,

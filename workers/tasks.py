@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import logging
 import mmap
+import os
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from celery import current_app, shared_task
@@ -38,6 +39,27 @@ class _Process:
     doorbell: CeleryDoorbell
     worker: Worker
     sweeper: Sweeper
+    working: threading.Lock = field(default_factory=threading.Lock)
+
+    def work(self) -> None:
+        """Serve the most urgent jobs for a time slice; the caller holds ``working``."""
+        worker = self.worker
+        until = time.monotonic() + worker.settings.slice_seconds
+        try:
+            while not worker.stopping.is_set() and (urgent := worker.most_urgent()) is not None:
+                if time.monotonic() > until:
+                    self.doorbell.ring(urgent.id, kind=urgent.forward_model)  # one ring was used, one for what is left
+                    return
+                worker.serve(urgent.id)
+        except StoreUnavailableError as error:
+            log.warning("worker %s: %s", worker.identity.id, error)
+
+    def close(self) -> None:
+        """End the worker and close what it holds."""
+        self.sweeper.stop()
+        self.worker.close()
+        self.doorbell.close()
+        self.store.close()
 
 
 _process: _Process | None = None
@@ -67,17 +89,39 @@ def _open(**_: Any) -> None:
     doorbell = CeleryDoorbell(settings)
     worker = Worker(store, doorbell, settings, Identity.new("celery"), Slots(settings.slots, _slots))
     worker.start()
-    threading.Thread(target=_follow_end, args=(worker,), name="geoswarm-end", daemon=True).start()
     sweeper = Sweeper(worker.runtime, doorbell)
     sweeper.start()
-    _process = _Process(store, doorbell, worker, sweeper)
+    process = _Process(store, doorbell, worker, sweeper)
+    for follow in (_follow_end, _look_around):
+        threading.Thread(target=follow, args=(process,), name=f"geoswarm{follow.__name__}", daemon=True).start()
+    _process = process
 
 
-def _follow_end(worker: Worker) -> None:
-    """Ask the worker to end when its Celery worker does; what runs has some seconds to finish, or is given back."""
-    while not _ending[0] and not worker.stopping.wait(ENDING_SECONDS):
-        pass
+def _follow_end(process: _Process) -> None:
+    """Ask the worker to end when its Celery worker does, and end with one that was killed.
+
+    What runs has some seconds to finish, then it is given back.
+    """
+    worker, parent = process.worker, os.getppid()
+    while not _ending[0] and os.getppid() == parent:
+        if worker.stopping.wait(ENDING_SECONDS):
+            return
     worker.stopping.set()
+    if os.getppid() != parent:
+        with process.working:
+            process.close()
+        os._exit(1)
+
+
+def _look_around(process: _Process) -> None:
+    """Look for work that nobody rings for: Redis may be down, or Celery may no longer listen after it was."""
+    worker = process.worker
+    while not worker.stopping.wait(worker.settings.sweep_seconds):
+        if process.working.acquire(blocking=False):
+            try:
+                process.work()
+            finally:
+                process.working.release()
 
 
 @worker_process_shutdown.connect  # type: ignore[untyped-decorator]
@@ -85,26 +129,17 @@ def _close(**_: Any) -> None:
     global _process
     if _process is not None:
         process, _process = _process, None
-        process.sweeper.stop()
-        process.worker.close()
-        process.doorbell.close()
-        process.store.close()
+        process.worker.stopping.set()
+        with process.working:
+            process.close()
 
 
 @shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]
-def serve(job_id: str) -> None:
+def serve(job_id: str) -> None:  # noqa: ARG001  who looks at the queue shall see whom a message is about
     """Answer a ring: there may be work, not necessarily for the job that rang, as others may be more urgent."""
     if _process is None:
         _open()  # the database did not answer when this process began
     if _process is None:
         return
-    worker = _process.worker
-    until = time.monotonic() + worker.settings.slice_seconds
-    try:
-        while not worker.stopping.is_set() and (urgent := worker.most_urgent()) is not None:
-            if time.monotonic() > until:
-                _process.doorbell.ring(urgent.id, kind=urgent.forward_model)  # one message used, one for what is left
-                return
-            worker.serve(urgent.id)
-    except StoreUnavailableError as error:
-        log.warning("worker %s: %s", worker.identity.id, error, extra={"job": job_id})
+    with _process.working:
+        _process.work()

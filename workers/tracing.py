@@ -6,12 +6,13 @@ The usual variables of OpenTelemetry decide: OTEL_EXPORTER_OTLP_ENDPOINT turns t
 from __future__ import annotations
 
 import os
+import time
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from workers.errors import SettingsError
 
-__all__ = ["enabled", "span", "start_tracing"]
+__all__ = ["enabled", "record_span", "span", "start_tracing"]
 
 _tracer: Any = None
 
@@ -66,3 +67,11 @@ def span(name: str, **attributes: str | int | float) -> AbstractContextManager[A
     named = {f"geoswarm.{key}": value for key, value in attributes.items()}
     recorded: AbstractContextManager[Any] = _tracer.start_as_current_span(name, attributes=named)
     return recorded
+
+
+def record_span(name: str, seconds: float, **attributes: str | int | float) -> None:
+    """Record what has happened elsewhere and ended just now, after so long [s]."""
+    if _tracer is not None:
+        named = {f"geoswarm.{key}": value for key, value in attributes.items()}
+        end = time.time_ns()
+        _tracer.start_span(name, attributes=named, start_time=end - round(seconds * 1e9)).end(end)

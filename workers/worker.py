@@ -6,6 +6,7 @@ import logging
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from solver.calibration import Calibration, Evaluation, Progress
 from solver.errors import InfeasibleSpaceError
@@ -23,10 +24,11 @@ from workers.slots import Slots
 from workers.store import Store
 from workers.store.codec import unpack_json
 from workers.store.database import Record
-from workers.store.jobs import claimable_jobs, get_problem
+from workers.store.jobs import get_problem
+from workers.store.line import claimable_jobs
 from workers.store.workers import count_live, forget_worker
 from workers.tally import tally
-from workers.tracing import span
+from workers.tracing import record_span, span
 
 __all__ = ["Worker"]
 
@@ -34,6 +36,16 @@ log = logging.getLogger(__name__)
 
 CACHED_CALIBRATIONS = 32
 LONGEST_WAIT_SECONDS = 2.0
+
+
+@dataclass(slots=True)
+class _Part:
+    """Results of a claim that are ready while one of its evaluations takes its time; handed in when ``due``."""
+
+    claim: Claim
+    results: Sequence[Result]
+    due: float
+    handed_in: int = 0
 
 
 class Worker:
@@ -120,7 +132,7 @@ class Worker:
         try:
             calibration = self._calibration(job_id)
             if calibration is not None:
-                with self.slots.hold(calibration.problem.forward_model.kind) as free:
+                with self.slots.hold(_kind(calibration)) as free:
                     if free:
                         self._work(job_id, calibration)
         except StoreUnavailableError as error:
@@ -153,7 +165,7 @@ class Worker:
             answer = self._exchange(job_id, calibration, hand_in, until)
             self.heart.claim = answer.claim
         if answer.left:
-            self.doorbell.ring(job_id, kind=calibration.problem.forward_model.kind)
+            self.doorbell.ring(job_id, kind=_kind(calibration))
 
     def _exchange(
         self, job_id: str, calibration: Calibration, hand_in: HandIn, until: float, *, taken_up: bool = False
@@ -177,7 +189,7 @@ class Worker:
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
             else:
                 if answer.rings:
-                    self.doorbell.ring(job_id, answer.rings, kind=calibration.problem.forward_model.kind)
+                    self.doorbell.ring(job_id, answer.rings, kind=_kind(calibration))
                 return answer
 
     def _run(self, claim: Claim, calibration: Calibration) -> HandIn:
@@ -191,6 +203,7 @@ class Worker:
         while True:
             results: list[Result] = []
             killed: int | None = None
+            part = _Part(claim, results, began + self.settings.chunk_seconds) if job is None else None
             budget = max(self.settings.chunk_seconds - (time.monotonic() - began), 0.0)
             outcomes = self._evaluator.run(
                 claim.job_id,
@@ -198,7 +211,7 @@ class Worker:
                 positions,
                 self._limits(calibration),
                 budget=budget,
-                unwanted=self.heart.unwanted,
+                unwanted=lambda part=part: self._look(part, calibration),  # type: ignore[misc]
             )
             try:
                 for outcome in outcomes:
@@ -207,8 +220,8 @@ class Worker:
                     self._note(claim.job_id, generation, particle, evaluation)
                     times = (claim.now + (outcome.began - began), claim.now + (outcome.ended - began))
                     results.append(Result(particle, attempts[number], evaluation, *times, outcome.log))
-            except NeverMind:
-                killed = particles[len(results)]
+            except NeverMind as end:
+                killed = particles[end.index]
             reasons = {r.evaluation.reason for r in results if r.evaluation.reason is not None}
             decide = any(failures.retries(reason) or failures.ends_job(reason) for reason in reasons)
             if job is None or decide or len(results) < len(positions):
@@ -224,6 +237,23 @@ class Worker:
             generation, positions = job.generation, job.progress.positions
             particles, attempts = range(len(positions)), [1] * len(positions)
 
+    def _look(self, part: _Part | None, calibration: Calibration) -> float | None:
+        """While a run takes its time: hand in what its neighbours have, and see whether it is still wanted."""
+        if part is not None and len(part.results) > part.handed_in and time.monotonic() > part.due:
+            part.handed_in = len(part.results)
+            claim = part.claim
+            hand_in = HandIn(claim, (), claim.generation, tuple(part.results), partial=True)
+            try:
+                answer = self.runtime.exchange(
+                    claim.job_id, self.identity.id, calibration, hand_in, live_workers=self._live_workers, want=False
+                )
+            except StoreUnavailableError as error:
+                log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
+            else:
+                if answer.rings or answer.left:
+                    self.doorbell.ring(claim.job_id, max(answer.rings, 1), kind=_kind(calibration))
+        return self.heart.unwanted()
+
     def _limits(self, calibration: Calibration) -> Limits:
         """Return the limits of the problem, and of these workers where they are tighter."""
         asked, settings = calibration.problem.limits, self.settings
@@ -235,6 +265,7 @@ class Worker:
     def _note(self, job_id: str, generation: int, particle: int, evaluation: Evaluation) -> None:
         """Count a run, and log it when it failed."""
         tally.run(evaluation.reason or "finished", evaluation.seconds)
+        record_span("evaluation", evaluation.seconds, job=job_id, generation=generation, evaluation=particle)
         if evaluation.reason is not None:
             context = {"job": job_id, "generation": generation, "evaluation": particle, "worker": self.identity.id}
             log.info("run failed: %s", evaluation.message, extra=context | {"reason": evaluation.reason})
@@ -271,3 +302,7 @@ def _in_order(results: Sequence[Result]) -> list[Evaluation]:
 def _least(first: float | None, second: float | None) -> float | None:
     given = [value for value in (first, second) if value is not None]
     return min(given) if given else None
+
+
+def _kind(calibration: Calibration) -> str:
+    return calibration.problem.forward_model.kind

@@ -48,6 +48,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "cancel": CommandEntry("geoswarm.cli.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
     "pause": CommandEntry("geoswarm.cli.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
+    "retry-failed": CommandEntry("geoswarm.cli.why", _JOBS, "Run the failed evaluations of a job again."),
     "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
     "report": CommandEntry(
@@ -80,7 +81,7 @@ class LazyGroup(click.Group):
         entry = COMMANDS.get(cmd_name)
         if entry is None:
             return None
-        command: click.Command = getattr(import_module(entry.module), f"{cmd_name}_command")
+        command: click.Command = getattr(import_module(entry.module), f"{cmd_name.replace('-', '_')}_command")
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's

@@ -76,25 +76,42 @@ def list_command(
 
 @click.command("show")
 @job_argument
+@click.option("--failures", is_flag=True, help="Why evaluations failed: parameters, message, end of the output.")
+@click.option("--attempts", metavar="GENERATION/PARTICLE", help="Every try at one evaluation.")
 @json_option
 @connection_options
-def show_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, url: str, api_key: str | None) -> None:
     """Show a job with its best parameters.
 
-    With --json also 'best': the best evaluation with misfits and responses in base units, or null.
+    With --json also 'best': the best evaluation with misfits and responses in base units, or null; with --failures
+    'failures': how many for which 'reasons', and the first 20 as 'items'; with --attempts 'attempts'.
     """
+    from geoswarm.cli.why import attempts_of, failures_of, show_attempts, show_failures
     from geoswarm.client import NotFoundError
 
+    more: dict[str, Any] = {}
     with connect(url, api_key) as client:
         found = find_job(client, job)
+        if attempts is not None:
+            tries = attempts_of(client, found, attempts)
+            more["attempts"] = [jsonable(attempt) for attempt in tries]
+        if failures:
+            reasons, failed = failures_of(client, found)
+            more["failures"] = {"reasons": dict(reasons), "items": [jsonable(evaluation) for evaluation in failed]}
         try:
             best = client.best(found.id)
         except NotFoundError:
             best = None
     if as_json:
-        echo_json(jsonable(found) | {"best": best and jsonable(best)})
+        echo_json(jsonable(found) | {"best": best and jsonable(best)} | more)
         return
     show_job(found)
+    if attempts is not None:
+        show_attempts(tries)
+    if failures:
+        show_failures(reasons, failed)
+    if more:
+        return
     if best is not None and len(best.misfits) > 1:
         rows = [(series, number(misfit)) for series, misfit in best.misfits.items()]
         echo_table(None, ("series", "misfit"), rows, right=(1,))

@@ -54,6 +54,48 @@ def prepare(part: str, level: str, form: str, settings: Settings) -> None:
     start_tracing(part)
 
 
+def group_options(function: Decorated) -> Decorated:
+    """Add ``--kinds`` and ``--slots`` to a command that runs workers."""
+    decorated: Decorated = _kinds_option(_slots_option(function))
+    return decorated
+
+
+_kinds_option = click.option(
+    "--kinds",
+    metavar="KIND,...",
+    help="Kinds of forward model that the workers run; all when not given.",
+)
+_slots_option = click.option(
+    "--slots",
+    metavar="KIND=NUMBER,...",
+    help="How many evaluations of a kind may run at once here (licences), if fewer than there are workers.",
+)
+
+
+def group_settings(kinds: str | None, slots: str | None) -> dict[str, Any]:
+    """Return the settings that ``--kinds`` and ``--slots`` stand for; None: not given.
+
+    Raises
+    ------
+    BadInputError
+        When a number of slots cannot be read, or a kind is not installed here.
+    """
+    from solver.forward.registry import kinds as installed
+
+    chosen = None if kinds is None else tuple(kind.strip() for kind in kinds.split(",") if kind.strip())
+    limits: dict[str, int] | None = None
+    for part in (slots or "").split(","):
+        if part.strip():
+            kind, _, count = (text.strip() for text in part.partition("="))
+            if not count.isdecimal() or int(count) < 1:
+                raise BadInputError(f"--slots {part.strip()!r}: write KIND=NUMBER, for example oedometer=2")
+            limits = {**(limits or {}), kind: int(count)}
+    for kind in (*(chosen or ()), *(limits or ())):
+        if kind not in installed():
+            raise BadInputError(f"no forward model {kind!r} is installed here; known: {', '.join(installed())}")
+    return {"kinds": chosen, "slots": limits}
+
+
 @click.command("serve")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @click.option(
@@ -67,6 +109,7 @@ def prepare(part: str, level: str, form: str, settings: Settings) -> None:
 @database_option
 @broker_option
 @api_key_option
+@group_options
 @logging_options
 def serve_command(
     host: str,
@@ -75,6 +118,8 @@ def serve_command(
     database: str | None,
     broker: str | None,
     api_key: str | None,
+    kinds: str | None,
+    slots: str | None,
     log_level: str,
     log_format: str,
 ) -> None:
@@ -92,7 +137,8 @@ def serve_command(
     from workers.keys import KeyRing
     from workers.settings import Settings
 
-    settings = Settings.from_environment(database_url=database, broker_url=broker, workers=workers)
+    group = group_settings(kinds, slots)
+    settings = Settings.from_environment(database_url=database, broker_url=broker, workers=workers, **group)
     prepare("serve", log_level, log_format, settings)
     api_settings = ApiSettings.from_environment(api_key=api_key)
     if not settings.broker_url:  # with one, an unreachable broker is told first
@@ -153,9 +199,16 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
 @click.option("--concurrency", type=click.IntRange(min=1), help="Processes; one a processor core when not given.")
 @database_option
 @broker_option
+@group_options
 @logging_options
 def worker_command(
-    concurrency: int | None, database: str | None, broker: str | None, log_level: str, log_format: str
+    concurrency: int | None,
+    database: str | None,
+    broker: str | None,
+    kinds: str | None,
+    slots: str | None,
+    log_level: str,
+    log_format: str,
 ) -> None:
     """Run forward calculations for a service with a broker.
 
@@ -165,7 +218,8 @@ def worker_command(
     from workers.celery_app import run_celery_worker
     from workers.settings import Settings
 
-    settings = Settings.from_environment(database_url=database, broker_url=broker)
+    group = group_settings(kinds, slots)
+    settings = Settings.from_environment(database_url=database, broker_url=broker, **group)
     if settings.broker_url is None:
         raise BadInputError(
             "a worker needs the broker of its service: --broker redis://HOST:6379/0 or GEOSWARM_BROKER_URL "

@@ -23,7 +23,8 @@ from solver.problem import Problem
 from workers.errors import InvalidTransitionError, NothingToRetryError
 from workers.store.clock import database_now
 from workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
-from workers.store.jobs import REOPENED, LockedJob, publish_state
+from workers.store.jobs import LockedJob, publish_state
+from workers.store.line import REOPENED
 from workers.store.tables import attempts, evaluations, generations, jobs
 
 __all__ = ["begin_retry", "finish_retry", "open_retries"]

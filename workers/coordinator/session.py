@@ -19,9 +19,12 @@ from workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
 from workers.settings import Settings
 from workers.store.codec import unpack_array
 from workers.store.evaluations import Board, Cell, list_runs, load_board, write_new
-from workers.store.jobs import LockedJob, note_served, save_job
+from workers.store.jobs import LockedJob, save_job
+from workers.store.line import note_served
 
 __all__ = ["Session"]
+
+ENOUGH_MEASURED = 3
 
 
 class Session:
@@ -143,7 +146,7 @@ class Session:
         self._record(own, results)
         handed_in = {result.particle for result in results}
         for particle, attempt in zip(claim.particles, claim.attempts, strict=True):
-            if particle not in handed_in and generation == claim.generation:
+            if not hand_in.partial and particle not in handed_in and generation == claim.generation:
                 killed = particle == hand_in.killed
                 give_back(own, own.cells[particle], self.worker, attempt, self.locked.now, killed=killed)
         if late:
@@ -191,6 +194,9 @@ class Session:
 
     def _hand_out(self, board: Board, want: bool, dispatched: bool, taken_up: bool) -> Exchange:
         particles = len(board.cells)
+        if self.typical is None:  # generation 0 teaches what a run costs while it goes on
+            measured = [cell.values["seconds"] for cell in board.cells if cell.status.state == "finished"]
+            self.typical = statistics.median(measured) if len(measured) >= ENOUGH_MEASURED else None
         chunk = self.sizing.chunk(self.typical, particles, self.live_workers)
         claimed = self._choose(board, chunk) if want else []
         left = sum(cell.status.state == "pending" for cell in board.cells)

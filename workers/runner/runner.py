@@ -49,7 +49,11 @@ class Limits:
 
 
 class NeverMind(Exception):  # noqa: N818  no error
-    """The evaluation was given up on request; nothing came of it."""
+    """An evaluation was killed on request; ``index`` is its place, and nothing came of it."""
+
+    def __init__(self, index: int) -> None:
+        self.index = index
+        super().__init__(index)
 
 
 class Evaluator(Protocol):
@@ -177,6 +181,8 @@ class Runner:
                     yield outcome
                 if not lost:
                     return
+            except NeverMind as end:
+                raise NeverMind(first + end.index) from None
             except _EndedError as ended:
                 if ended.index < 0 and (idle_ends := idle_ends + 1) == 1:
                     continue  # killed from outside between two evaluations: no evaluation is to blame
@@ -265,7 +271,7 @@ class Runner:
                     deadline = now + patience
             elif now > deadline:
                 self._kill()
-                raise NeverMind
+                raise NeverMind(max(index, 0))
             if limits.seconds is not None and now - since > limits.seconds:
                 self._kill()
                 message = f"ran for longer than limits.seconds_per_evaluation = {limits.seconds:g} s and was killed"

@@ -28,6 +28,8 @@ __all__ = [
     "write_new",
 ]
 
+WORTH_COPYING = 50  # rows
+
 RESULT_COLUMNS = (
     "state",
     "objective",
@@ -158,12 +160,23 @@ class Board:
 def write_new(connection: Connection, boards: Sequence[Board]) -> None:
     """Insert the rows of boards that were dispatched in this transaction, all at once."""
     rows = [row for board in boards for row in board._rows()]
-    if rows:
+    if len(rows) >= WORTH_COPYING and connection.dialect.name == "postgresql":
+        _copy(connection, rows)
+    elif rows:
         connection.execute(insert(evaluations), rows)
     for board in boards:
         board._new = False
         for cell in board.cells:
             cell.changes = {}
+
+
+def _copy(connection: Connection, rows: Sequence[dict[str, Any]]) -> None:
+    """Insert rows with PostgreSQL's COPY, which costs it a third of what as many insertions do."""
+    names = tuple(rows[0])
+    driver: Any = connection.connection.driver_connection
+    with driver.cursor() as cursor, cursor.copy(f"COPY evaluations ({', '.join(names)}) FROM STDIN") as copy:
+        for row in rows:
+            copy.write_row([row[name] for name in names])
 
 
 def load_board(connection: Connection, job_id: str, generation: int) -> Board:

@@ -14,12 +14,9 @@ from sqlalchemy import (
     case,
     delete,
     exists,
-    func,
     insert,
-    literal,
     or_,
     select,
-    text,
     tuple_,
     update,
 )
@@ -37,7 +34,6 @@ from workers.store.tables import evaluations, events, generations, jobs
 __all__ = [
     "LockedJob",
     "account_running_time",
-    "claimable_jobs",
     "clocks_overdue",
     "delete_evaluations",
     "delete_job",
@@ -52,8 +48,6 @@ __all__ = [
     "list_jobs",
     "list_news",
     "lock_job",
-    "mark_rung",
-    "note_served",
     "publish_state",
     "save_job",
     "which_exist",
@@ -61,8 +55,6 @@ __all__ = [
 
 # Everything but the problem document, which nothing but a worker's first look at the job needs.
 COLUMNS = [column for column in jobs.columns if column.name != "problem"]
-SECONDS_A_PRIORITY = 10.0
-REOPENED = "evaluations.state = 'pending' AND evaluations.reason IS NOT NULL"  # word for word as in the index
 JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
 VIEW_COLUMNS = [column for column in COLUMNS if column.name not in LARGE]
@@ -330,78 +322,6 @@ def ended_before(connection: Connection, seconds: float, states: Collection[str]
     condition = and_(jobs.c.state.in_(states), jobs.c.finished_at < database_now() - seconds)
     columns = (jobs.c.id, jobs.c.name, jobs.c.state, jobs.c.evaluations)
     return connection.execute(select(*columns).where(condition).order_by(jobs.c.finished_at)).all()
-
-
-def claimable_jobs(
-    connection: Connection,
-    limit: int,
-    *,
-    kinds: Collection[str] = (),
-    without: Collection[str] = (),
-    overdue: tuple[float, float] | None = None,
-    not_rung_for: float | None = None,
-) -> list[Record]:
-    """Return ``id`` and ``forward_model`` of jobs that a worker could do something for, the most urgent first.
-
-    These are queued ones and running ones with an evaluation to claim, or with none that is open at all (complete, but
-    nobody advanced it). Who has waited longest comes first; one step of priority counts as much as ten seconds of
-    waiting, so that nobody waits for ever.
-
-    Parameters
-    ----------
-    kinds, without
-        Only these kinds of forward model, empty: all; and none of those.
-    overdue
-        Time [s] and multiple of the typical time after which an evaluation may be run twice at once; None: never.
-    not_rung_for
-        Leave out jobs for which a sweep rang in these seconds.
-    """
-    now = database_now()
-    here = evaluations.c.job_id == jobs.c.id
-    current = and_(here, evaluations.c.generation == jobs.c.generation)
-    claimable = exists().where(current, evaluations.c.state == "pending").correlate(jobs)
-    running = exists().where(current, evaluations.c.state == "running").correlate(jobs)
-    reopened = exists().where(here, text(REOPENED)).correlate(jobs)
-    retrying = exists().where(here, text("evaluations.state = 'running'")).correlate(jobs)
-    ready = or_(
-        jobs.c.state == "queued",
-        and_(jobs.c.state == "running", jobs.c.retry_to.is_(None), or_(claimable, ~running)),
-        and_(jobs.c.state == "running", jobs.c.retry_to.is_not(None), or_(reopened, ~retrying)),
-    )
-    condition = ready
-    if overdue is not None:
-        seconds, factor = overdue
-        longest = case(
-            (jobs.c.typical_seconds * factor > seconds, jobs.c.typical_seconds * factor), else_=literal(seconds)
-        )
-        late = exists().where(
-            current,
-            text("evaluations.state = 'running'"),
-            evaluations.c.duplicates.is_(None),
-            evaluations.c.started_at < now - longest,
-        )
-        condition = or_(ready, and_(jobs.c.state == "running", jobs.c.retry_to.is_(None), late.correlate(jobs)))
-    if not_rung_for is not None:
-        condition = and_(condition, or_(jobs.c.rung_at.is_(None), jobs.c.rung_at < now - not_rung_for))
-    if kinds:
-        condition = and_(condition, jobs.c.forward_model.in_(kinds))
-    if without:
-        condition = and_(condition, jobs.c.forward_model.not_in(without))
-    since = func.coalesce(jobs.c.served_at, jobs.c.created_at - SECONDS_A_PRIORITY)  # who is new comes soon
-    waiting = since - SECONDS_A_PRIORITY * jobs.c.priority
-    order = (case((ready, 0), else_=1), waiting, jobs.c.created_at)
-    statement = select(jobs.c.id, jobs.c.forward_model).where(condition).order_by(*order).limit(limit)
-    return list(connection.execute(statement).all())
-
-
-def note_served(connection: Connection, job_id: str) -> None:
-    """Note that a worker turns to this job now: it goes to the end of the line."""
-    connection.execute(update(jobs).where(jobs.c.id == job_id).values(served_at=database_now()))
-
-
-def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:
-    """Note that a sweep rings for these jobs now, so that other sweeps need not."""
-    connection.execute(update(jobs).where(jobs.c.id.in_(job_ids)).values(rung_at=database_now()))
 
 
 def clocks_overdue(connection: Connection, seconds: float) -> bool:
