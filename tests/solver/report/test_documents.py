@@ -129,7 +129,7 @@ def test_a_run_without_success_has_a_report_that_says_so(failed: Run) -> None:
 
 def write(run: Run, folder: Path, *, responses: bool = True) -> None:
     write_result(folder / "result.json", run.problem, run.result)
-    write_problem(folder / "problem.json", run.problem)
+    write_problem(folder / "problem.json", run.problem, run.result.seed)
     write_evaluations(folder / "evaluations.csv", run.problem, run.result)
     write_generations(folder / "generations.csv", run.problem, run.result)
     if responses:
