@@ -54,7 +54,7 @@ class ApiSettings(BaseModel):
     api_key: SecretStr | None = None
     require_key: bool = False
     allowed_hosts: frozenset[str] = frozenset()
-    max_body_bytes: int = Field(default=5_000_000, ge=1_000)
+    max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
     body_seconds: float = Field(default=30.0, gt=0.0)
     requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
     request_burst: int = Field(default=500, ge=1)

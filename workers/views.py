@@ -111,6 +111,7 @@ class AttemptView:
         Counted from 1 as they were begun.
     outcome
         running, finished, the reason of its failure, late (another had counted), overdue (given to another as well),
+        superseded (the one it was given to as well, after the first had finished),
         or stopped (killed because its job was paused, or its worker was to end).
     counted
         Whether it gave the evaluation's result.

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import Connection, and_, bindparam, exists, insert, select, update
+from sqlalchemy import ColumnElement, Connection, and_, bindparam, delete, exists, insert, select, update
 
 from solver.arrays import FloatArray
 from workers.coordinator.evaluation import EvaluationStatus
@@ -111,13 +111,29 @@ class Board:
             | columns
         )
 
-    def tries(self, connection: Connection, cell: Cell) -> Sequence[Record]:
-        """Return number, worker and outcome of the tries at one evaluation that did not count, those noted here too."""
-        statement = select(attempts.c.number, attempts.c.worker, attempts.c.outcome).where(
+    def forget_try(
+        self, connection: Connection, cell: Cell, number: int, worker: str | None, outcomes: Collection[str]
+    ) -> None:
+        """Take back what was noted of a try, as there is something better to say of it."""
+        connection.execute(
+            delete(attempts).where(
+                self._tries_at(cell),
+                attempts.c.number == number,
+                attempts.c.worker == worker,
+                attempts.c.outcome.in_(outcomes),
+            )
+        )
+
+    def _tries_at(self, cell: Cell) -> ColumnElement[bool]:
+        return and_(
             attempts.c.job_id == self.job_id,
             attempts.c.generation == self.generation,
             attempts.c.particle == cell.particle,
         )
+
+    def tries(self, connection: Connection, cell: Cell) -> Sequence[Record]:
+        """Return number, worker and outcome of the tries at one evaluation that did not count, those noted here too."""
+        statement = select(attempts.c.number, attempts.c.worker, attempts.c.outcome).where(self._tries_at(cell))
         if self.lost_tries:
             connection.execute(insert(attempts), self.lost_tries)
             self.lost_tries = []

@@ -85,8 +85,10 @@ def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[At
     ]
     if evaluation is not None and evaluation.state != "pending":
         failed = evaluation.state == "failed"
+        others = {row.number for row in tries}  # one given to two workers may be counted by its first number
+        numbers = (number for number in range(evaluation.attempts, 0, -1) if number not in others)
         last = AttemptView(
-            number=evaluation.attempts,
+            number=next(numbers, evaluation.attempts),
             worker=evaluation.worker,
             outcome=evaluation.reason if failed else evaluation.state,
             counted=evaluation.state != "running",
