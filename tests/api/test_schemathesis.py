@@ -29,7 +29,7 @@ class World:
     """A service with a job of alice that is finished, and keys of others."""
 
     def __init__(self, folder: Path) -> None:
-        engine = Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1, quota_jobs=10**6)
+        engine = Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1, quota_jobs=10**6, slice_seconds=60)
         self.store = Store(engine)
         self.service = JobService(self.store, MuteDoorbell(), engine)
         document = line_problem(name=SECRET)
@@ -39,6 +39,7 @@ class World:
         self.job = alice.submit(parse_problem(document))[0].id
         worker = Worker(self.store, MuteDoorbell(), engine, Identity.new("embedded"))
         worker.serve(self.job)
+        worker.close()
         ring = KeyRing(self.store)
         self.keys = {
             "bob": ring.create("bob", "submit")[0],

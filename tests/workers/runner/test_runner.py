@@ -128,6 +128,7 @@ def test_a_process_that_ends_is_one_failed_evaluation(
 
 def test_an_unwanted_evaluation_is_killed_after_its_grace(runner: Runner) -> None:
     made = misbehaving(behaviour="for_ever")
+    list(runner.run("job", made, positions(-1), Limits()))  # the process is ready
     began = time.monotonic()
     outcomes = runner.run(
         "job", made, positions(-1, 1), Limits(), unwanted=lambda: 0.3 if time.monotonic() - began > 0.5 else None
