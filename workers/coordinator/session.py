@@ -18,7 +18,7 @@ from workers.coordinator.tries import give_back, record_result
 from workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
 from workers.settings import Settings
 from workers.store.codec import unpack_array
-from workers.store.evaluations import Board, Cell, list_runs, load_board, write_new
+from workers.store.evaluations import Board, Cell, count_failed, list_runs, load_board, write_new
 from workers.store.jobs import LockedJob, save_job
 from workers.store.line import note_served
 
@@ -175,6 +175,8 @@ class Session:
     def _runs(self, generation: int) -> Runs:
         """All runs so far. Only earlier generations go into the log: this one is final when the commit succeeds."""
         log = self.logs.setdefault(self.calibration, RunLog(self.calibration))
+        if log.failed != count_failed(self.connection, self.locked.id, log.generations):
+            log = self.logs[self.calibration] = RunLog(self.calibration)  # some were run again since, with success
         found = list_runs(self.connection, self.locked.id, log.generations, generation)
         for number in range(log.generations, generation):
             log.add(*found[number])
