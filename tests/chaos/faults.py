@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import math
 import random
+import signal
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -11,15 +13,16 @@ from pathlib import Path
 
 import psycopg
 
-from tests.chaos.fleet import Fleet, kill
+from tests.chaos.fleet import Fleet, send
 from tests.servers import PostgresServer, RedisServer
 
 __all__ = ["Disturber"]
 
 log = logging.getLogger(__name__)
 
-KILLS = {"worker": 3, "pool": 3, "evaluation": 3, "nurse": 1, "coordinator": 3, "api": 2, "sweep": 1}
-"""How often each kind of process is chosen, relative to the others."""
+KILLS = {"worker": 3, "pool": 3, "evaluation": 3, "nurse": 1, "coordinator": 3, "api": 2, "sweep": 1, "frozen": 2}
+"""How often each kind of process is chosen, relative to the others; a frozen one is a worker that comes back late."""
+FROZEN_SECONDS = (4.0, 16.0)  # shorter and longer than a lease
 REDIS_RESTARTS = 5
 POSTGRES_RESTARTS = 3
 LOOK_SECONDS = 1.0  # for a worker that is in a transaction with a job locked
@@ -39,6 +42,7 @@ class Disturber:
         self, fleet: Fleet, postgres: PostgresServer, redis: RedisServer, database_url: str, chance: random.Random
     ) -> None:
         self.counts: Counter[str] = Counter()
+        self._frozen: dict[int, float] = {}
         self._fleet = fleet
         self._postgres = postgres
         self._redis = redis
@@ -56,6 +60,7 @@ class Disturber:
         next_kill = self._chance.uniform(1, 3)
         while (now := time.monotonic() - began) < seconds or planned:
             self._fleet.supervise()
+            self._thaw(time.monotonic())
             if planned and now >= planned[0][0]:
                 planned.pop(0)[1]()
             elif now >= next_kill:
@@ -63,6 +68,7 @@ class Disturber:
                 self._kill_one()
             else:
                 time.sleep(0.05)
+        self._thaw(math.inf)
 
     def _spread(self, times: int, seconds: float) -> list[float]:
         return [(number + self._chance.random()) * seconds / times for number in range(times)]
@@ -87,7 +93,7 @@ class Disturber:
         order = sorted(kinds, key=lambda kind: self._chance.random() ** (1 / KILLS[kind]), reverse=True)
         for kind in order:
             if self._kill_a(kind):
-                self._note(f"{kind} killed")
+                self._note("worker process frozen" if kind == "frozen" else f"{kind} killed")
                 return
 
     def _kill_a(self, kind: str) -> bool:
@@ -96,10 +102,27 @@ class Disturber:
             names = [name for name in fleet.members if name.startswith(kind)]
             return fleet.kill(self._chance.choice(names))
         below = fleet.below()
+        if kind == "frozen":
+            return self._freeze(below["pool"])
         if kind == "coordinator":
             pid = self._coordinator(below["pool"])
-            return pid is not None and kill(pid)
-        return bool(below[kind]) and kill(self._chance.choice(below[kind]))
+            return pid is not None and send(pid, signal.SIGKILL)
+        return bool(below[kind]) and send(self._chance.choice(below[kind]), signal.SIGKILL)
+
+    def _freeze(self, pool: list[int]) -> bool:
+        """Stop a worker process: nothing is heard of it, its lease ends, and later it hands in what it has."""
+        awake = [pid for pid in pool if pid not in self._frozen]
+        if len(awake) < 2:
+            return False
+        pid = self._chance.choice(awake)
+        self._frozen[pid] = time.monotonic() + self._chance.uniform(*FROZEN_SECONDS)
+        return send(pid, signal.SIGSTOP)
+
+    def _thaw(self, now: float) -> None:
+        for pid in [pid for pid, until in self._frozen.items() if until < now]:
+            del self._frozen[pid]
+            if pid in self._fleet.processes():  # another process may have its number by now
+                send(pid, signal.SIGCONT)
 
     def _coordinator(self, pool: list[int]) -> int | None:
         """Return a worker process that has a job locked at this moment, None: none was met."""

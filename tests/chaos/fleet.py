@@ -22,7 +22,7 @@ from typing import Self
 
 from tests.servers import find_program
 
-__all__ = ["Fleet"]
+__all__ = ["Fleet", "send"]
 
 MARK = "GEOSWARM_TEST_FLEET"
 RESTART_SECONDS = 0.5  # before the next start of what ended by itself, as a supervisor waits
@@ -69,7 +69,7 @@ class Fleet:
                 member.process.kill()
                 member.process.wait()
         for pid in self.processes():
-            kill(pid)
+            send(pid, signal.SIGKILL)
 
     def supervise(self) -> None:
         """Start what does not run."""
@@ -139,10 +139,10 @@ class Fleet:
         return {"pool": pool, "nurse": heads, "evaluation": evaluations}
 
 
-def kill(pid: int) -> bool:
-    """Kill one process; False when it is gone already."""
+def send(pid: int, number: signal.Signals) -> bool:
+    """Send a signal to one process; False when it is gone already."""
     with contextlib.suppress(ProcessLookupError):
-        os.kill(pid, signal.SIGKILL)
+        os.kill(pid, number)
         return True
     return False
 

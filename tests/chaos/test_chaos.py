@@ -43,7 +43,7 @@ log = logging.getLogger(__name__)
 LONG_SECONDS = float(os.environ.get("CHAOS_SECONDS", "300"))
 SEED = int(os.environ.get("CHAOS_SEED", secrets.randbelow(2**32)))
 FULL_SECONDS = 300.0  # for which the jobs are sized
-WORKERS = 4
+WORKERS = (2, 1, 1)  # processes of each
 FINISH_SECONDS = 240.0
 
 Bits = tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[str, list[float]], str | None]
@@ -78,7 +78,10 @@ def chaos(
     key, port = secrets.token_hex(16), free_port()
     with LossyProxy(redis.port, random.Random(chance.random())) as proxy:
         backends = ("--database", database_url, "--broker", f"redis://127.0.0.1:{proxy.port}/0")
-        commands = {f"worker {number}": ("worker", "--concurrency", "1", *backends) for number in range(WORKERS)}
+        commands = {
+            f"worker {number}": ("worker", "--concurrency", str(processes), *backends)
+            for number, processes in enumerate(WORKERS)
+        }
         commands |= {"api": ("serve", "--port", str(port), *backends), "sweep": ("sweep", *backends)}
         with (
             Fleet(commands, folder, {"GEOSWARM_API_KEY": key}) as fleet,
@@ -114,11 +117,11 @@ def run(
     def all_there() -> bool:
         fleet.supervise()
         try:
-            return len(client.workers()) == WORKERS
+            return len(client.workers()) == sum(WORKERS)
         except GeoswarmError:
             return False
 
-    wait_for(all_there, f"{WORKERS} workers", 60.0)
+    wait_for(all_there, f"{sum(WORKERS)} workers", 60.0)
     began = time.monotonic()
     user = User(client, jobs, seconds, random.Random(chance.random()))
     disturber = Disturber(fleet, postgres, redis, database_url, chance)
