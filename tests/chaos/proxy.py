@@ -166,13 +166,12 @@ class LossyProxy:
         conversation = _Conversation(self)
         there = asyncio.create_task(self._commands(conversation, reader, to_server, writer))
         back = asyncio.create_task(self._replies(conversation, from_server, writer))
-        try:
+        with contextlib.suppress(asyncio.CancelledError):
             await asyncio.wait((there, back), return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            there.cancel()
-            back.cancel()
-            for end in (to_server, writer):
-                end.close()
+        there.cancel()
+        back.cancel()
+        for end in (to_server, writer):
+            end.close()
 
     async def _commands(
         self,
