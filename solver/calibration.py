@@ -288,6 +288,8 @@ class Calibration:
 class RunLog:
     """The runs of one job for a search that learns from them, kept between generations so that each is read once.
 
+    :attr:`generations` of them were added for good, with :attr:`failed` runs that have no response.
+
     Parameters
     ----------
     calibration
@@ -296,6 +298,7 @@ class RunLog:
 
     def __init__(self, calibration: Calibration) -> None:
         self.generations = 0
+        self.failed = 0
         self._objective = calibration.objective
         self._failed = np.full(sum(observed.y.size for observed in self._objective.observed), np.nan)
         self._positions: list[FloatArray] = [np.empty((0, calibration.space.dimension))]
@@ -306,6 +309,7 @@ class RunLog:
         self._positions.append(np.array(parameters))
         self._residuals.append(self._rows(responses))
         self.generations += 1
+        self.failed += sum(not response for response in responses)
 
     def runs(self, parameters: Sequence[FloatArray] = (), responses: Sequence[Mapping[str, FloatArray]] = ()) -> Runs:
         """Return all runs, and those of one more generation that is not final yet.

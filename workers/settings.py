@@ -19,6 +19,7 @@ ENVIRONMENT = {
     "GEOSWARM_WORKERS": "workers",
     "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
     "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
+    "GEOSWARM_CHECK_SECONDS": "check_seconds",
     "GEOSWARM_QUOTA_JOBS": "quota_jobs",
     "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
 }
@@ -60,8 +61,9 @@ class Settings(BaseModel):
         After this time [s] a worker lets other jobs in.
     chunk_seconds
         A worker hands in what it has at least this often [s], as long as single evaluations allow it.
-    cheap_seconds
-        Evaluations that typically take less [s] go out in chunks, others one by one.
+    cheap_seconds, single_seconds
+        Evaluations that typically take less than the first [s] go out in one chunk a worker, those that take longer
+        than the second one by one, those between in chunks that get smaller.
     burst_seconds
         Generations that take less in total [s] are run several at a time inside one worker; 0 turns that off.
     watch_seconds
@@ -75,6 +77,8 @@ class Settings(BaseModel):
         Evaluate in a process of its own, which can be killed; False is for debugging: nothing is limited.
     evaluation_seconds, evaluation_memory_mb
         Limits [s], [MiB] that no problem may exceed; None: what the problem says.
+    check_seconds
+        Longest test run of a problem that is not a job yet [s].
     kinds
         Kinds of forward model that these workers run; empty: all.
     slots
@@ -100,6 +104,7 @@ class Settings(BaseModel):
     slice_seconds: float = Field(1.0, gt=0)
     chunk_seconds: float = Field(0.25, gt=0)
     cheap_seconds: float = Field(0.05, ge=0)
+    single_seconds: float = Field(1.0, ge=0)
     burst_seconds: float = Field(0.02, ge=0)
     watch_seconds: float = Field(0.5, gt=0)
     pause_seconds: float = Field(1.0, ge=0)
@@ -108,6 +113,7 @@ class Settings(BaseModel):
     isolate: bool = True
     evaluation_seconds: float | None = Field(None, gt=0)
     evaluation_memory_mb: float | None = Field(None, ge=16)
+    check_seconds: float = Field(60.0, gt=0)
     kinds: tuple[str, ...] = ()
     slots: dict[str, Annotated[int, Field(ge=1)]] = {}
     connect_seconds: float = Field(3.0, gt=0)

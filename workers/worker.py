@@ -18,13 +18,14 @@ from workers.doorbell import Doorbell
 from workers.errors import StoreUnavailableError, WorkersError
 from workers.heart import Heart
 from workers.identity import Identity
-from workers.runner.runner import Evaluator, InlineEvaluator, Limits, NeverMind, Runner
+from workers.runner.evaluator import Evaluator, InlineEvaluator, NeverMind, limits_of
+from workers.runner.runner import Runner
 from workers.settings import Settings
 from workers.slots import Slots
 from workers.store import Store
 from workers.store.codec import unpack_json
 from workers.store.database import Record
-from workers.store.jobs import get_problem
+from workers.store.jobs import current_generation, get_problem
 from workers.store.line import claimable_jobs
 from workers.store.workers import count_live, forget_worker
 from workers.tally import tally
@@ -36,6 +37,8 @@ log = logging.getLogger(__name__)
 
 CACHED_CALIBRATIONS = 32
 LONGEST_WAIT_SECONDS = 2.0
+SHORTEST_LOOK, LONGEST_LOOK = 0.002, 0.02  # between two looks for the next generation [s]
+PATIENCE_SECONDS = 0.05
 
 
 @dataclass(slots=True)
@@ -163,9 +166,26 @@ class Worker:
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
                 hand_in = self._run(claim, calibration)
             answer = self._exchange(job_id, calibration, hand_in, until)
+            if answer.waiting is not None and self._generation_ends(claim, answer.waiting, until):
+                answer = self._exchange(job_id, calibration, HandIn(), until)
             self.heart.claim = answer.claim
         if answer.left:
             self.doorbell.ring(job_id, kind=_kind(calibration))
+
+    def _generation_ends(self, claim: Claim, typical: float, until: float) -> bool:
+        """Wait for the others to end a generation, if nothing else is to be done and it cannot take long.
+
+        A ring through the broker would come later than a look at the database.
+        """
+        pause = min(max(0.05 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        patience = min(until, time.monotonic() + max(3.0 * typical, PATIENCE_SECONDS))
+        while time.monotonic() < patience and self.heart.unwanted() is None:
+            if self.store.read(lambda connection: current_generation(connection, claim.job_id)) != claim.generation:
+                return True
+            if self.most_urgent() is not None:
+                return False
+            self.stopping.wait(pause)
+        return False
 
     def _exchange(
         self, job_id: str, calibration: Calibration, hand_in: HandIn, until: float, *, taken_up: bool = False
@@ -209,7 +229,7 @@ class Worker:
                 claim.job_id,
                 calibration,
                 positions,
-                self._limits(calibration),
+                limits_of(calibration.problem, self.settings),
                 budget=budget,
                 unwanted=lambda part=part: self._look(part, calibration),  # type: ignore[misc]
             )
@@ -254,14 +274,6 @@ class Worker:
                     self.doorbell.ring(claim.job_id, max(answer.rings, 1), kind=_kind(calibration))
         return self.heart.unwanted()
 
-    def _limits(self, calibration: Calibration) -> Limits:
-        """Return the limits of the problem, and of these workers where they are tighter."""
-        asked, settings = calibration.problem.limits, self.settings
-        return Limits(
-            _least(asked.seconds_per_evaluation, settings.evaluation_seconds),
-            _least(asked.memory_mb, settings.evaluation_memory_mb),
-        )
-
     def _note(self, job_id: str, generation: int, particle: int, evaluation: Evaluation) -> None:
         """Count a run, and log it when it failed."""
         tally.run(evaluation.reason or "finished", evaluation.seconds)
@@ -297,11 +309,6 @@ class Worker:
 
 def _in_order(results: Sequence[Result]) -> list[Evaluation]:
     return [result.evaluation for result in sorted(results, key=lambda result: result.particle)]
-
-
-def _least(first: float | None, second: float | None) -> float | None:
-    given = [value for value in (first, second) if value is not None]
-    return min(given) if given else None
 
 
 def _kind(calibration: Calibration) -> str:

@@ -18,7 +18,7 @@ from workers.coordinator.tries import give_back, record_result
 from workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
 from workers.settings import Settings
 from workers.store.codec import unpack_array
-from workers.store.evaluations import Board, Cell, list_runs, load_board, write_new
+from workers.store.evaluations import Board, Cell, count_failed, list_runs, load_board, write_new
 from workers.store.jobs import LockedJob, save_job
 from workers.store.line import note_served
 
@@ -41,7 +41,7 @@ class Session:
         live_workers: int,
     ) -> None:
         self.settings = settings
-        self.sizing = Sizing(settings.cheap_seconds, settings.burst_seconds)
+        self.sizing = Sizing(settings.cheap_seconds, settings.burst_seconds, settings.single_seconds)
         self.logs = logs
         self.connection = connection
         self.locked = locked
@@ -175,6 +175,8 @@ class Session:
     def _runs(self, generation: int) -> Runs:
         """All runs so far. Only earlier generations go into the log: this one is final when the commit succeeds."""
         log = self.logs.setdefault(self.calibration, RunLog(self.calibration))
+        if log.failed != count_failed(self.connection, self.locked.id, log.generations):
+            log = self.logs[self.calibration] = RunLog(self.calibration)  # some were run again since, with success
         found = list_runs(self.connection, self.locked.id, log.generations, generation)
         for number in range(log.generations, generation):
             log.add(*found[number])
@@ -197,7 +199,8 @@ class Session:
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
             measured = [cell.values["seconds"] for cell in board.cells if cell.status.state == "finished"]
             self.typical = statistics.median(measured) if len(measured) >= ENOUGH_MEASURED else None
-        chunk = self.sizing.chunk(self.typical, particles, self.live_workers)
+        left = sum(cell.status.state == "pending" for cell in board.cells)
+        chunk = self.sizing.chunk(self.typical, particles, left, self.live_workers)
         claimed = self._choose(board, chunk) if want else []
         left = sum(cell.status.state == "pending" for cell in board.cells)
         if want and not claimed and not left:
@@ -208,7 +211,9 @@ class Session:
             note_served(self.connection, self.locked.id)
         # Who dispatches wakes as many as there are chunks; who only comes to help wakes one more.
         rings = min(-(-left // chunk), self.live_workers - 1) if dispatched else int(taken_up and left > 0)
-        return Exchange(claim, rings=max(rings, 0), left=left > 0)
+        short = self.typical is not None and self.typical <= self.settings.single_seconds
+        waiting = self.typical if want and claim is None and short else None
+        return Exchange(claim, rings=max(rings, 0), left=left > 0, waiting=waiting)
 
     def _choose(self, board: Board, chunk: int) -> list[Cell]:
         chosen: list[Cell] = []
