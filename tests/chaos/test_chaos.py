@@ -12,6 +12,7 @@ import logging
 import os
 import random
 import secrets
+import signal
 import time
 from collections import Counter
 from pathlib import Path
@@ -42,18 +43,19 @@ log = logging.getLogger(__name__)
 
 LONG_SECONDS = float(os.environ.get("CHAOS_SECONDS", "300"))
 SEED = int(os.environ.get("CHAOS_SEED", secrets.randbelow(2**32)))
-FULL_SECONDS = 300.0  # for which the jobs are sized
+SHORT_SECONDS = 25.0
+FULL_SECONDS = 400.0  # for which the jobs are sized, on a machine with nothing else to do
 WORKERS = (2, 1, 1)  # processes of each
-FINISH_SECONDS = 240.0
+FINISH_SECONDS = 300.0
 
 Bits = tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[str, list[float]], str | None]
 
 
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(480)
 def test_a_short_chaos_changes_nothing(
     fresh_postgres_url: str, redis_server: RedisServer, postgres_server: PostgresServer, tmp_path: Path
 ) -> None:
-    chaos(25.0, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
+    chaos(SHORT_SECONDS, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
 
 
 @pytest.mark.slow
@@ -90,7 +92,9 @@ def chaos(
             try:
                 summary = run(fleet, client, jobs, seconds, chance, database_url, postgres, redis)
                 summary |= {"messages": dict(proxy.counts), **check(database_url, jobs, expected, summary.pop("calm"))}
-                assert set(fleet.stop().values()) == {0}
+                codes = fleet.stop()
+                # one that was started a moment ago does not know yet what to do when it is asked to end
+                assert set(codes.values()) <= {0, -signal.SIGTERM}, codes
                 assert_nothing_is_left(fleet, database_url)
             except BaseException as error:
                 error.add_note(f"CHAOS_SEED={seed}\n{fleet.logs()}")
