@@ -43,6 +43,7 @@ class Disturber:
     ) -> None:
         self.counts: Counter[str] = Counter()
         self._frozen: dict[int, float] = {}
+        self._postgres_fast = bool(chance.getrandbits(1))
         self._fleet = fleet
         self._postgres = postgres
         self._redis = redis
@@ -80,7 +81,7 @@ class Disturber:
         self._note("redis restarted empty")
 
     def _restart_postgres(self) -> None:
-        fast = bool(self._chance.getrandbits(1))
+        fast = self._postgres_fast = not self._postgres_fast
         end: Callable[[], None] = self._postgres.stop if fast else self._postgres.kill
         end()
         time.sleep(self._chance.uniform(0, 0.5))
