@@ -19,17 +19,25 @@ from solver.identifiability.sensitivity import Linearisation
 from solver.identifiability.verdicts import Verdict, judge
 from solver.identifiability.weighting import SeriesWeight, shares
 
-__all__ = ["NOT_AT_OPTIMUM", "SWARM_BIAS", "Statistics", "analyse"]
+__all__ = ["FOLLOW_UP_BIAS", "NOT_AT_OPTIMUM", "SWARM_BIAS", "Statistics", "analyse"]
 
 SWARM_BIAS = (
     "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
     "describe its path as well as the data. Only the lower envelope can be read as it is."
 )
 
+FOLLOW_UP_BIAS = (
+    "The evaluations are planned positions of a follow-up, neither sampled nor searched: their correlations and widths "
+    "describe the plan. What they were made for stands under uncertainty."
+)
+
 NOT_AT_OPTIMUM = (
     "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
     "first."
 )
+
+
+_BIASES = {"particle_swarm": SWARM_BIAS, "follow_up": FOLLOW_UP_BIAS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +150,8 @@ def analyse(
     warnings = [warning for r in residuals for warning in r.warnings]
     if linearisation is not None and not linearisation.at_optimum:
         warnings.insert(0, NOT_AT_OPTIMUM.format(far=float(np.nanmax(linearisation.distance))))
-    if samples.source == "particle_swarm":
-        warnings.insert(0, SWARM_BIAS)
+    if samples.source in _BIASES:
+        warnings.insert(0, _BIASES[samples.source])
     return Statistics(
         samples=samples,
         filtered=filtered,

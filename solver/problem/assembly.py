@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -15,6 +15,7 @@ from solver.expressions import Expression
 from solver.forward.base import ForwardModel, ForwardModelSpec
 from solver.forward.registry import find_spec, parse_spec
 from solver.problem.feasibility import estimates_in_conflict, infeasibility
+from solver.problem.follow_up_checks import follow_up_issues
 from solver.problem.issues import describe, did_you_mean, issues_of, validated
 from solver.problem.observations import Observation, Points, build_observations, read_points
 from solver.problem.parameters import (
@@ -32,7 +33,7 @@ from solver.problem.reading import plain_document, read_problem_file
 from solver.problem.sections import (
     METHODS,
     PARAMETER_FORMS,
-    MonteCarloMethod,
+    Method,
     ObservationSection,
     ParameterSection,
     ParticleSwarmMethod,
@@ -45,7 +46,6 @@ from solver.problem.weighting import scheme_factors
 __all__ = ["load_problem", "parse_problem"]
 
 Model = TypeVar("Model", bound=BaseModel)
-Method: TypeAlias = ParticleSwarmMethod | MonteCarloMethod
 
 _MOST_PARAMETERS = 100
 _MOST_OBSERVATIONS = 1000
@@ -122,7 +122,7 @@ class _Assembly:
             seed=settings.seed,
             weighting=settings.weighting,
         )
-        unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem)
+        unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem) or follow_up_issues(problem)
         if unsatisfiable:
             raise ProblemError(unsatisfiable)
         return problem
