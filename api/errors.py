@@ -32,6 +32,7 @@ from workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    NoOptimumError,
     StoreUnavailableError,
 )
 
@@ -160,6 +161,8 @@ def translate(error: Exception) -> DetailError:
             return DetailError(404, str(error), kind="job-not-found", title="Job not found")
         case InvalidTransitionError():
             return DetailError(409, str(error), kind="invalid-transition", title="Not possible in this state")
+        case NoOptimumError():
+            return DetailError(409, str(error), kind="no-optimum", title="No optimum yet")
         case IdempotencyConflictError():
             return DetailError(409, str(error), kind="idempotency-conflict", title="Idempotency key already used")
         case StatisticsError():
@@ -183,6 +186,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     RequestValidationError,
     JobNotFoundError,
     InvalidTransitionError,
+    NoOptimumError,
     IdempotencyConflictError,
     InvalidCursorError,
     StatisticsError,

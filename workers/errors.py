@@ -8,6 +8,7 @@
     ├── InvalidTransitionError      the job's state does not admit the request
     ├── IdempotencyConflictError    the key was used before, with another problem
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
+    ├── NoOptimumError              the job has not found yet what a follow-up begins at
     ├── StoreUnavailableError       the database does not answer, or cannot be used
     └── BrokerUnavailableError      the broker does not answer
 
@@ -24,6 +25,7 @@ __all__ = [
     "InvalidCursorError",
     "InvalidTransitionError",
     "JobNotFoundError",
+    "NoOptimumError",
     "SettingsError",
     "StoreUnavailableError",
     "WorkersError",
@@ -71,6 +73,10 @@ class InvalidCursorError(WorkersError):
     def __init__(self, cursor: str) -> None:
         self.cursor = cursor
         super().__init__(f"cursor {cursor[:80]!r} is not one that this listing returned in next_cursor")
+
+
+class NoOptimumError(WorkersError):
+    """The job has not found yet what a follow-up begins at: a best evaluation, or the sensitivities there."""
 
 
 class StoreUnavailableError(WorkersError):

@@ -57,6 +57,26 @@ COMMANDS: dict[str, CommandEntry] = {
         _RESULTS,
         "Tell what the data say about each parameter, from stored evaluations; no forward run.",
     ),
+    "sensitivity": CommandEntry(
+        "geoswarm.cli.follow_ups",
+        _RESULTS,
+        "Evaluate the sensitivities at the optimum: standard errors, intervals, open combinations.",
+    ),
+    "profile": CommandEntry(
+        "geoswarm.cli.follow_ups",
+        _RESULTS,
+        "Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.",
+    ),
+    "influence": CommandEntry(
+        "geoswarm.cli.follow_ups",
+        _RESULTS,
+        "Evaluate how much each parameter matters over the whole search range (Sobol, Morris).",
+    ),
+    "posterior": CommandEntry(
+        "geoswarm.cli.findings",
+        _RESULTS,
+        "Sample the posterior of the parameters from stored evaluations; no forward run.",
+    ),
     "reweight": CommandEntry(
         "geoswarm.cli.reweight",
         _RESULTS,

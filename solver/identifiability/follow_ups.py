@@ -32,6 +32,7 @@ from solver.problem import (
 from solver.search import Runs
 
 __all__ = [
+    "NO_FINDINGS",
     "Findings",
     "findings_of",
     "follow_up_of",
@@ -81,6 +82,9 @@ class Findings:
             "global_sensitivities": [found.to_json() for found in self.global_sensitivities],
             "notes": list(self.notes),
         }
+
+
+NO_FINDINGS = Findings()
 
 
 def follow_up_of(problem: Problem) -> FollowUpMethod | None:
@@ -283,7 +287,7 @@ def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluatio
 
 def join_findings(parts: Sequence[Findings]) -> Findings:
     """Join what several follow-ups of one job have found; of two of a kind the first counts."""
-    with_optimum = next((part for part in parts if part.linearisation is not None), Findings())
+    with_optimum = next((part for part in parts if part.linearisation is not None), NO_FINDINGS)
     profiles: dict[str, Profile] = {}
     indices: dict[tuple[str, str], GlobalSensitivity] = {}
     for part in parts:

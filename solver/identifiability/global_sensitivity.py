@@ -39,7 +39,7 @@ class GlobalIndex:
 
 @dataclass(frozen=True, slots=True)
 class GlobalSensitivity:
-    """Indices of all parameters; ``blocks`` were used, ``dropped`` hold failed or infeasible evaluations."""
+    """Indices of all parameters; ``blocks`` were used, ``dropped`` hold failed evaluations."""
 
     kind: Literal["sobol", "morris"]
     output: str
@@ -125,8 +125,8 @@ def analyse_design(
     whole = np.isfinite(blocks).all(axis=1)
     if whole.sum() < _FEWEST_BLOCKS:
         raise StatisticsError(
-            f"only {whole.sum()} of {len(blocks)} blocks of the design have no failed or infeasible evaluation, "
-            f"{_FEWEST_BLOCKS} are needed; narrow the bounds"
+            f"only {whole.sum()} of {len(blocks)} blocks of the design have no failed evaluation, {_FEWEST_BLOCKS} are "
+            "needed; narrow the bounds"
         )
     used = blocks[whole].ravel()
     if np.ptp(used) == 0.0:

@@ -10,6 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from solver.arrays import FloatArray
+from solver.errors import InfeasibleSpaceError
 from solver.search.acceleration.runs import Runs
 from solver.search.base import Snapshot
 from solver.search.chains import Chain
@@ -26,6 +27,9 @@ __all__ = [
     "SensitivitySearch",
     "SensitivitySettings",
 ]
+
+_FEWEST_BLOCKS = 8
+_LARGEST_DRAW = 2**17  # blocks drawn at most in the search for feasible ones
 
 BLIND_STEP = 0.05
 """First step of a profile, in parts of the range, where nothing is known about its width."""
@@ -216,15 +220,40 @@ class GlobalPoints:
 
     @cached_property
     def unit(self) -> FloatArray:
-        """Positions in parts of the range in search coordinates, shape (n, d)."""
+        """Positions in parts of the range in search coordinates, shape (n, d), all feasible.
+
+        With constraints, blocks are drawn until so many lie wholly in the feasible part, or as many as a bounded
+        number of them has. Indices then describe the part of the space that such blocks fill.
+
+        Raises
+        ------
+        InfeasibleSpaceError
+            When fewer than eight blocks are feasible.
+        """
+        factor = 1
+        while True:
+            blocks = self._draw(self.samples * factor).reshape(-1, self.block, self.space.dimension)
+            whole = [block for block in blocks if all(map(self.space.feasible, self.space.from_unit(block)))]
+            if len(whole) >= self.samples or self.samples * factor * 2 > _LARGEST_DRAW:
+                break
+            factor *= 2
+        if len(whole) < _FEWEST_BLOCKS:
+            raise InfeasibleSpaceError(
+                f"only {len(whole)} of {len(blocks)} blocks of the {self.kind} design satisfy the constraints at each "
+                f"of their {self.block} positions, {_FEWEST_BLOCKS} are needed; narrow the bounds or relax the "
+                "constraints"
+            )
+        return np.concatenate(whole[: self.samples])
+
+    def _draw(self, samples: int) -> FloatArray:
         from SALib.sample import morris, sobol
 
         names = list(self.space.names)
         seed = self.seed % 2**32  # all that it takes
         problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
         if self.kind == "sobol":
-            return np.asarray(sobol.sample(problem, self.samples, calc_second_order=False, seed=seed))
-        return np.asarray(morris.sample(problem, self.samples, seed=seed))
+            return np.asarray(sobol.sample(problem, samples, calc_second_order=False, seed=seed))
+        return np.asarray(morris.sample(problem, samples, seed=seed))
 
     @cached_property
     def positions(self) -> FloatArray:

@@ -117,13 +117,13 @@ def test_indices_of_a_design() -> None:
     ]
 
 
-def test_infeasible_positions_of_a_design_fail_and_are_never_the_best() -> None:
-    problem = problem_of("a * x + b", {"a": free(), "b": free()}, Y, constraints=["a < 5"])
-    result = calibrate(global_problem(problem, seed=3, kind="morris", samples=40))
+def test_infeasible_moves_fail_and_are_never_the_best() -> None:
+    problem = problem_of("a * x + b", {"a": free(), "b": free()}, Y, constraints=["a <= 4"])
+    result = calibrate(sensitivity_problem(problem, np.array([4.0, 5.0]), seed=3, polish=True))
     assert result.failed_evaluations > 0
     assert {r.evaluation.reason for r in result.history} == {None, "infeasible"}
     assert result.best is not None
-    assert result.best.parameters[0] < 5.0
+    assert result.best.parameters[0] <= 4.0
 
 
 def test_follow_ups_ask_the_same_question() -> None:

@@ -21,7 +21,7 @@ from solver.report import (
 )
 from solver.report.folder import FolderError
 from solver.report.jsonable import jsonable
-from solver.report.words import duration, number
+from solver.words import duration, number
 from tests.solver.report.conftest import Run
 
 

@@ -1,4 +1,4 @@
-"""Numbers and states as a reader of a report sees them."""
+"""Numbers, durations and states as a reader sees them: in a report, and plain in a terminal."""
 
 from __future__ import annotations
 
@@ -21,30 +21,42 @@ REASONS = {
     "target_objective": "objective at or below the target",
     "stagnation_generations": "objective no longer lowered",
     "samples_completed": "all samples evaluated",
+    "design_completed": "all planned evaluations made",
 }
 """Stop reason -> words."""
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_MISSING = "–"
+_PLAIN_MISSING = "-"
 
-def number(value: float | None, digits: int = 4) -> str:
-    """Return a number with significant digits, a dash for None, ``4.83·10⁻⁹`` where it is very small or large."""
+
+def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
+    """Return a number with significant digits, a dash for None.
+
+    Parameters
+    ----------
+    plain
+        ``4.83e-9`` as programs read it, in place of ``4.83·10⁻⁹``.
+    """
     if value is None:
-        return "–"
+        return _PLAIN_MISSING if plain else _MISSING
     if isinstance(value, int):
         return str(value)
     text = f"{value:.{digits}g}"
     mantissa, exponent, power = text.partition("e")
-    if not exponent:
-        return text.replace("-", "−")
-    if 0 <= int(power) < 7:
-        return f"{float(text):.0f}".replace("-", "−")
-    raised = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa}·10{raised}".replace("-", "−")
+    if exponent and 0 <= int(power) < 7:
+        text, exponent = f"{float(text):.0f}", ""
+    if plain:
+        return f"{mantissa}e{int(power)}" if exponent else text
+    if exponent:
+        text = f"{mantissa}·10{str(int(power)).translate(_RAISED)}"
+    return text.replace("-", "−")
 
 
-def duration(seconds: float | None) -> str:
-    """Return a time span [s] in words."""
+def duration(seconds: float | None, *, plain: bool = False) -> str:
+    """Return a time span [s] in words: ``0.8 s``, ``2 min 05 s``, ``3 h 02 min``; a dash for None."""
     if seconds is None:
-        return "–"
+        return _PLAIN_MISSING if plain else _MISSING
     if seconds < 0.1:
         return f"{seconds * 1000.0:.3g} ms"
     if seconds < 59.95:
@@ -56,9 +68,9 @@ def duration(seconds: float | None) -> str:
     return f"{hours} h {minutes:02d} min"
 
 
-def reasons_in_words(stop_reasons: Sequence[str]) -> str:
-    """Return stop reasons as a phrase."""
-    return ", ".join(REASONS.get(reason, reason) for reason in stop_reasons) or "–"
+def reasons_in_words(stop_reasons: Sequence[str], *, plain: bool = False) -> str:
+    """Return stop reasons as a phrase; a dash when there are none."""
+    return ", ".join(REASONS.get(reason, reason) for reason in stop_reasons) or (_PLAIN_MISSING if plain else _MISSING)
 
 
 def verdict_in_words(kind: str) -> str:

@@ -1,0 +1,205 @@
+"""Figures of what follow-ups and a posterior sample have found: profiles, distributions, indices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from solver.identifiability.global_sensitivity import GlobalSensitivity
+from solver.identifiability.posterior import Posterior
+from solver.identifiability.profiles import Profile
+from solver.report.labels import ParameterLabel
+from solver.report.style import BLUE, GRID, MUTED, ORANGE, SKY, drawing, finish, plain_ticks, with_unit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "index_rows",
+    "indices_figure",
+    "posterior_figure",
+    "posterior_rows",
+    "profile_rows",
+    "profiles_figure",
+]
+
+Labels = Mapping[str, ParameterLabel]
+_BINS = 40
+
+
+def profiles_figure(
+    title: str, profiles: Sequence[Profile], labels: Labels, logs: Mapping[str, bool], unit: str
+) -> Figure:
+    """Draw the profile objective of each parameter, the limit, and the interval.
+
+    Parameters
+    ----------
+    logs
+        Whether a parameter is searched on a log scale, by name.
+    unit
+        Of the objective.
+    """
+    from matplotlib.figure import Figure
+
+    with drawing():
+        figure = Figure(figsize=(5.6, 0.7 + 2.15 * len(profiles)), layout="constrained")
+        figure.suptitle(title, weight="bold")
+        for index, profile in enumerate(profiles):
+            axes = figure.add_subplot(len(profiles), 1, index + 1)
+            values, objectives = profile.values, profile.objectives
+            lowest = float(objectives.min())
+            top = max(profile.limit + 0.6 * (profile.limit - lowest), lowest * (1.0 + 1e-9))
+            ends = (
+                float(values[0]) if profile.lower is None else profile.lower,
+                float(values[-1]) if profile.upper is None else profile.upper,
+            )
+            axes.axvspan(*ends, color=SKY, alpha=0.25, linewidth=0, label=_interval_words(profile))
+            axes.plot(
+                values, objectives, color=BLUE, marker="o", markersize=3.0, linewidth=1.4, label="profile objective"
+            )
+            axes.axhline(profile.limit, color=ORANGE, linestyle="--", linewidth=1.1, label="limit of the interval")
+            plain_ticks(axes, "x", log=logs[profile.parameter], most=5)
+            axes.set_ylim(lowest - 0.08 * (top - lowest), top)
+            plain_ticks(axes, "y", log=False, most=4)
+            axes.set_xlabel(labels[profile.parameter].axis)
+            axes.set_ylabel(with_unit("objective f", unit))
+            finish(axes, legend=False)
+            axes.legend(frameon=False, loc="upper center", fontsize=7.5)
+    return figure
+
+
+def _interval_words(profile: Profile) -> str:
+    if not profile.complete:
+        return "interval as far as it is known"
+    if profile.interval is not None:
+        return "95 % interval"
+    sides = [name for name, end in (("below", profile.lower), ("above", profile.upper)) if end is None]
+    return f"95 % interval, open {' and '.join(sides)}"
+
+
+def profile_rows(profiles: Sequence[Profile]) -> tuple[list[str], list[list[object]]]:
+    """Return header and rows of the figure's numbers: one row a point of a profile."""
+    header = ["parameter", "value", "objective", "limit", "lower", "upper"]
+    rows: list[list[object]] = [
+        [p.parameter, float(value), float(objective), p.limit, p.lower, p.upper]
+        for p in profiles
+        for value, objective in zip(p.values, p.objectives, strict=True)
+    ]
+    return header, rows
+
+
+def posterior_figure(title: str, posterior: Posterior, labels: Labels, logs: Mapping[str, bool]) -> Figure:
+    """Draw the distribution of each parameter in the posterior sample, and its credible interval."""
+    from matplotlib.figure import Figure
+
+    count = len(posterior.names)
+    with drawing():
+        figure = Figure(figsize=(5.6, 0.7 + 1.75 * count), layout="constrained")
+        figure.suptitle(title, weight="bold")
+        for index, name in enumerate(posterior.names):
+            axes = figure.add_subplot(count, 1, index + 1)
+            density, edges = _density(posterior, index, logs[name])
+            axes.stairs(density, edges, fill=True, color=BLUE, alpha=0.55, linewidth=0)
+            low, high = posterior.intervals[index]
+            if np.isfinite(low + high):
+                axes.axvspan(low, high, color=GRID, alpha=0.7, linewidth=0, zorder=0)
+            else:
+                axes.text(
+                    0.99, 0.95, "no interval: not limited by the data alone", ha="right", va="top", fontsize=7.5,
+                    color=MUTED, transform=axes.transAxes,
+                )  # fmt: skip
+            axes.axvline(float(np.median(posterior.parameters[:, index])), color=ORANGE, linewidth=1.2)
+            plain_ticks(axes, "x", log=logs[name], most=5)
+            plain_ticks(axes, "y", log=False, most=3)
+            axes.set_ylim(0.0, 1.15 * float(density.max()))
+            axes.set_xlabel(labels[name].axis)
+            axes.set_ylabel("share of sample [-]")
+            finish(axes, legend=False)
+    return figure
+
+
+def _density(posterior: Posterior, index: int, log: bool) -> tuple[Any, Any]:
+    values = posterior.parameters[:, index]
+    edges = (
+        np.geomspace(values.min(), values.max(), _BINS + 1)
+        if log
+        else np.linspace(values.min(), values.max(), _BINS + 1)
+    )
+    counts, _ = np.histogram(values, edges)
+    return counts / values.size, edges
+
+
+def posterior_rows(posterior: Posterior, logs: Mapping[str, bool]) -> tuple[list[str], list[list[object]]]:
+    """Return header and rows of the figure's numbers: one row a bar."""
+    rows: list[list[object]] = []
+    for index, name in enumerate(posterior.names):
+        density, edges = _density(posterior, index, logs[name])
+        rows += [[name, *bar] for bar in zip(edges[:-1].tolist(), edges[1:].tolist(), density.tolist(), strict=True)]
+    return ["parameter", "from", "to", "share"], rows
+
+
+def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Labels) -> Figure:
+    """Draw the indices of each output as bars, with whiskers."""
+    from matplotlib.figure import Figure
+
+    heights = [0.75 + 0.42 * len(one.indices) for one in found]
+    with drawing():
+        figure = Figure(figsize=(5.6, 0.6 + sum(heights)), layout="constrained")
+        figure.suptitle(title, weight="bold")
+        grid = figure.add_gridspec(len(found), 1, height_ratios=heights)
+        for row, one in enumerate(found):
+            axes = figure.add_subplot(grid[row, 0])
+            place = np.arange(len(one.indices))[::-1]
+            sobol = one.kind == "sobol"
+            names = ("first order", "total") if sobol else ("mean absolute effect μ*", "spread of the effect σ")
+            pairs = (
+                (0.19, BLUE, names[0], [i.main for i in one.indices], [i.main_half_width for i in one.indices]),
+                (-0.19, ORANGE, names[1], [i.total for i in one.indices], [i.total_half_width for i in one.indices]),
+            )
+            for offset, colour, name, values, half in pairs:
+                axes.barh(place + offset, values, height=0.34, color=colour, alpha=0.8, label=name)
+                known = [h if np.isfinite(h) else 0.0 for h in half]
+                axes.errorbar(values, place + offset, xerr=known, fmt="none", ecolor=MUTED, elinewidth=1.0, capsize=2.0)
+            axes.set_yticks(place, [labels[i.parameter].symbol for i in one.indices])
+            low = min(
+                0.0,
+                *(v - (h if np.isfinite(h) else 0.0) for _, _, _, vs, hs in pairs for v, h in zip(vs, hs, strict=True)),
+            )
+            axes.set_xlim(left=1.05 * low)
+            plain_ticks(axes, "x", log=False, most=5)
+            output = "log₁₀ objective" if one.output == "objective" else one.output
+            axes.set_title(f"{output} ({'Sobol' if sobol else 'Morris'})", loc="left", fontsize=8.5)
+            axes.set_xlabel("index [-]" if sobol else f"change of {output} over the range [{_effect_unit(one)}]")
+            finish(axes, legend=False)
+            if row == 0:
+                axes.legend(frameon=False, fontsize=7.5, loc="best")
+    return figure
+
+
+def _effect_unit(found: GlobalSensitivity) -> str:
+    return "-" if found.output == "objective" else "base unit"
+
+
+def index_rows(found: Sequence[GlobalSensitivity]) -> tuple[list[str], list[list[object]]]:
+    """Return header and rows of the figure's numbers: one row a parameter and output."""
+    header = [
+        "kind",
+        "output",
+        "parameter",
+        "main",
+        "main_half_width",
+        "total",
+        "total_half_width",
+        "blocks",
+        "dropped",
+    ]
+    rows: list[list[object]] = []
+    for one in found:
+        for i in one.indices:
+            half = i.total_half_width if np.isfinite(i.total_half_width) else None
+            rows.append(
+                [one.kind, one.output, i.parameter, i.main, i.main_half_width, i.total, half, one.blocks, one.dropped]
+            )
+    return header, rows
