@@ -55,11 +55,11 @@ def reweight(job_id: str, **request: Any) -> Call[dict[str, Any]]:
     return Call("POST", f"{job_path(job_id)}/reweight", reader(dict[str, Any]), headers=JSON_BODY, content=content)
 
 
-def follow_up(job_id: str, kind: FollowUp, idempotency_key: str | None, **request: Any) -> Call[Job]:
+def follow_up(job_id: str, route: FollowUp, idempotency_key: str | None, **request: Any) -> Call[Job]:
     """Submit a follow-up; without a key a fresh one is used, so that a repeated request never creates two."""
     headers = {**JSON_BODY, "Idempotency-Key": idempotency_key or str(uuid.uuid4())}
     content = json.dumps(present(**request), default=plain)
-    return Call("POST", f"{job_path(job_id)}/{kind}", reader(Job), headers=headers, content=content)
+    return Call("POST", f"{job_path(job_id)}/{route}", reader(Job), headers=headers, content=content)
 
 
 def uncertainty(job_id: str, noise: Noise) -> Call[dict[str, Any]]:

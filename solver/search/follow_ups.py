@@ -139,7 +139,7 @@ class ProfileSearch:
                 side,
                 unit,
                 float(settings.step[index]),
-                float(settings.rise[index]),
+                float(np.nan_to_num(settings.rise[index])),
                 idle=not np.isfinite(settings.rise[index]),
             )
             for index in range(self.space.dimension)

@@ -78,7 +78,7 @@ def test_profiles_run_as_a_job_and_can_go_on_after_any_generation() -> None:
     calibration = Calibration(problem, 3)
     progress, log, evaluations = calibration.start(), RunLog(calibration), []
     while True:
-        progress = Progress.from_json(json.loads(json.dumps(progress.to_json())))
+        progress = Progress.from_json(json.loads(json.dumps(progress.to_json(), allow_nan=False)))
         done = [calibration.evaluate(x) for x in progress.positions]
         evaluations += done
         log.add([e.parameters for e in done], [e.responses for e in done])
