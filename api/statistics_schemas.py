@@ -190,7 +190,7 @@ class LackOfFit(Answer):
 
 
 class Residuals(Answer):
-    """Residuals of one series at the best evaluation, base units."""
+    """Residuals of one series at the optimum or the best evaluation, base units."""
 
     series: str
     x: list[float]
@@ -224,6 +224,7 @@ class StatisticsAnswer(Answer):
     projections: list[Projection]
     verdicts: list[Verdict]
     linearisation: Linearisation | None
+    residuals_at_optimum: bool = Field(description="of a polished optimum, not of the best evaluation")
     residuals: list[Residuals]
     weights: list[SeriesShare]
     warnings: list[str]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
-__all__ = ["REASONS", "VERDICTS", "duration", "number", "reasons_in_words", "verdict_in_words"]
+__all__ = ["REASONS", "VERDICTS", "duration", "number", "reasons_in_words", "typeset", "verdict_in_words"]
 
 VERDICTS = {
     "identified": "identified",
@@ -49,8 +50,23 @@ def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
     if plain:
         return f"{mantissa}e{int(power)}" if exponent else text
     if exponent:
-        text = f"{mantissa}·10{str(int(power)).translate(_RAISED)}"
+        text = _power(mantissa, power)
     return text.replace("-", "−")
+
+
+def _power(mantissa: str, power: str) -> str:
+    raised = f"10{str(int(power)).translate(_RAISED)}"
+    return raised if mantissa == "1" else f"{mantissa}·{raised}"
+
+
+def typeset(text: str) -> str:
+    """Return a sentence as it is printed: ``5.2e-08`` becomes ``5.2·10⁻⁸``, ``95%`` becomes ``95 %``."""
+    powers = re.sub(
+        r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]\d+)\b",
+        lambda found: _power(found[1], found[2]),
+        text,
+    )
+    return re.sub(r"(\d)%", "\\1\N{NO-BREAK SPACE}%", powers)
 
 
 def duration(seconds: float | None, *, plain: bool = False) -> str:

@@ -33,6 +33,8 @@ __all__ = [
 
 Tell = Callable[[str], None]
 
+_ROUNDING = 0.005
+
 _COORDINATES: dict[Coordinates, str] = {"linear": "natural values", "search": "search coordinates (logarithms)"}
 
 
@@ -173,9 +175,10 @@ def coordinates_row(sampling: Sampling, published: Mapping[tuple[str, str], floa
 
 
 def _among(values: FloatArray, published: float) -> bool:
+    """Whether a published correlation, of two decimals, lies in the middle 90 % of the seeds."""
     finite = values[np.isfinite(values)]
     low, high = np.quantile(finite, [0.05, 0.95]) if finite.size else (np.nan, np.nan)
-    return bool(low <= published <= high)
+    return bool(low <= published + _ROUNDING and published - _ROUNDING <= high)
 
 
 def spread(values: FloatArray, published: float) -> str:

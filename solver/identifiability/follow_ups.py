@@ -7,7 +7,7 @@ engine runs it, and its stored evaluations alone give the answer: the plan follo
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -63,6 +63,8 @@ class Findings:
         One an output: the objective, and each series.
     notes
         Why something could not be had, in sentences.
+    responses
+        Calculated values there, by series, base units; empty without a linearisation.
     """
 
     linearisation: Linearisation | None = None
@@ -71,6 +73,7 @@ class Findings:
     profiles: tuple[Profile, ...] = ()
     global_sensitivities: tuple[GlobalSensitivity, ...] = ()
     notes: tuple[str, ...] = ()
+    responses: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -243,7 +246,7 @@ def _sensitivity(
         if noise is not None:
             raise
         return Findings(start_objective=start, notes=(str(error),))
-    return Findings(found, last[0].objective, start)
+    return Findings(found, last[0].objective, start, responses=dict(last[0].responses))
 
 
 def _profiles(calibration: Calibration, method: ProfileMethod, evaluations: Sequence[Evaluation]) -> Findings:
@@ -303,4 +306,5 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         tuple(profiles.values()),
         tuple(indices.values()),
         tuple(notes),
+        with_optimum.responses,
     )

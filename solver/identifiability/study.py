@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from solver.arrays import FloatArray
 from solver.calibration import Calibration
 from solver.identifiability.correlations import Correlations, correlate
 from solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
@@ -57,11 +58,13 @@ class Statistics:
     linearisation
         At the optimum, when it was made.
     residuals
-        At the best sample, one a series; empty when responses are not stored.
+        At the best sample or the optimum, one a series; empty when responses are not stored.
     weights
         Share of each series in the objective of the best sample.
     warnings
         What to be careful about, in sentences.
+    residuals_at_optimum
+        The residuals are those of a polished optimum, not of the best sample.
     """
 
     samples: Samples
@@ -75,6 +78,7 @@ class Statistics:
     residuals: tuple[SeriesResiduals, ...]
     weights: tuple[SeriesWeight, ...]
     warnings: tuple[str, ...]
+    residuals_at_optimum: bool = False
 
     def verdict(self, parameter: str) -> Verdict:
         """The verdict about one parameter."""
@@ -96,6 +100,7 @@ class Statistics:
             "projections": [_projection_json(projection) for projection in self.projections],
             "verdicts": [verdict.to_json() for verdict in self.verdicts],
             "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
+            "residuals_at_optimum": self.residuals_at_optimum,
             "residuals": [residuals.to_json() for residuals in self.residuals],
             "weights": [asdict(weight) for weight in self.weights],
             "warnings": list(self.warnings),
@@ -109,6 +114,7 @@ def analyse(
     threshold: float | None = None,
     noise: Mapping[str, float] | float | None = None,
     linearisation: Linearisation | None = None,
+    at_optimum: Mapping[str, FloatArray] | None = None,
     bins: int = 30,
 ) -> Statistics:
     """Analyse stored evaluations; runs no forward calculation.
@@ -122,6 +128,8 @@ def analyse(
         absent.
     linearisation
         At the optimum, from :func:`solver.identifiability.from_evaluations`.
+    at_optimum
+        Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
     bins
         Of the projections.
 
@@ -144,7 +152,7 @@ def analyse(
     pearson_search = correlate(filtered.samples, coordinates="search")
     projections = project(samples, filtered.threshold.value, bins=bins)
     best = samples.best
-    at_best = {series: values[best] for series, values in samples.responses.items()}
+    at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
     warnings = [warning for r in residuals for warning in r.warnings]
@@ -164,6 +172,7 @@ def analyse(
         residuals=residuals,
         weights=shares(calibration.problem, misfits) if misfits else (),
         warnings=tuple(warnings),
+        residuals_at_optimum=bool(at_optimum),
     )
 
 

@@ -88,6 +88,7 @@ class Report:
                 threshold=threshold,
                 noise=noise,
                 linearisation=found if optimum is None else optimum.linearisation,
+                at_optimum=uncertainty.findings.responses if optimum is None else optimum.polished.evaluation.responses,
             )
 
     @cached_property

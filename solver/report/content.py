@@ -17,7 +17,7 @@ from solver.report.parts import Card, Picture, Table
 from solver.report.record import Optimum, RunRecord, method_in_words
 from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from solver.report.uncertainty_tables import uncertainty_tables
-from solver.words import duration, number, reasons_in_words, verdict_in_words
+from solver.words import duration, number, reasons_in_words, typeset, verdict_in_words
 
 __all__ = ["Content", "report_content"]
 
@@ -86,7 +86,9 @@ def report_content(
         facts=facts,
         summary=_summary(cards, record) if judged else uncertainty.summary(record.evaluations),
         cards=cards,
-        notes=(*(_notes(statistics) if judged and statistics is not None else ()), *uncertainty.notes),
+        notes=tuple(
+            map(typeset, (*(_notes(statistics) if judged and statistics is not None else ()), *uncertainty.notes))
+        ),
         pictures=tuple(
             Picture(name, *_CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
         ),
@@ -115,13 +117,13 @@ _CAPTIONS: dict[str, tuple[str, str, bool]] = {
         "Profile objectives",
         "The lowest objective for every value of one parameter, the others fitted anew. The interval ends where the "
         "profile crosses the dashed line; where it stays below up to the bound, the data leave the parameter open.",
-        False,
+        True,
     ),
     "posterior": (
         "Posterior sample",
         "Distribution of each parameter by a Markov chain through the response surface of the stored evaluations; "
         "shaded: the credible interval.",
-        False,
+        True,
     ),
     "global_sensitivity": (
         "Influence over the whole search range",
@@ -156,7 +158,7 @@ def _card(
     if polished is not None:
         remark = f"polished; best evaluation {_quantity(value, label.unit)}"
         value = polished[name]
-    proposals = tuple(proposal.sentence for proposal in verdict.proposals)
+    proposals = tuple(typeset(proposal.sentence) for proposal in verdict.proposals)
     return Card(
         name,
         label.symbol,
@@ -164,7 +166,7 @@ def _card(
         remark,
         verdict.kind,
         verdict_in_words(verdict.kind),
-        verdict.sentence,
+        typeset(verdict.sentence),
         proposals,
     )
 
@@ -269,7 +271,9 @@ def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]
         cells = [f"{labels[pair.first].symbol}, {labels[pair.second].symbol}", _r(pair.coefficient), interval]
         rows.append((*cells, _r(search), _r(rank), str(pair.count)))
     columns = ("pair", "Pearson r", "95 % interval", "r in search coordinates", "Spearman ρ", "good fits")
-    note = f"Good fits: {statistics.filtered.statement}. Below |r| = 0.5 two parameters count as not correlated."
+    note = (
+        f"Good fits: {typeset(statistics.filtered.statement)}. Below |r| = 0.5 two parameters count as not correlated."
+    )
     return Table("Correlations of the good fits", columns, tuple(rows), (1, 2, 3, 4, 5), note)
 
 
@@ -307,7 +311,8 @@ def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -
             for r in statistics.residuals
         ]
         headings = ("series", "points", "deviation", "bias", "runs of expected", "Durbin-Watson")
-        note = "Residuals of the best evaluation in base units; Durbin-Watson is 2 for independent residuals."
+        where = "polished optimum" if statistics.residuals_at_optimum else "best evaluation"
+        note = f"Residuals of the {where} in base units; Durbin-Watson is 2 for independent residuals."
         tables.append(Table("Residuals", headings, tuple(examined), (1, 2, 3, 4, 5), note))
     return tables
 

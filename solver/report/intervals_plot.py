@@ -56,7 +56,7 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
     from matplotlib.figure import Figure
 
     with drawing():
-        figure = Figure(figsize=(5.6, 0.95 + 0.86 * len(rows)), layout="constrained")
+        figure = Figure(figsize=(4.6, 0.95 + 0.86 * len(rows)), layout="constrained")
         figure.suptitle(title, weight="bold")
         for index, row in enumerate(rows):
             axes = figure.add_subplot(len(rows), 1, index + 1)

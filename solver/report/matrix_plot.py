@@ -16,6 +16,7 @@ from solver.arrays import BoolArray, FloatArray, IntArray
 from solver.identifiability import Correlation, Correlations, Filtered, Projection, Samples
 from solver.report.labels import ParameterLabel
 from solver.report.style import GRID, INK, MUTED, ORANGE, SKY, colour_map, drawing, plain_ticks, with_unit
+from solver.words import typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -107,7 +108,7 @@ def matrix_rows(data: MatrixData) -> tuple[list[str], list[list[object]]]:
 
 def _statement(data: MatrixData, drawn: int) -> str:
     # two short lines at most: the figure must stay readable on a phone
-    text = f"good fits: {data.filtered.statement}"
+    text = f"good fits: {typeset(data.filtered.statement)}"
     if drawn < data.samples.size:
         text += f"; {drawn} points drawn"
     return text

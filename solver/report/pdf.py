@@ -163,7 +163,7 @@ def _picture(picture: Picture, content: Content, width: float, height: float) ->
 
     figure = content.figures.draw(picture.name)
     inches = figure.get_size_inches()
-    scale = min(width / (72.0 * inches[0]), 0.82 * height / (72.0 * inches[1]), 1.3 if picture.wide else 0.9)
+    scale = min(width / (72.0 * inches[0]), 0.82 * height / (72.0 * inches[1]), 1.3 if picture.wide else 1.0)
     image = Image(io.BytesIO(png_of(figure, dpi=_DPI)), width=72.0 * inches[0] * scale, height=72.0 * inches[1] * scale)
     return KeepTogether([_text(picture.heading, "subheading"), image, _text(picture.caption, "small")])
 

@@ -42,7 +42,7 @@ def convergence_figure(
     single = [(r.evaluations, r.best_objective) for r in records if r.best_objective is not None]
     so_far = [(r.evaluations, r.objective) for r in records if r.objective is not None]
     with drawing():
-        figure = Figure(figsize=(5.6, 3.4), layout="constrained")
+        figure = Figure(figsize=(4.6, 3.1), layout="constrained")
         figure.suptitle(title, weight="bold")
         axes = figure.add_subplot()
         axes.plot(
@@ -104,7 +104,7 @@ def traces_figure(
     columns = 1 if count <= 6 else 2
     rows = -(-count // columns)
     with drawing():
-        figure = Figure(figsize=(5.6 if columns == 1 else 7.4, 0.7 + 1.45 * rows), layout="constrained")
+        figure = Figure(figsize=(4.6 if columns == 1 else 7.4, 0.7 + 1.45 * rows), layout="constrained")
         figure.suptitle(title, weight="bold")
         for index, name in enumerate(samples.names):
             axes = figure.add_subplot(rows, columns, index + 1)

@@ -12,8 +12,10 @@ from solver.identifiability.posterior import Posterior
 from solver.identifiability.profiles import Profile
 from solver.report.labels import ParameterLabel
 from solver.report.style import BLUE, GRID, MUTED, ORANGE, SKY, drawing, finish, plain_ticks, with_unit
+from solver.words import number
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = [
@@ -27,6 +29,7 @@ __all__ = [
 
 Labels = Mapping[str, ParameterLabel]
 _BINS = 40
+_COLUMNS = 3
 
 
 def profiles_figure(
@@ -41,13 +44,9 @@ def profiles_figure(
     unit
         Of the objective.
     """
-    from matplotlib.figure import Figure
-
     with drawing():
-        figure = Figure(figsize=(5.6, 0.7 + 2.15 * len(profiles)), layout="constrained")
-        figure.suptitle(title, weight="bold")
-        for index, profile in enumerate(profiles):
-            axes = figure.add_subplot(len(profiles), 1, index + 1)
+        figure, panels = _panels(title, len(profiles), 2.15)
+        for axes, profile in zip(panels, profiles, strict=True):
             values, objectives = profile.values, profile.objectives
             lowest = float(objectives.min())
             top = max(profile.limit + 0.6 * (profile.limit - lowest), lowest * (1.0 + 1e-9))
@@ -55,28 +54,41 @@ def profiles_figure(
                 float(values[0]) if profile.lower is None else profile.lower,
                 float(values[-1]) if profile.upper is None else profile.upper,
             )
-            axes.axvspan(*ends, color=SKY, alpha=0.25, linewidth=0, label=_interval_words(profile))
+            axes.axvspan(*ends, color=SKY, alpha=0.25, linewidth=0, label="95 % interval")
             axes.plot(
                 values, objectives, color=BLUE, marker="o", markersize=3.0, linewidth=1.4, label="profile objective"
             )
             axes.axhline(profile.limit, color=ORANGE, linestyle="--", linewidth=1.1, label="limit of the interval")
-            plain_ticks(axes, "x", log=logs[profile.parameter], most=5)
+            plain_ticks(axes, "x", log=logs[profile.parameter], most=4)
             axes.set_ylim(lowest - 0.08 * (top - lowest), top)
             plain_ticks(axes, "y", log=False, most=4)
             axes.set_xlabel(labels[profile.parameter].axis)
             axes.set_ylabel(with_unit("objective f", unit))
             finish(axes, legend=False)
-            axes.legend(frameon=False, loc="upper center", fontsize=7.5)
+            axes.set_title(_interval_words(profile), fontsize=8.0)
+        handles, words = panels[0].get_legend_handles_labels()
+        figure.legend(handles, words, loc="outside lower center", ncols=3, frameon=False)
     return figure
+
+
+def _panels(title: str, count: int, height: float) -> tuple[Figure, list[Axes]]:
+    """A figure of panels side by side, three in a row at most."""
+    from matplotlib.figure import Figure
+
+    columns = min(count, _COLUMNS)
+    rows = -(-count // columns)
+    figure = Figure(figsize=(max(2.5 * columns, 4.6), 0.75 + height * rows), layout="constrained")
+    figure.suptitle(title, weight="bold")
+    return figure, [figure.add_subplot(rows, columns, index + 1) for index in range(count)]
 
 
 def _interval_words(profile: Profile) -> str:
     if not profile.complete:
-        return "interval as far as it is known"
+        return "not complete yet"
     if profile.interval is not None:
-        return "95 % interval"
+        return f"{number(profile.lower)} … {number(profile.upper)}"
     sides = [name for name, end in (("below", profile.lower), ("above", profile.upper)) if end is None]
-    return f"95 % interval, open {' and '.join(sides)}"
+    return f"open {' and '.join(sides)}"
 
 
 def profile_rows(profiles: Sequence[Profile]) -> tuple[list[str], list[list[object]]]:
@@ -92,14 +104,9 @@ def profile_rows(profiles: Sequence[Profile]) -> tuple[list[str], list[list[obje
 
 def posterior_figure(title: str, posterior: Posterior, labels: Labels, logs: Mapping[str, bool]) -> Figure:
     """Draw the distribution of each parameter in the posterior sample, and its credible interval."""
-    from matplotlib.figure import Figure
-
-    count = len(posterior.names)
     with drawing():
-        figure = Figure(figsize=(5.6, 0.7 + 1.75 * count), layout="constrained")
-        figure.suptitle(title, weight="bold")
-        for index, name in enumerate(posterior.names):
-            axes = figure.add_subplot(count, 1, index + 1)
+        figure, panels = _panels(title, len(posterior.names), 1.9)
+        for index, (axes, name) in enumerate(zip(panels, posterior.names, strict=True)):
             density, edges = _density(posterior, index, logs[name])
             axes.stairs(density, edges, fill=True, color=BLUE, alpha=0.55, linewidth=0)
             low, high = posterior.intervals[index]
@@ -111,7 +118,7 @@ def posterior_figure(title: str, posterior: Posterior, labels: Labels, logs: Map
                     color=MUTED, transform=axes.transAxes,
                 )  # fmt: skip
             axes.axvline(float(np.median(posterior.parameters[:, index])), color=ORANGE, linewidth=1.2)
-            plain_ticks(axes, "x", log=logs[name], most=5)
+            plain_ticks(axes, "x", log=logs[name], most=3)
             plain_ticks(axes, "y", log=False, most=3)
             axes.set_ylim(0.0, 1.15 * float(density.max()))
             axes.set_xlabel(labels[name].axis)
@@ -146,7 +153,7 @@ def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Label
 
     heights = [0.75 + 0.42 * len(one.indices) for one in found]
     with drawing():
-        figure = Figure(figsize=(5.6, 0.6 + sum(heights)), layout="constrained")
+        figure = Figure(figsize=(4.6, 0.6 + sum(heights)), layout="constrained")
         figure.suptitle(title, weight="bold")
         grid = figure.add_gridspec(len(found), 1, height_ratios=heights)
         for row, one in enumerate(found):
