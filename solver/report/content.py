@@ -129,7 +129,7 @@ _CAPTIONS: dict[str, tuple[str, str, bool]] = {
         "Influence over the whole search range",
         "Sobol: share of the variation that a parameter explains alone, and with all its interactions. Morris: mean "
         "absolute elementary effect, and its spread. Whiskers: 95 % intervals.",
-        False,
+        True,
     ),
     "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
     "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),

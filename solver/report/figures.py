@@ -150,6 +150,7 @@ class FigureSet:
         """Figures of follow-ups and of a posterior sample."""
         makers: dict[str, tuple[Callable[[], Figure], Callable[[], Rows]]] = {}
         findings, posterior = self._uncertainty.findings, self._uncertainty.posterior
+        units = {info.name: info.y_unit for info in self._problem.model.series}
         logs = {p.name: p.scale == "log" for p in self._problem.free}
         if findings.profiles:
             makers["profiles"] = (
@@ -163,7 +164,7 @@ class FigureSet:
             )
         if findings.global_sensitivities:
             makers["global_sensitivity"] = (
-                lambda: indices_figure(f"{title}: influence", findings.global_sensitivities, self._labels),
+                lambda: indices_figure(f"{title}: influence", findings.global_sensitivities, self._labels, units),
                 lambda: index_rows(findings.global_sensitivities),
             )
         return makers

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from solver.arrays import FloatArray
 from solver.identifiability.global_sensitivity import GlobalSensitivity
 from solver.identifiability.posterior import Posterior
 from solver.identifiability.profiles import Profile
 from solver.report.labels import ParameterLabel
-from solver.report.style import BLUE, GRID, MUTED, ORANGE, SKY, drawing, finish, plain_ticks, with_unit
+from solver.report.style import BLUE, GRID, INK, MUTED, ORANGE, SKY, drawing, finish, plain_ticks, with_unit
 from solver.words import number
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ __all__ = [
 Labels = Mapping[str, ParameterLabel]
 _BINS = 40
 _COLUMNS = 3
+_WIDE = 5.0
 
 
 def profiles_figure(
@@ -59,7 +61,7 @@ def profiles_figure(
                 values, objectives, color=BLUE, marker="o", markersize=3.0, linewidth=1.4, label="profile objective"
             )
             axes.axhline(profile.limit, color=ORANGE, linestyle="--", linewidth=1.1, label="limit of the interval")
-            plain_ticks(axes, "x", log=logs[profile.parameter], most=4)
+            plain_ticks(axes, "x", log=logs[profile.parameter] and _wide(values), most=3)
             axes.set_ylim(lowest - 0.08 * (top - lowest), top)
             plain_ticks(axes, "y", log=False, most=4)
             axes.set_xlabel(labels[profile.parameter].axis)
@@ -80,6 +82,11 @@ def _panels(title: str, count: int, height: float) -> tuple[Figure, list[Axes]]:
     figure = Figure(figsize=(max(2.5 * columns, 4.6), 0.75 + height * rows), layout="constrained")
     figure.suptitle(title, weight="bold")
     return figure, [figure.add_subplot(rows, columns, index + 1) for index in range(count)]
+
+
+def _wide(values: FloatArray) -> bool:
+    """Whether a logarithmic axis says more than a linear one."""
+    return bool(values.max() > _WIDE * values.min())
 
 
 def _interval_words(profile: Profile) -> str:
@@ -118,7 +125,7 @@ def posterior_figure(title: str, posterior: Posterior, labels: Labels, logs: Map
                     color=MUTED, transform=axes.transAxes,
                 )  # fmt: skip
             axes.axvline(float(np.median(posterior.parameters[:, index])), color=ORANGE, linewidth=1.2)
-            plain_ticks(axes, "x", log=logs[name], most=3)
+            plain_ticks(axes, "x", log=logs[name] and _wide(posterior.parameters[:, index]), most=3)
             plain_ticks(axes, "y", log=False, most=3)
             axes.set_ylim(0.0, 1.15 * float(density.max()))
             axes.set_xlabel(labels[name].axis)
@@ -147,20 +154,27 @@ def posterior_rows(posterior: Posterior, logs: Mapping[str, bool]) -> tuple[list
     return ["parameter", "from", "to", "share"], rows
 
 
-def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Labels) -> Figure:
-    """Draw the indices of each output as bars, with whiskers."""
+def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Labels, units: Mapping[str, str]) -> Figure:
+    """Draw the indices of each output as bars, with whiskers.
+
+    Parameters
+    ----------
+    units
+        Of each series, base units.
+    """
     from matplotlib.figure import Figure
 
-    heights = [0.75 + 0.42 * len(one.indices) for one in found]
+    columns = min(len(found), 2)
+    rows = -(-len(found) // columns)
+    height = 0.9 + 0.36 * len(found[0].indices)
     with drawing():
-        figure = Figure(figsize=(4.6, 0.6 + sum(heights)), layout="constrained")
+        figure = Figure(figsize=(4.6 if columns == 1 else 7.4, 0.5 + height * rows), layout="constrained")
         figure.suptitle(title, weight="bold")
-        grid = figure.add_gridspec(len(found), 1, height_ratios=heights)
-        for row, one in enumerate(found):
-            axes = figure.add_subplot(grid[row, 0])
+        for index, one in enumerate(found):
+            axes = figure.add_subplot(rows, columns, index + 1)
             place = np.arange(len(one.indices))[::-1]
             sobol = one.kind == "sobol"
-            names = ("first order", "total") if sobol else ("mean absolute effect μ*", "spread of the effect σ")
+            names = ("first order", "total") if sobol else ("mean absolute effect", "spread of the effect")
             pairs = (
                 (0.19, BLUE, names[0], [i.main for i in one.indices], [i.main_half_width for i in one.indices]),
                 (-0.19, ORANGE, names[1], [i.total for i in one.indices], [i.total_half_width for i in one.indices]),
@@ -168,7 +182,9 @@ def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Label
             for offset, colour, name, values, half in pairs:
                 axes.barh(place + offset, values, height=0.34, color=colour, alpha=0.8, label=name)
                 known = [h if np.isfinite(h) else 0.0 for h in half]
-                axes.errorbar(values, place + offset, xerr=known, fmt="none", ecolor=MUTED, elinewidth=1.0, capsize=2.0)
+                axes.errorbar(
+                    values, place + offset, xerr=known, fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.0, zorder=3
+                )
             axes.set_yticks(place, [labels[i.parameter].symbol for i in one.indices])
             low = min(
                 0.0,
@@ -178,15 +194,12 @@ def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Label
             plain_ticks(axes, "x", log=False, most=5)
             output = "log₁₀ objective" if one.output == "objective" else one.output
             axes.set_title(f"{output} ({'Sobol' if sobol else 'Morris'})", loc="left", fontsize=8.5)
-            axes.set_xlabel("index [-]" if sobol else f"change of {output} over the range [{_effect_unit(one)}]")
+            unit = "-" if one.output == "objective" else units.get(one.output) or "-"
+            axes.set_xlabel("index [-]" if sobol else f"change of {output} over the range [{unit}]")
             finish(axes, legend=False)
-            if row == 0:
+            if one.kind not in {other.kind for other in found[:index]}:
                 axes.legend(frameon=False, fontsize=7.5, loc="best")
     return figure
-
-
-def _effect_unit(found: GlobalSensitivity) -> str:
-    return "-" if found.output == "objective" else "base unit"
 
 
 def index_rows(found: Sequence[GlobalSensitivity]) -> tuple[list[str], list[list[object]]]:

@@ -64,7 +64,7 @@ def _posterior_table(posterior: Posterior, labels: dict[str, ParameterLabel]) ->
 
 
 def _index_table(found: GlobalSensitivity, labels: dict[str, ParameterLabel]) -> Table:
-    names = ("first order", "total") if found.kind == "sobol" else ("mean |effect| μ*", "spread σ")
+    names = ("first order", "total") if found.kind == "sobol" else ("mean absolute effect", "spread")
     rows = []
     for index in found.indices:
         total = number(index.total, 3)
