@@ -1,7 +1,7 @@
 """How long a report takes: of a 2000-run job, and the matrix plot of 20 000 points in six parameters.
 
-Run with ``python benchmarks/reports.py``; medians of several runs in one process, matplotlib imported before. The limits
-are for processor time, which other programs on the machine do not stretch; exits with 1 when one is not kept.
+Run with ``python benchmarks/reports.py``; medians of several runs in one process, matplotlib loaded before. Limits are
+for processor time, which other programs on the machine do not stretch; exits with 1 when one is not kept.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "cancel": CommandEntry("geoswarm.cli.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
     "pause": CommandEntry("geoswarm.cli.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
-    "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
+    "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
     "report": CommandEntry(
         "geoswarm.cli.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."

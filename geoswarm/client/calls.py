@@ -232,9 +232,12 @@ def evaluations(job_id: str, **filters: Any) -> Call[Page[Evaluation]]:
     return Call("GET", f"{job_path(job_id)}/evaluations", reader(Page[Evaluation]), query)
 
 
-def evaluations_file(job_id: str, **filters: Any) -> Call[None]:
-    """Stream all evaluations as CSV."""
-    return Call("GET", f"{job_path(job_id)}/evaluations", _nothing, present(**filters, format="csv"))
+def evaluations_file(job_id: str, form: Literal["csv", "parquet"], responses: bool, **filters: Any) -> Call[None]:
+    """Stream all evaluations as CSV or Parquet."""
+    query = present(**filters, format=form)
+    if responses:
+        query["responses"] = "true"
+    return Call("GET", f"{job_path(job_id)}/evaluations", _nothing, query)
 
 
 def events(job_id: str, after: int) -> Call[None]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import httpx
 
@@ -206,9 +206,18 @@ class Client(Statistics):
         generation: int | None = None,
         state: str | None = None,
         max_objective: float | None = None,
+        form: Literal["csv", "parquet"] = "csv",
+        responses: bool = False,
     ) -> Path:
-        """Write all evaluations that match to a CSV file; the file appears only when it is complete."""
-        call = calls.evaluations_file(job_id, generation=generation, state=state, max_objective=max_objective)
+        """Write all evaluations that match to a CSV or Parquet file; it appears only when it is complete.
+
+        Parameters
+        ----------
+        responses
+            With the calculated series; Parquet only.
+        """
+        filters = {"generation": generation, "state": state, "max_objective": max_objective}
+        call = calls.evaluations_file(job_id, form, responses, **filters)
         with partial_file(Path(path)) as file:
             try:
                 with self._http.stream(call.method, call.path, params=dict(call.query)) as response:

@@ -13,6 +13,7 @@ HEADINGS = {
     "server": "Extra `server`",
     "plots": "Extra `plots`",
     "statistics": "Extra `statistics`",
+    "parquet": "Extra `parquet`",
     "dev": "Extra `dev`",
 }
 

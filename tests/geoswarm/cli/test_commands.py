@@ -16,8 +16,10 @@ WANTED = (
     *("check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
     *("list", "show", "cancel", "pause", "resume", "export", "demo", "workers"),
     *("report", "statistics", "reweight", "paper"),
+    *("sensitivity", "profile", "influence", "posterior"),
 )
 READING = ("check", "evaluate", "run", "submit", "watch", "list", "show", "workers", "statistics", "reweight", "paper")
+READING += ("sensitivity", "profile", "influence", "posterior")
 
 
 def command(name: str) -> click.Command:
