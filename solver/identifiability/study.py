@@ -20,7 +20,7 @@ from solver.identifiability.sensitivity import Linearisation
 from solver.identifiability.verdicts import Verdict, judge
 from solver.identifiability.weighting import SeriesWeight, shares
 
-__all__ = ["FOLLOW_UP_BIAS", "NOT_AT_OPTIMUM", "SWARM_BIAS", "Statistics", "analyse"]
+__all__ = ["FOLLOW_UP_BIAS", "NOT_AT_OPTIMUM", "SWARM_BIAS", "TOO_FEW_POINTS", "Statistics", "analyse"]
 
 SWARM_BIAS = (
     "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
@@ -37,6 +37,11 @@ NOT_AT_OPTIMUM = (
     "first."
 )
 
+
+TOO_FEW_POINTS = (
+    "Too few measurements: {points} of them cannot determine {free} free parameters, so each value is one of many "
+    "that fit. Fix or link some parameters, or add measurements."
+)
 
 _BIASES = {"particle_swarm": SWARM_BIAS, "follow_up": FOLLOW_UP_BIAS}
 
@@ -158,6 +163,8 @@ def analyse(
     warnings = [warning for r in residuals for warning in r.warnings]
     if linearisation is not None and not linearisation.at_optimum:
         warnings.insert(0, NOT_AT_OPTIMUM.format(far=float(np.nanmax(linearisation.distance))))
+    if points < samples.dimension:
+        warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
     if samples.source in _BIASES:
         warnings.insert(0, _BIASES[samples.source])
     return Statistics(

@@ -18,6 +18,8 @@ _MOST_ITERATIONS = 12  # of Levenberg-Marquardt at one value
 _MOST_POINTS = 60
 _SMALL_GAIN = 2e-3  # of the increase: an iteration that lowers f by less has converged
 _DAMPING = 1e-3
+_OVERSHOOT = 6.0  # in rises: more is too far beyond the end of the interval
+_MOST_REFINEMENTS = 6
 _MOST_DAMPING = 1e8
 
 
@@ -51,6 +53,8 @@ class Chain:
         Of Levenberg-Marquardt at this value.
     finished
         Nothing is left to do.
+    refinements
+        How often a step went too far and was taken back.
     """
 
     index: int
@@ -67,6 +71,7 @@ class Chain:
     damping: float = _DAMPING
     iterations: int = 0
     finished: bool = False
+    refinements: int = 0
 
     @classmethod
     def begin(
@@ -156,12 +161,15 @@ class Chain:
     def _finish_value(self, lowest: float) -> Chain:
         assert self.current is not None
         assert self.objective is not None
+        if self.objective > lowest + _OVERSHOOT * self.increase and self.refinements < _MOST_REFINEMENTS:
+            # far beyond the end of the interval: a straight line from the last point would not tell where it ends
+            return replace(self, step=0.25 * self.step, refinements=self.refinements + 1)._next_value()
         points = (*self.points, ChainPoint(self.current, self.objective))
         end = self.current[self.index] in (0.0, 1.0)
         before = self.points[-1].objective if self.points else lowest
         rise = self.objective - before
         step = self.step
-        if rise < 0.1 * self.increase:
+        if rise < 0.1 * self.increase and self.refinements == 0:
             step = min(2.0 * step, 0.1)
         elif rise > 0.5 * self.increase:
             step = max(0.5 * step, 1e-9)

@@ -78,6 +78,16 @@ def test_a_product_stays_open() -> None:
         assert (profile.objectives[inner] <= profile.limit).all()
 
 
+def test_an_end_that_a_bound_of_another_parameter_sets_is_found() -> None:
+    # a b = 6 with b at most 10: the profile of a is flat down to 0.6 and rises steeply below
+    _, profiles = profiled(
+        problem_of("a * b * x", {"a": free(), "b": free()}, 6.0 * X + 0.01 * np.sin(9 * X)), [6.4, 0.94]
+    )
+    for profile in profiles:
+        assert profile.lower == pytest.approx(0.6, abs=0.01)
+        assert profile.upper is None
+
+
 def test_noise_is_needed_and_names_are_checked() -> None:
     problem = problem_of("a * x + b", {"a": free(), "b": free()}, np.array([2.0, 3.0]), np.array([1.0, 2.0]))
     calibration = Calibration(problem, 1)
