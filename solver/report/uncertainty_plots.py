@@ -12,7 +12,7 @@ from solver.identifiability.global_sensitivity import GlobalSensitivity
 from solver.identifiability.posterior import Posterior
 from solver.identifiability.profiles import Profile
 from solver.report.labels import ParameterLabel
-from solver.report.style import BLUE, GRID, INK, MUTED, ORANGE, SKY, drawing, finish, plain_ticks, with_unit
+from solver.report.style import BLUE, GRID, INK, MUTED, ORANGE, SKY, drawing, finish, head, plain_ticks, with_unit
 from solver.words import number
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _panels(title: str, count: int, height: float) -> tuple[Figure, list[Axes]]:
     columns = min(count, _COLUMNS)
     rows = -(-count // columns)
     figure = Figure(figsize=(max(2.5 * columns, 4.6), 0.75 + height * rows), layout="constrained")
-    figure.suptitle(title, weight="bold")
+    head(figure, title)
     return figure, [figure.add_subplot(rows, columns, index + 1) for index in range(count)]
 
 
@@ -169,7 +169,7 @@ def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Label
     height = 0.9 + 0.36 * len(found[0].indices)
     with drawing():
         figure = Figure(figsize=(4.6 if columns == 1 else 7.4, 0.5 + height * rows), layout="constrained")
-        figure.suptitle(title, weight="bold")
+        head(figure, title)
         for index, one in enumerate(found):
             axes = figure.add_subplot(rows, columns, index + 1)
             place = np.arange(len(one.indices))[::-1]
@@ -181,10 +181,10 @@ def indices_figure(title: str, found: Sequence[GlobalSensitivity], labels: Label
             )
             for offset, colour, name, values, half in pairs:
                 axes.barh(place + offset, values, height=0.34, color=colour, alpha=0.8, label=name)
-                known = [h if np.isfinite(h) else 0.0 for h in half]
-                axes.errorbar(
-                    values, place + offset, xerr=known, fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.0, zorder=3
-                )
+                if np.isfinite(half).all():
+                    axes.errorbar(
+                        values, place + offset, xerr=half, fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.0, zorder=3
+                    )
             axes.set_yticks(place, [labels[i.parameter].symbol for i in one.indices])
             low = min(
                 0.0,
