@@ -110,6 +110,10 @@ class Report:
         """Return a short form for a notebook."""
         return html_fragment(self.content)
 
+    def _repr_html_(self) -> str:
+        """Show verdicts and facts in a notebook."""
+        return self.fragment()
+
     def pdf(self) -> bytes:
         """Return the PDF."""
         return pdf_report(self.content)
