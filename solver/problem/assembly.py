@@ -298,7 +298,7 @@ class _Assembly:
         section = self.document.get("method", {"kind": "particle_swarm"})
         kind = section.get("kind") if isinstance(section, dict) else None
         if not isinstance(section, dict):
-            self._report("method", f"must be a mapping with kind {' or '.join(METHODS)}, not {describe(section)}")
+            self._report("method", f"must be a mapping with a kind of {', '.join(METHODS)}, not {describe(section)}")
         elif not isinstance(kind, str) or kind not in METHODS:
             given = "is missing" if "kind" not in section else f"unknown kind {describe(kind).removeprefix('text ')}"
             hint = did_you_mean(kind, METHODS) if isinstance(kind, str) else ""
