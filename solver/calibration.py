@@ -57,7 +57,7 @@ class Evaluation:
     misfits, responses
         f'_g and calculated values, shape (m_g,), of each observed series; empty when failed.
     reason, message
-        Kind of failure (``diverged``, ``not_finite``, ``infeasible``, ``bad_output``) and what happened.
+        Kind of failure (:data:`solver.errors.FailureReason`) and what happened.
     seconds
         Wall time of the forward calculation [s].
     """
@@ -212,6 +212,8 @@ class Calibration:
             misfits = self.objective.misfits(responses)
         except ForwardError as error:
             reason, message = error.reason, str(error)
+        except MemoryError:
+            reason, message = "killed_memory", "the forward model ran out of memory"
         except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
             reason, message = "bad_output", f"the forward model raised {type(error).__name__}: {error}"
         else:
@@ -302,6 +304,8 @@ class Calibration:
 class RunLog:
     """The runs of one job for a search that learns from them, kept between generations so that each is read once.
 
+    :attr:`generations` of them were added for good, with :attr:`failed` runs that have no response.
+
     Parameters
     ----------
     calibration
@@ -310,6 +314,7 @@ class RunLog:
 
     def __init__(self, calibration: Calibration) -> None:
         self.generations = 0
+        self.failed = 0
         self._objective = calibration.objective
         self._failed = np.full(sum(observed.y.size for observed in self._objective.observed), np.nan)
         self._positions: list[FloatArray] = [np.empty((0, calibration.space.dimension))]
@@ -320,6 +325,7 @@ class RunLog:
         self._positions.append(np.array(parameters))
         self._residuals.append(self._rows(responses))
         self.generations += 1
+        self.failed += sum(not response for response in responses)
 
     def runs(self, parameters: Sequence[FloatArray] = (), responses: Sequence[Mapping[str, FloatArray]] = ()) -> Runs:
         """Return all runs, and those of one more generation that is not final yet.

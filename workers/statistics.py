@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import threading
-from collections import Counter, OrderedDict
+from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 from sqlalchemy import Connection
@@ -20,20 +19,20 @@ from solver.local import GenerationRecord
 from solver.problem import Problem, parse_problem
 from solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
 from workers.errors import JobNotFoundError
+from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_responses
-from workers.store.evaluations import Filters, get_evaluation, list_evaluations
+from workers.store.evaluations import get_evaluation
 from workers.store.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
+from workers.store.listing import Filters, list_evaluations
 
 __all__ = ["StatisticsDesk", "StoredJob"]
 
-Made = TypeVar("Made")
+FindRow = Callable[[Connection, str], Any]
 
 KnownNoise: TypeAlias = Mapping[str, float] | float | None
 
 _ROWS = 2000
-_KEPT = 16
-"""Jobs, reports and rendered files that are kept in memory, the latest used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,17 +45,26 @@ class StoredJob:
 
 
 class StatisticsDesk:
-    """Makes reports of jobs, keeps the latest, and shares them among threads.
+    """Makes reports of jobs, keeps the latest on a shelf, and shares them among threads.
 
     What is kept belongs to one state of a job (its state and the number of its finished evaluations), so a running job
     is always shown as it is.
+
+    Parameters
+    ----------
+    store
+        Where the evaluations are.
+    find
+        Returns the row of a job, or raises :class:`workers.errors.JobNotFoundError`, also for a job that the one who
+        asks may not see. It is asked before anything is taken from the shelf.
+    shelf
+        What was made already, for everybody.
     """
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: Store, find: FindRow, shelf: Shelf) -> None:
         self._store = store
-        self._lock = threading.Lock()
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
-        self._at_work: dict[Hashable, threading.Lock] = {}
+        self._find = find
+        self._shelf = shelf
 
     def stored(self, job_id: str) -> StoredJob:
         """Read a job with its evaluations.
@@ -65,7 +73,9 @@ class StatisticsDesk:
         ------
         JobNotFoundError
         """
-        return self._once((*self._key(job_id), "stored"), lambda: self._store.read(lambda c: _read(c, job_id)))
+        return self._shelf.once(
+            (*self._key(job_id), "stored"), lambda: self._store.read(lambda c: _read(c, self._find(c, job_id)))
+        )
 
     def report(
         self, job_id: str, *, threshold: float | None = None, noise: KnownNoise = None, posterior: bool = False
@@ -96,12 +106,12 @@ class StatisticsDesk:
                 uncertainty=Uncertainty(findings, sample),
             )
 
-        return self._once((*self._key(job_id), "report", threshold, _hashable(noise), posterior), make)
+        return self._shelf.once((*self._key(job_id), "report", threshold, _hashable(noise), posterior), make)
 
     def follow_ups(self, job_id: str) -> list[StoredFollowUp]:
         """Return the follow-ups that name a job and ask the same question, the newest first."""
         problem = self.stored(job_id).problem
-        found = self._store.read(lambda connection: follow_ups_of(connection, job_id))
+        found = self._store.read(lambda connection: follow_ups_of(connection, self._find(connection, job_id)))
         return [follow_up for follow_up in found if same_question(problem, follow_up.problem)]
 
     def findings(self, job_id: str, *, noise: KnownNoise = None) -> Findings:
@@ -123,7 +133,7 @@ class StatisticsDesk:
                 return read(job_id, job.problem, job.record.seed)
             return join_findings([read(f.id, f.problem, f.seed) for f in self.follow_ups(job_id)])
 
-        return self._once((*self._key(job_id), "findings", _hashable(noise)), make)
+        return self._shelf.once((*self._key(job_id), "findings", _hashable(noise)), make)
 
     def linearisation(self, job_id: str, *, noise: KnownNoise = None) -> Linearisation | None:
         """Return the sensitivities at the optimum, by a follow-up or from dense stored evaluations; else None."""
@@ -140,13 +150,13 @@ class StatisticsDesk:
         """
         job = self.stored(job_id)
         calibration = Calibration(job.problem, job.record.seed)
-        return self._once(
+        return self._shelf.once(
             (*self._key(job_id), "posterior", _hashable(noise)),
             lambda: sample_posterior(calibration, job.samples, noise=noise),
         )
 
     def _linearise_stored(self, job_id: str, job: StoredJob, noise: KnownNoise) -> Linearisation | None:
-        return self._once(
+        return self._shelf.once(
             (*self._key(job_id), "linearisation", _hashable(noise)),
             lambda: linearise_stored(job.problem, job.samples, job.record.seed, noise=noise),
         )
@@ -163,7 +173,9 @@ class StatisticsDesk:
     ) -> bytes:
         """Render a report in a form (``html``, ``fit.svg``, ...), once for each state of the job."""
         report = self.report(job_id, threshold=threshold, noise=noise, posterior=posterior)
-        return self._once((*self._key(job_id), form, threshold, _hashable(noise), posterior), lambda: make(report))
+        return self._shelf.once(
+            (*self._key(job_id), form, threshold, _hashable(noise), posterior), lambda: make(report)
+        )
 
     def reweighted(
         self,
@@ -198,42 +210,21 @@ class StatisticsDesk:
         """What the present state of a job and of its follow-ups is kept under."""
 
         def read(connection: Connection) -> tuple[Any, list[StoredFollowUp]]:
-            return jobs.get_job(connection, job_id), follow_ups_of(connection, job_id)
+            row = self._find(connection, job_id)
+            return row, follow_ups_of(connection, row)
 
         row, follow_ups = self._store.read(read)
-        if row is None:
-            raise JobNotFoundError(job_id)
         return job_id, row.state, row.evaluations, *((f.id, f.state, f.evaluations) for f in follow_ups)
-
-    def _once(self, key: Hashable, make: Callable[[], Made]) -> Made:
-        """Return what was made for a key, or make it while other threads that want it wait."""
-        with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                found: Made = self._kept[key]
-                return found
-            working = self._at_work.setdefault(key, threading.Lock())
-        with working:
-            with self._lock:
-                if key in self._kept:
-                    again: Made = self._kept[key]
-                    return again
-            made = make()
-            with self._lock:
-                self._kept[key] = made
-                self._at_work.pop(key, None)
-                while len(self._kept) > _KEPT:
-                    self._kept.popitem(last=False)
-        return made
 
 
 def _hashable(noise: KnownNoise) -> Hashable:
     return tuple(sorted(noise.items())) if isinstance(noise, Mapping) else noise
 
 
-def _read(connection: Connection, job_id: str) -> StoredJob:
-    row, stored = jobs.get_job(connection, job_id), jobs.get_problem(connection, job_id)
-    if row is None or stored is None:
+def _read(connection: Connection, row: Any) -> StoredJob:
+    job_id: str = row.id
+    stored = jobs.get_problem(connection, job_id)
+    if stored is None:
         raise JobNotFoundError(job_id)
     problem = parse_problem(unpack_json(stored.problem))
     samples, failures = _samples(connection, job_id, problem)

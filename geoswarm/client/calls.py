@@ -27,6 +27,7 @@ from geoswarm.client.errors import (
     UnauthorizedError,
 )
 from geoswarm.client.models import (
+    Attempt,
     Best,
     CheckResult,
     Evaluation,
@@ -36,6 +37,7 @@ from geoswarm.client.models import (
     Health,
     Job,
     Page,
+    Retry,
     Worker,
 )
 
@@ -45,6 +47,7 @@ __all__ = [
     "JSON_BODY",
     "Problem",
     "Query",
+    "attempts",
     "best",
     "change",
     "check",
@@ -66,6 +69,7 @@ __all__ = [
     "present",
     "problem",
     "reader",
+    "retry_failed",
     "submit",
     "workers",
 ]
@@ -207,6 +211,17 @@ def problem(job_id: str) -> Call[dict[str, Any]]:
 def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
     """Cancel, pause or resume."""
     return Call("POST", f"{job_path(job_id)}/{action}", reader(Job))
+
+
+def retry_failed(job_id: str) -> Call[Retry]:
+    """Run failed evaluations again."""
+    return Call("POST", f"{job_path(job_id)}/retry-failed", reader(Retry))
+
+
+def attempts(job_id: str, generation: int, particle: int) -> Call[tuple[Attempt, ...]]:
+    """Show the tries at an evaluation."""
+    path = f"{job_path(job_id)}/evaluations/{generation:d}/{particle:d}/attempts"
+    return Call("GET", path, reader(tuple[Attempt, ...], "items"))
 
 
 def delete(job_id: str) -> Call[None]:

@@ -133,8 +133,9 @@ class ParticleSwarm:
         swarm._velocity = np.array(snapshot["velocity"])
         swarm._best_position = np.array(snapshot["best_position"])
         swarm._best_objective = np.array([np.inf if f is None else f for f in snapshot["best_objective"]])
-        swarm._share = snapshot["share"]
-        swarm._aimed = snapshot["aimed"]
+        # Absent in what earlier versions stored: there was no aim.
+        swarm._share = snapshot.get("share", _LARGEST_SHARE)
+        swarm._aimed = snapshot.get("aimed", [])
         return swarm
 
     def snapshot(self) -> Snapshot:

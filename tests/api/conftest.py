@@ -41,14 +41,16 @@ def line_problem(**changes: Any) -> dict[str, Any]:
 
 @pytest.fixture
 def settings(tmp_path: Path) -> Settings:
-    return Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
+    return Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1, slice_seconds=60)
 
 
 @pytest.fixture
 def service(settings: Settings) -> Iterator[JobService]:
     """No worker runs: submitted jobs stay queued."""
     store = Store(settings)
-    yield JobService(store, MuteDoorbell(), settings)
+    made = JobService(store, MuteDoorbell(), settings)
+    yield made
+    made.close()
     store.close()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from sqlalchemy import Connection, select
 
@@ -10,7 +11,7 @@ from solver.calibration import Evaluation
 from solver.problem import Problem, parse_problem
 from solver.problem.follow_ups import FOLLOW_UPS
 from workers.store.codec import unpack_array, unpack_json, unpack_responses
-from workers.store.evaluations import Filters, list_evaluations
+from workers.store.listing import Filters, list_evaluations
 from workers.store.tables import jobs
 
 __all__ = ["StoredFollowUp", "evaluations_in_order", "follow_ups_of"]
@@ -36,14 +37,15 @@ class StoredFollowUp:
         return parse_problem(unpack_json(self.document))
 
 
-def follow_ups_of(connection: Connection, job_id: str) -> list[StoredFollowUp]:
-    """Return the latest follow-ups that name a job, the newest first."""
+def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
+    """Return the latest follow-ups of the same owner that name a job, the newest first; ``job`` is its row."""
     # the documents are JSON without spaces; an id holds no character that LIKE or JSON knows
-    named = jobs.c.problem.like(f'%"of":"{job_id}"%')
+    named = jobs.c.problem.like(f'%"of":"{job.id}"%')
+    owned = jobs.c.owner.is_(None) if job.owner is None else jobs.c.owner == job.owner
     columns = (jobs.c.id, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
     rows = connection.execute(
         select(*columns)
-        .where(jobs.c.method.in_(list(FOLLOW_UPS)), named)
+        .where(jobs.c.method.in_(list(FOLLOW_UPS)), named, owned)
         .order_by(jobs.c.created_at.desc(), jobs.c.id)
         .limit(_MOST)
     )
