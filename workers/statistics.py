@@ -214,7 +214,9 @@ class StatisticsDesk:
             return row, follow_ups_of(connection, row)
 
         row, follow_ups = self._store.read(read)
-        return job_id, row.state, row.evaluations, *((f.id, f.state, f.evaluations) for f in follow_ups)
+        # The last two tell of failures that were run again.
+        own = (job_id, row.state, row.evaluations, row.failed_evaluations, row.finished_at)
+        return *own, *((f.id, f.state, f.evaluations) for f in follow_ups)
 
 
 def _hashable(noise: KnownNoise) -> Hashable:

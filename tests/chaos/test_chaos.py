@@ -56,7 +56,7 @@ Bits = tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[s
 def test_a_short_chaos_changes_nothing(
     fresh_postgres_url: str, redis_server: RedisServer, postgres_server: PostgresServer, tmp_path: Path
 ) -> None:
-    chaos(SHORT_SECONDS, SHORT_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
+    check_chaos(SHORT_SECONDS, SHORT_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
 
 
 @pytest.mark.slow
@@ -64,10 +64,10 @@ def test_a_short_chaos_changes_nothing(
 def test_a_long_chaos_changes_nothing(
     fresh_postgres_url: str, redis_server: RedisServer, postgres_server: PostgresServer, tmp_path: Path
 ) -> None:
-    chaos(LONG_SECONDS, LONG_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
+    check_chaos(LONG_SECONDS, LONG_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
 
 
-def chaos(
+def check_chaos(
     seconds: float,
     scale: float,
     seed: int,

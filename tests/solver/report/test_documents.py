@@ -71,7 +71,7 @@ def test_page_has_verdicts_first_and_provenance_last(sampling: Run) -> None:
 def test_a_notebook_shows_the_verdicts(sampling: Run) -> None:
     shown = sampling.report._repr_html_()
     assert shown == sampling.report.fragment()
-    assert "only in combination" in shown
+    assert "Only in combination: λ*, c" in shown
 
 
 def test_page_needs_nothing_else(swarm: Run) -> None:
