@@ -56,7 +56,9 @@ Bits = tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[s
 def test_a_short_chaos_changes_nothing(
     fresh_postgres_url: str, redis_server: RedisServer, postgres_server: PostgresServer, tmp_path: Path
 ) -> None:
-    check_chaos(SHORT_SECONDS, SHORT_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
+    summary = chaos(SHORT_SECONDS, SHORT_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
+    assert summary["jobs"] == 12
+    assert summary["faults"]["redis restarted empty"] == 5
 
 
 @pytest.mark.slow
@@ -64,10 +66,12 @@ def test_a_short_chaos_changes_nothing(
 def test_a_long_chaos_changes_nothing(
     fresh_postgres_url: str, redis_server: RedisServer, postgres_server: PostgresServer, tmp_path: Path
 ) -> None:
-    check_chaos(LONG_SECONDS, LONG_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
+    summary = chaos(LONG_SECONDS, LONG_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
+    assert summary["jobs"] == 12
+    assert summary["faults"]["redis restarted empty"] == 5
 
 
-def check_chaos(
+def chaos(
     seconds: float,
     scale: float,
     seed: int,
@@ -75,8 +79,8 @@ def check_chaos(
     postgres: PostgresServer,
     redis: RedisServer,
     folder: Path,
-) -> None:
-    """Disturb an installation for some time, then let it finish, and compare with undisturbed runs."""
+) -> dict[str, Any]:
+    """Disturb an installation for some time, then let it finish, and compare with undisturbed runs; return figures."""
     chance = random.Random(seed)
     redis.start()
     cured = folder / "cured"
@@ -111,6 +115,7 @@ def check_chaos(
     if "CHAOS_REPORT" in os.environ:
         with Path(os.environ["CHAOS_REPORT"]).open("a") as report:
             report.write(json.dumps(summary) + "\n")
+    return summary
 
 
 def run(
