@@ -177,6 +177,7 @@ def main() -> None:
         line("oedometer, 1590 runs, in process", inside)
         ratios = [a / b for a, b in zip(http, inside, strict=True)]
         line("oedometer, 1590 runs, HTTP + Redis + PostgreSQL", http, f"{median(ratios):.2f} times the run in process")
+        served(client, monte_carlo(arguments.samples // 5))
         before = memory(processes)
         seconds = served(client, monte_carlo(arguments.samples))
         after = memory(processes)
