@@ -21,7 +21,7 @@ from typing import Literal
 import numpy as np
 
 from solver.arrays import FloatArray
-from solver.search.acceleration import Runs, propose
+from solver.search.acceleration import Proposer, ProposerState, Runs
 from solver.search.base import Snapshot
 from solver.search.randomness import particle_generator
 from solver.search.space import SearchSpace
@@ -29,9 +29,6 @@ from solver.search.space import SearchSpace
 __all__ = ["ParticleSwarm", "SwarmSettings"]
 
 _HALVINGS = 40  # a step is halved this often before the particle stays where it was
-_LARGEST_SHARE = 0.8  # of a generation that is aimed while that pays, and the least when it does not
-_SMALLEST_SHARE = 0.2
-_SHARE_DECAY = 0.75
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,8 +117,11 @@ class ParticleSwarm:
             self._position[i], self._velocity[i] = self._draw(random, initial if i == 0 else None)
         self._best_position = self._position.copy()
         self._best_objective = np.full(n, np.inf)
-        self._share = _LARGEST_SHARE
-        self._aimed: list[int] = []
+        self._proposer = _proposer(space, settings, seed)
+        if self._proposer is not None:
+            estimated = initial is not None and not np.isnan(initial).all()
+            self._position = self._proposer.first(self._position, keep=int(estimated))
+            self._best_position = self._position.copy()
 
     @classmethod
     def restore(cls, space: SearchSpace, settings: SwarmSettings, seed: int, snapshot: Snapshot) -> ParticleSwarm:
@@ -133,8 +133,8 @@ class ParticleSwarm:
         swarm._velocity = np.array(snapshot["velocity"])
         swarm._best_position = np.array(snapshot["best_position"])
         swarm._best_objective = np.array([np.inf if f is None else f for f in snapshot["best_objective"]])
-        swarm._share = snapshot["share"]
-        swarm._aimed = snapshot["aimed"]
+        state = snapshot["proposer"]
+        swarm._proposer = _proposer(space, settings, seed, None if state is None else ProposerState.from_json(state))
         return swarm
 
     def snapshot(self) -> Snapshot:
@@ -145,8 +145,7 @@ class ParticleSwarm:
             "velocity": self._velocity.tolist(),
             "best_position": self._best_position.tolist(),
             "best_objective": [f if math.isfinite(f) else None for f in self._best_objective.tolist()],
-            "share": self._share,
-            "aimed": self._aimed,
+            "proposer": None if self._proposer is None else self._proposer.state.to_json(),
         }
 
     def ask(self) -> FloatArray:
@@ -160,9 +159,6 @@ class ParticleSwarm:
         """
         if objectives.shape != self._best_objective.shape:
             raise ValueError(f"objectives has shape {objectives.shape}, expected {self._best_objective.shape}")
-        if self._aimed:
-            paid = objectives[self._aimed].min() < self._best_objective.min()
-            self._share = _LARGEST_SHARE if paid else max(_SMALLEST_SHARE, _SHARE_DECAY * self._share)
         better = objectives < self._best_objective
         self._best_objective = np.where(better, objectives, self._best_objective)
         self._best_position = np.where(better[:, None], self._position, self._best_position)
@@ -175,19 +171,11 @@ class ParticleSwarm:
                 self._position[i], self._velocity[i] = self._move(i, self._best_position[informant], random)
             else:
                 self._position[i], self._velocity[i] = self._draw(random, None)
-        self._aimed = []
-        if runs is not None and self._settings.acceleration == "response_surface":
-            self._aim(objectives, before, runs)
-
-    def _aim(self, objectives: FloatArray, before: FloatArray, runs: Runs) -> None:
-        """Replace the moves of the worst particles by proposals; their velocity leads from where they were."""
-        count = max(1, round(self._share * self._settings.particles))
-        proposals = propose(self._space, runs, self._seed, self.generation, count)
-        worst_first = np.argsort(-objectives, kind="stable")
-        self._aimed = worst_first[: len(proposals)].tolist()
-        for i, proposal in zip(self._aimed, proposals, strict=True):
-            self._position[i] = proposal
-            self._velocity[i] = self._limit(proposal - before[i])
+        if self._proposer is not None and runs is not None:
+            worst_first = np.argsort(-self._best_objective, kind="stable").astype(np.int64)
+            aimed = self._proposer.propose(self.generation, self._position, worst_first, runs)
+            for i, point in aimed.items():
+                self._position[i], self._velocity[i] = point, self._limit(point - before[i])
 
     def _informant(self, particle: int) -> int:
         """Index of the best personal best in the neighbourhood of a particle; the lowest index of equal ones."""
@@ -243,3 +231,9 @@ class ParticleSwarm:
             return np.clip(position, lower, upper), np.where(outside, 0.0, velocity)
         anew = lower + random.random(position.size) * (upper - lower)
         return np.where(outside, anew, position), np.where(outside, 0.0, velocity)
+
+
+def _proposer(
+    space: SearchSpace, settings: SwarmSettings, seed: int, state: ProposerState | None = None
+) -> Proposer | None:
+    return Proposer(space, seed, state) if settings.acceleration == "response_surface" else None
