@@ -130,7 +130,8 @@ class ParticleSwarmMethod(_Section):
         0.5, gt=0, le=1, description="largest step as a fraction of the range between the bounds"
     )
     acceleration: Literal["none", "response_surface"] = Field(
-        "none", description="aims the worst particles at what all runs so far promise; none: the textbook swarm"
+        "response_surface",
+        description="aims most particles at what all runs so far promise; none: the textbook swarm",
     )
 
     @field_validator("inertia_weight")

@@ -11,7 +11,7 @@ from solver.arrays import BoolArray, FloatArray
 
 __all__ = ["Basins"]
 
-_RADIUS = 0.08  # half the width of a finished basin in the unit box
+_RADIUS = 0.05  # half the width of a finished basin in the unit box
 _WORTH = 0.02  # a relative decrease of the objective that counts
 _PATIENCE = 4  # generations without one before a basin is finished; more in many dimensions
 

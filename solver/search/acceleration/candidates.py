@@ -77,8 +77,8 @@ class Arms:
     def __post_init__(self) -> None:
         self.knowledge = self.knowledge.selected()
         known = self.knowledge
-        self._components = Components.of(known.residuals)
         n, d = known.points.shape
+        self._components = Components.of(known.residuals, d)
         level = float(known.objectives[min(n - 1, d + 1)])
         self._scale = max(float(np.sqrt(level / known.residuals.shape[1])), 1e-150)
         # the scalar surfaces need a floor, else the logarithm of a perfect fit rules them
@@ -89,7 +89,12 @@ class Arms:
         self._centres = self._spread_out(best)
 
     def take(self, arm: str) -> FloatArray | None:
-        """Return the next point of an arm, named as in the patterns of the proposer."""
+        """Return the next point of an arm; d is the number of parameters, e the number of its centre, best first.
+
+        ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without;
+        ``gauss_newton:e:reach``, ``quadratic:e:reach`` of the local models; ``scalar_surface`` of log f;
+        ``covariance``; ``near`` one of the best; ``far`` from everything.
+        """
         kind, _, detail = arm.partition(":")
         point: FloatArray | None
         if kind == "surface":
@@ -173,8 +178,8 @@ class Arms:
     def _covariance(self) -> FloatArray | None:
         if self.covariance is None:
             d = self.knowledge.points.shape[1]
-            elite = self.random.random() < 0.5
-            self.covariance = CovarianceMoves.begin(self._bases[0] if elite else self.random.random(d), 0.2)
+            mean = self._bases[0] if self.random.random() < 0.5 else np.asarray(self.random.random(d))
+            self.covariance = CovarianceMoves.begin(mean, 0.2)
         for _ in range(20):
             point = self.covariance.ask(self.random)
             if self._new(point, 0.0):
@@ -187,7 +192,7 @@ class Arms:
         for _ in range(_TRIES):
             base = self._bases[random.integers(min(3, len(self._bases)))]
             width = 0.15 * 10.0 ** (-1.5 * random.random())
-            point = np.clip(base + width * random.standard_normal(known.points.shape[1]), 0.0, 1.0)
+            point = np.asarray(np.clip(base + width * random.standard_normal(known.points.shape[1]), 0.0, 1.0))
             if self._new(point, _LOCAL_APART):
                 return point
         return None

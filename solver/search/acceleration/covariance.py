@@ -47,7 +47,7 @@ class CovarianceMoves:
         """Return the state between two generations."""
         plain: dict[str, Any] = {}
         arrays: dict[str, Any] = {}
-        for name, value in self._cma.__getstate__().items():
+        for name, value in sorted(self._cma.__getstate__().items()):
             if isinstance(value, np.ndarray):
                 arrays[name] = value.tolist()
             else:

@@ -1,4 +1,4 @@
-"""Models of the neighbourhood of one evaluation: Gauss-Newton for residual vectors, quadratic for a scalar objective."""
+"""Models of the neighbourhood of one run: Gauss-Newton for residual vectors, quadratic for a scalar objective."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def gauss_newton_point(points: FloatArray, components: FloatArray, centre: int, 
     lower, upper = np.maximum(-half, -middle), np.minimum(half, 1.0 - middle)
     lower, upper = np.minimum(lower, -1e-15), np.maximum(upper, 1e-15)
     step: FloatArray = lsq_linear(slopes.T, -components[centre], (lower, upper), method="bvls", max_iter=50).x
-    return np.clip(middle + step, 0.0, 1.0)
+    return np.asarray(np.clip(middle + step, 0.0, 1.0))
 
 
 def quadratic_point(points: FloatArray, objectives: FloatArray, centre: int, reach: float) -> FloatArray | None:
@@ -74,4 +74,4 @@ def quadratic_point(points: FloatArray, objectives: FloatArray, centre: int, rea
     starts = (np.zeros(d), np.clip(-0.5 * reach * np.sign(slope), lower, upper))
     found = [minimize(model, start, jac=True, bounds=bounds, method="L-BFGS-B") for start in starts]
     step = min(found, key=lambda result: float(result.fun)).x
-    return np.clip(middle + radius * step, 0.0, 1.0)
+    return np.asarray(np.clip(middle + radius * step, 0.0, 1.0))

@@ -96,7 +96,7 @@ class ProposerState:
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> ProposerState:
         """Invert :meth:`to_json`."""
-        aimed = {particle: arm for particle, arm in data["aimed"]}
+        aimed = dict(data["aimed"])
         return cls(data["share"], Basins.from_json(data["basins"]), aimed, data["covariance"])
 
 
@@ -193,9 +193,7 @@ class Proposer:
         )
         return {particle: point for particle, (_, point) in aimed.items()}
 
-    def _fill(
-        self, arms: Arms, pattern: tuple[str, ...], slots: int, generation: int
-    ) -> list[tuple[str, FloatArray]]:
+    def _fill(self, arms: Arms, pattern: tuple[str, ...], slots: int, generation: int) -> list[tuple[str, FloatArray]]:
         # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
         first = 0 if 2 * slots >= len(pattern) else (generation * slots) % len(pattern)
         proposals: list[tuple[str, FloatArray]] = []

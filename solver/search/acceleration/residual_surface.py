@@ -34,8 +34,8 @@ class Components:
     rest: float
 
     @classmethod
-    def of(cls, residuals: FloatArray) -> Components:
-        """Rotate residuals, shape (n, m), best first, onto at most 12 directions that explain them.
+    def of(cls, residuals: FloatArray, dimension: int) -> Components:
+        """Rotate residuals, shape (n, m), best first, onto the directions that explain them: at most 12 or d + 2.
 
         Each vector counts by its direction and not by its length, else the far points alone would choose.
         """
@@ -53,7 +53,7 @@ class Components:
             variance = variance[positive]
             directions = scaled.T @ (points[:, positive] / np.sqrt(variance))
         count = int((variance > 1e-12 * max(float(variance[-1]), 1e-300)).sum())
-        count = max(1, min(count, _MOST_COMPONENTS))
+        count = max(1, min(count, max(_MOST_COMPONENTS, dimension + 2)))
         values: FloatArray = residuals @ directions[:, ::-1][:, :count]
         rest = squares - (values * values).sum(axis=1)
         return cls(values, max(0.0, float(np.median(rest[: max(1, n // 2)]))))

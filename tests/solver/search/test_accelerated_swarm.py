@@ -51,22 +51,27 @@ def test_the_same_seed_gives_the_same_history_for_any_number_of_workers() -> Non
     assert objectives(calibrate(problem, workers=2)) == objectives(calibrate(problem))
 
 
-def test_the_share_falls_while_aiming_does_not_pay_and_recovers() -> None:
-    calibration = Calibration(decay_problem(method=ACCELERATED), seed=4)
+def test_the_share_falls_while_aiming_does_not_pay_and_recovers_with_a_restart() -> None:
+    flat = {"kind": "formula", "series": {"y": "0 * amplitude + 0 * rate + 0 * x"}}
+    calibration = Calibration(decay_problem(forward_model=flat, method=ACCELERATED), seed=4)
     log, progress = RunLog(calibration), calibration.start()
     shares = []
-    for generation in range(12):
+    for _ in range(8):
         evaluations = [calibration.evaluate(position) for position in progress.positions]
         log.add([e.parameters for e in evaluations], [e.responses for e in evaluations])
-        told = [e.objective for e in evaluations]
-        if generation < 6:  # as if nothing after the first generation was any better
-            told = [1.0 + generation] * len(told)
-        progress = calibration.advance(progress, told, 1.0, log.runs()).progress
-        shares.append(progress.snapshot["share"])
+        progress = calibration.advance(progress, [e.objective for e in evaluations], 1.0, log.runs()).progress
+        shares.append(progress.snapshot["proposer"]["share"])
         json.dumps(progress.to_json(), allow_nan=False)
-    assert shares[0] == 0.8
-    assert shares[5] < 0.4
-    assert 0.8 in shares[6:]
+    assert shares[:2] == [0.9, 0.9]
+    assert 0.6 < min(shares) < 0.8
+    assert shares[shares.index(min(shares)) + 1] == 0.9
+    assert progress.snapshot["proposer"]["basins"]["restarts"] >= 1
+
+
+def test_no_run_is_made_twice() -> None:
+    result = calibrate(decay_problem(method=ACCELERATED, stopping={"max_evaluations": 300}))
+    positions = np.array([record.evaluation.parameters for record in result.history])
+    assert len(np.unique(positions, axis=0)) == len(positions) == 300
 
 
 def test_an_accelerated_search_needs_the_runs() -> None:
