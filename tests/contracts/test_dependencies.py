@@ -8,7 +8,8 @@ from tests.contracts.repository import ROOT, project
 
 RECORD = ROOT / "docs" / "decisions" / "0003-dependencies.md"
 REQUIREMENT = re.compile(r"(?P<name>[A-Za-z0-9._-]+)(\[[\w,]+\])?(?P<bounds>.+)")
-HEADINGS = {"dependencies": "Base", "server": "Extra `server`", "plots": "Extra `plots`", "dev": "Extra `dev`"}
+EXTRAS = ("server", "plots", "bench", "dev")
+HEADINGS = {"dependencies": "Base"} | {name: f"Extra `{name}`" for name in EXTRAS}
 
 
 def requirements() -> dict[str, list[re.Match[str]]]:

@@ -16,7 +16,7 @@ __all__ = ["Arms", "Knowledge"]
 
 _BEST_POINTS, _SPREAD_POINTS = 100, 40  # that a surface is fitted to
 _RANDOM_STARTS, _STARTS = 64, 14
-_CENTRES, _APART = 4, 0.15
+_CENTRES, _APART = 4, 0.08
 _SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
 _TRIES = 60
 

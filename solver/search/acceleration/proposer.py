@@ -32,12 +32,12 @@ VECTOR_PATTERN = (
     "surface:10",
     "gauss_newton:1:1",
     "surface:0.1",
-    "surface:plain",
+    "gauss_newton:2:1",
     "gauss_newton:0:0.4",
     "far",
     "surface:1",
-    "gauss_newton:2:1",
     "covariance",
+    "surface:plain",
 )
 SCALAR_PATTERN = (
     "quadratic:0:1",
@@ -67,7 +67,7 @@ RESTARTED_PATTERN = (
 )
 FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
-PATIENCE, SCALAR_PATIENCE = 4, 6
+PATIENCE, SCALAR_PATIENCE = 3, 6
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -181,9 +181,10 @@ class Proposer:
         share = self._share(basins)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
-        pattern = SCALAR_PATTERN if scalar else RESTARTED_PATTERN if basins.restarts else VECTOR_PATTERN
+        pattern = SCALAR_PATTERN if scalar else self._vector_pattern(basins, generation)
         proposals = self._fill(arms, pattern, slots + len(repeated), generation)
-        particles = [*worst_first[:slots].tolist(), *repeated]
+        # in particle order, so that the most promising runs come first where runs go one by one
+        particles = sorted([*worst_first[:slots].tolist(), *repeated])
         aimed = dict(zip(particles, proposals, strict=False))
         self.state = ProposerState(
             share=share,
@@ -211,12 +212,18 @@ class Proposer:
                 break
         return proposals
 
+    @staticmethod
+    def _vector_pattern(basins: Basins, generation: int) -> tuple[str, ...]:
+        """After a restart the residuals have misled once: every other generation trusts the objective alone."""
+        if basins.restarts == 0:
+            return VECTOR_PATTERN
+        return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
+
     def _share(self, basins: Basins) -> float:
-        """A worthwhile decrease or a restart asks for proposals; without one the swarm takes over step by step."""
-        share = self.state.share
-        if basins.waiting == 0:
-            return min(MOST_SHARE, 1.5 * share)
-        return max(LEAST_SHARE, 0.9 * share) if basins.waiting > 1 else share
+        """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step."""
+        if self.state.basins.best is None and basins.restarts == 0:
+            return self.state.share  # the first generation tells nothing yet
+        return min(MOST_SHARE, 1.5 * self.state.share) if basins.gained else max(LEAST_SHARE, 0.9 * self.state.share)
 
     def _tell_covariance(self, asked: FloatArray, objectives: FloatArray) -> CovarianceMoves | None:
         if self.state.covariance is None:

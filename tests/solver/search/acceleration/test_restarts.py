@@ -16,22 +16,22 @@ def test_a_basin_is_finished_after_generations_without_gain() -> None:
     for _ in range(5):
         basins = basins.after(points, np.array([1.0, 3.0]), patience=4)
     assert basins.finished == ((0.2, 0.2),)
-    assert (basins.restarts, basins.best, basins.just_restarted) == (1, None, True)
+    assert (basins.restarts, basins.best, basins.gained) == (1, None, False)
     assert basins.outside(np.array([[0.22, 0.2], [0.3, 0.2]])).tolist() == [False, True]
     # now the best outside counts
-    assert basins.after(points, np.array([1.0, 3.0])).best == 3.0
+    assert basins.after(points, np.array([1.0, 3.0]), 4).best == 3.0
     assert Basins.from_json(json.loads(json.dumps(basins.to_json()))) == basins
 
 
 def test_a_small_gain_does_not_count_and_a_large_one_does() -> None:
     points = np.array([[0.5]])
-    basins = Basins().after(points, np.array([1.0]))
-    assert basins.after(points, np.array([0.99])).waiting == 1
-    assert basins.after(points, np.array([0.9])).waiting == 0
+    basins = Basins().after(points, np.array([1.0]), 4)
+    assert basins.after(points, np.array([0.99]), 4).waiting == 1
+    assert basins.after(points, np.array([0.9]), 4).waiting == 0
 
 
 def test_when_everything_is_finished_it_begins_again() -> None:
-    basins = Basins(finished=((0.5,),), restarts=1).after(np.array([[0.5]]), np.array([1.0]))
+    basins = Basins(finished=((0.5,),), restarts=1).after(np.array([[0.5]]), np.array([1.0]), 4)
     assert (basins.finished, basins.restarts, basins.best) == ((), 2, 1.0)
 
 
