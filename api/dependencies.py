@@ -47,6 +47,7 @@ MEANINGS = {
     413: "The body is too large",
     415: "The media type of the body is not understood",
     422: "What was sent is wrong; issues lists every mistake",
+    501: "Not available in this installation",
     503: "Database or broker cannot be reached",
 }
 

@@ -25,6 +25,7 @@ from starlette.exceptions import HTTPException
 
 from api.headers import add_security_headers
 from solver.errors import InfeasibleSpaceError, Issue, ProblemError
+from solver.identifiability import StatisticsError
 from workers.errors import (
     BrokerUnavailableError,
     IdempotencyConflictError,
@@ -161,6 +162,8 @@ def translate(error: Exception) -> DetailError:
             return DetailError(409, str(error), kind="invalid-transition", title="Not possible in this state")
         case IdempotencyConflictError():
             return DetailError(409, str(error), kind="idempotency-conflict", title="Idempotency key already used")
+        case StatisticsError():
+            return DetailError(422, str(error), kind="invalid-statistics", title="Statistics not possible")
         case InvalidCursorError():
             return DetailError(400, str(error), kind="invalid-cursor", title="Invalid cursor")
         case StoreUnavailableError() | BrokerUnavailableError():
@@ -182,6 +185,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     InvalidTransitionError,
     IdempotencyConflictError,
     InvalidCursorError,
+    StatisticsError,
     StoreUnavailableError,
     BrokerUnavailableError,
 )

@@ -92,7 +92,10 @@ def _host_name(host: str) -> str:
 
 
 def _same_origin(origin: str, host: str) -> bool:
-    return urlsplit(origin).netloc.lower() == host.lower()
+    try:
+        return urlsplit(origin).netloc.lower() == host.lower()
+    except ValueError:  # brackets that do not match
+        return False
 
 
 def _given_key(headers: Headers) -> bytes | None:
@@ -105,6 +108,6 @@ def _given_key(headers: Headers) -> bytes | None:
     if scheme.lower() == "basic":
         try:
             return base64.b64decode(credentials, validate=True).partition(b":")[2]
-        except binascii.Error:
+        except (binascii.Error, ValueError):
             return b""
     return None

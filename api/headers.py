@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from starlette.datastructures import MutableHeaders
 
-__all__ = ["add_security_headers"]
+__all__ = ["DOCUMENT_POLICY", "add_security_headers"]
 
 CONTENT_SECURITY_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
+
+DOCUMENT_POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; form-action 'none'; base-uri 'none'; "
+    "frame-ancestors 'none'"
+)
+"""For reports and figures, which carry their own style and need nothing else: no script runs in them."""
 
 
 def add_security_headers(headers: MutableHeaders, path: str) -> None:
@@ -17,5 +23,5 @@ def add_security_headers(headers: MutableHeaders, path: str) -> None:
     headers["X-Content-Type-Options"] = "nosniff"
     headers["X-Frame-Options"] = "DENY"
     headers["Referrer-Policy"] = "no-referrer"
-    headers["Content-Security-Policy"] = CONTENT_SECURITY_POLICY
+    headers.setdefault("Content-Security-Policy", CONTENT_SECURITY_POLICY)
     headers.setdefault("Cache-Control", "no-cache" if path.startswith("/static/") else "no-store")

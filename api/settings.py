@@ -44,7 +44,7 @@ class ApiSettings(BaseModel):
 
     api_key: SecretStr | None = None
     allowed_hosts: frozenset[str] = frozenset()
-    max_body_bytes: int = Field(default=5_000_000, ge=1_000)
+    max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
     heartbeat_seconds: float = Field(default=10.0, gt=0.0, le=20.0)
     poll_seconds: float = Field(default=0.2, gt=0.0, le=10.0)
 

@@ -17,6 +17,7 @@ import numpy as np
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation, Progress, RunLog, choose_seed
 from solver.errors import WorkerLostError
+from solver.notebook import result_html
 from solver.problem import Problem, parse_problem
 
 __all__ = [
@@ -86,6 +87,18 @@ class CalibrationResult:
     error: str | None
     history: list[EvaluationRecord] = field(repr=False)
     generation_records: list[GenerationRecord] = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        """Show the result in a notebook."""
+        facts = {
+            "state": self.state if self.error is None else f"{self.state}: {self.error}",
+            "objective": "-" if self.objective is None else f"{self.objective:.6g}",
+            "evaluations": f"{self.evaluations} in {self.generations} generations, {self.failed_evaluations} failed",
+            "stopped by": ", ".join(self.stop_reasons),
+            "time": f"{self.seconds:.3g} s",
+            "seed": str(self.seed),
+        }
+        return result_html("Calibration", facts, self.parameters, {})
 
 
 def calibrate(

@@ -10,7 +10,8 @@ import json
 import re
 import secrets
 from collections.abc import Iterator
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
@@ -34,6 +35,9 @@ from workers.store.views import evaluation_view, event_view, generation_view, jo
 from workers.store.workers import busy_workers, list_workers
 from workers.views import EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
+if TYPE_CHECKING:
+    from workers.statistics import StatisticsDesk
+
 __all__ = ["JobService"]
 
 ID_PATTERN = re.compile("[0-9a-f]{16}")  # what ``submit`` makes; nothing else needs to reach the database
@@ -53,6 +57,13 @@ class JobService:
         self.doorbell = doorbell
         self.settings = Settings(database_url=store.url) if settings is None else settings
         self._runtime = Runtime(store, self.settings)
+
+    @cached_property
+    def statistics(self) -> StatisticsDesk:
+        """Reports and statistics of jobs; loaded when they are first asked for."""
+        from workers.statistics import StatisticsDesk
+
+        return StatisticsDesk(self.store)
 
     def submit(self, problem: Problem, *, idempotency_key: str | None = None) -> tuple[JobView, bool]:
         """Store a job and wake workers; return it and whether it is new.

@@ -26,13 +26,14 @@ router = APIRouter(prefix="/jobs/{job_id}", tags=["results"])
 BEFORE = ("generation", "particle", "state", "objective")
 AFTER = ("reason", "message", "attempts", "worker", "started_at", "finished_at", "seconds")
 LINES_A_CHUNK = 200
+MAX_GENERATION = 2**31 - 1  # what every database holds in a column of this kind
 
 
 @router.get("/generations", responses=problems_of(404, 422))
 def generations(
     job_id: JobId,
     service: Service,
-    after: Annotated[int, Query(ge=-1, description="only generations with a higher number")] = -1,
+    after: Annotated[int, Query(ge=-1, le=MAX_GENERATION, description="only generations with a higher number")] = -1,
     limit: Annotated[int, Query(ge=1, le=10_000)] = 1000,
 ) -> GenerationList:
     """Show how the search went, one item a generation."""
@@ -76,7 +77,7 @@ def evaluations(
     request: Request,
     service: Service,
     format: Annotated[Literal["json", "csv"] | None, Query(description="wins over the Accept header")] = None,
-    generation: Annotated[int | None, Query(ge=0, description="only this generation")] = None,
+    generation: Annotated[int | None, Query(ge=0, le=MAX_GENERATION, description="only this generation")] = None,
     state: Annotated[EvaluationState | None, Query(description="only evaluations in this state")] = None,
     max_objective: Annotated[
         float | None, Query(allow_inf_nan=False, description="only evaluations with an objective up to this")

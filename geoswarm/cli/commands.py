@@ -27,11 +27,13 @@ class CommandEntry:
 
 
 _PROBLEM, _SERVICE, _JOBS = "One problem, in this process", "The service", "Jobs of a running service"
+_RESULTS = "What a job, or a run in a folder, tells"
 
 COMMANDS: dict[str, CommandEntry] = {
     "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
     "evaluate": CommandEntry("geoswarm.cli.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
     "run": CommandEntry("geoswarm.cli.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
+    "paper": CommandEntry("geoswarm.cli.paper", _PROBLEM, "Run the published studies again and compare every number."),
     "demo": CommandEntry("geoswarm.cli.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
     "serve": CommandEntry(
         "geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."
@@ -47,6 +49,19 @@ COMMANDS: dict[str, CommandEntry] = {
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
     "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
+    "report": CommandEntry(
+        "geoswarm.cli.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."
+    ),
+    "statistics": CommandEntry(
+        "geoswarm.cli.statistics",
+        _RESULTS,
+        "Tell what the data say about each parameter, from stored evaluations; no forward run.",
+    ),
+    "reweight": CommandEntry(
+        "geoswarm.cli.reweight",
+        _RESULTS,
+        "Calculate the objectives that stored responses have under other weights; no forward run.",
+    ),
 }
 
 

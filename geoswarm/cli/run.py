@@ -28,7 +28,7 @@ __all__ = ["run_command"]
     "--output",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
-    help="Folder for result.json, problem.json, evaluations.csv, generations.csv and figures (png, svg).",
+    help="Folder for the report (html, pdf), figures (png, svg, csv) and tables.",
 )
 @click.option(
     "--seed", type=click.IntRange(0, 2**53 - 1), help="Seed in place of the problem's; the same seed, the same result."
@@ -53,7 +53,7 @@ def run_command(problem: Path, workers: int, output: Path | None, seed: int | No
     elif result.state == "finished":
         show_result(loaded, result)
     if output is not None and not as_json:
-        echo_facts(None, {"written to": f"{output} ({', '.join(p.name for p in written)})"})
+        echo_facts(None, {"written to": str(output), "files": _listed(written)})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
 
@@ -69,6 +69,14 @@ def _summary(result: CalibrationResult) -> dict[str, Any]:
         "seconds": result.seconds,
         "seed": result.seed,
     }
+
+
+def _listed(files: list[Path]) -> str:
+    """File names, the forms of one figure together: fit.png/svg/csv."""
+    forms: dict[str, list[str]] = {}
+    for file in files:
+        forms.setdefault(file.stem, []).append(file.suffix[1:])
+    return ", ".join(f"{stem}.{'/'.join(suffixes)}" for stem, suffixes in forms.items())
 
 
 def _make_folder(folder: Path) -> None:
@@ -102,22 +110,17 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> l
     """Write all files of a result; without matplotlib the tables only, with a note on stderr."""
     from solver import report
 
-    written = [folder / name for name in ("result.json", "problem.json", "evaluations.csv", "generations.csv")]
+    names = ("result.json", "problem.json", "evaluations.csv", "generations.csv", "responses.npz")
+    written = [folder / name for name in names]
     report.write_result(written[0], problem, result)
     report.write_problem(written[1], problem, result.seed)
     report.write_evaluations(written[2], problem, result)
     report.write_generations(written[3], problem, result)
+    report.write_responses(written[4], problem, result)
     if not report.figures_available():
-        note("Note: no figures, because matplotlib is not installed: pip install 'geoswarm[plots]'")
+        note("Note: no report and no figures, because matplotlib is not installed: pip install 'geoswarm[plots]'")
         return written
-    convergence = report.convergence_figure(
-        problem.name, result.generation_records, report.objective_unit(problem), problem.stopping.target_objective
-    )
-    if result.best is not None and result.parameters is not None:
-        curves = report.series_curves(problem, result.best.responses, result.parameters)
-        written += report.save_figure(report.fit_figure(problem.name, curves), folder, "fit")
-        written += report.save_figure(convergence, folder, "convergence")
-    return written
+    return written + report.report_of_result(problem, result).save(folder)
 
 
 def show_result(problem: Problem, result: CalibrationResult) -> None:

@@ -30,12 +30,14 @@ from geoswarm.client.models import (
     Best,
     CheckResult,
     Evaluation,
+    Figure,
     ForwardModel,
     ForwardModelInfo,
     Generation,
     Health,
     Job,
     Page,
+    Report,
     Worker,
 )
 
@@ -53,6 +55,8 @@ __all__ = [
     "evaluations",
     "evaluations_file",
     "events",
+    "figure",
+    "figures",
     "forward_model",
     "forward_models",
     "generations",
@@ -60,6 +64,10 @@ __all__ = [
     "health",
     "list_jobs",
     "problem",
+    "report",
+    "report_pdf",
+    "reweight",
+    "statistics",
     "submit",
     "workers",
 ]
@@ -228,6 +236,40 @@ def evaluations(job_id: str, **filters: Any) -> Call[Page[Evaluation]]:
 def evaluations_file(job_id: str, **filters: Any) -> Call[None]:
     """Stream all evaluations as CSV."""
     return Call("GET", f"{_job_path(job_id)}/evaluations", _nothing, _present(**filters, format="csv"))
+
+
+def statistics(job_id: str, threshold: float | None) -> Call[dict[str, Any]]:
+    """Judge the parameters."""
+    return Call("GET", f"{_job_path(job_id)}/statistics", _reader(dict[str, Any]), _present(threshold=threshold))
+
+
+def reweight(job_id: str, **request: Any) -> Call[dict[str, Any]]:
+    """Calculate stored objectives under other weights."""
+    content = json.dumps(_present(**request), default=_plain)
+    return Call("POST", f"{_job_path(job_id)}/reweight", _reader(dict[str, Any]), headers=JSON_BODY, content=content)
+
+
+def report(job_id: str, threshold: float | None) -> Call[Report]:
+    """Show the report as a page."""
+    path = f"{_job_path(job_id)}/report.html"
+    return Call("GET", path, lambda response: Report(response.text), _present(threshold=threshold))
+
+
+def report_pdf(job_id: str, threshold: float | None) -> Call[bytes]:
+    """Show the report as PDF."""
+    path = f"{_job_path(job_id)}/report.pdf"
+    return Call("GET", path, lambda response: response.content, _present(threshold=threshold))
+
+
+def figures(job_id: str) -> Call[tuple[str, ...]]:
+    """List figures."""
+    return Call("GET", f"{_job_path(job_id)}/figures", _reader(tuple[str, ...], "items"))
+
+
+def figure(job_id: str, name: str, form: Literal["svg", "png", "csv"], threshold: float | None) -> Call[Figure]:
+    """Show a figure."""
+    path = f"{_job_path(job_id)}/figures/{quote(name, safe='')}.{form}"
+    return Call("GET", path, lambda response: Figure(name, form, response.content), _present(threshold=threshold))
 
 
 def events(job_id: str, after: int) -> Call[None]:

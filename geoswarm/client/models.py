@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
+from html import escape
 from typing import Any, Generic, TypeVar
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "Curve",
     "Evaluation",
     "Event",
+    "Figure",
     "ForwardModel",
     "ForwardModelInfo",
     "Generation",
@@ -23,6 +25,7 @@ __all__ = [
     "Job",
     "Page",
     "Parameter",
+    "Report",
     "Series",
     "TestRun",
     "Worker",
@@ -61,6 +64,50 @@ class Job:
     def ended(self) -> bool:
         """Whether the job is finished, failed or cancelled."""
         return self.state in ENDED_STATES
+
+    def _repr_html_(self) -> str:
+        """Show the job in a notebook."""
+        from solver.notebook import result_html
+
+        facts = {
+            "id": self.id,
+            "state": self.state if self.error is None else f"{self.state}: {self.error}",
+            "objective": "-" if self.objective is None else f"{self.objective:.6g}",
+            "evaluations": f"{self.evaluations} in {self.generations} generations, {self.failed_evaluations} failed",
+            "stopped by": ", ".join(self.stop_reasons),
+            "seed": str(self.seed),
+        }
+        known = self.parameters or {}
+        remarks = {name: "" if name in self.free_parameters else "fixed or linked" for name in known}
+        return result_html(self.name, facts, self.parameters, remarks)
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """The report of a job: ``html`` is a whole page that needs nothing else."""
+
+    html: str
+
+    def _repr_html_(self) -> str:
+        """Show the page in a notebook, in a frame of its own so that styles do not mix."""
+        return f'<iframe srcdoc="{escape(self.html)}" style="width:100%;height:60rem;border:0"></iframe>'
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A figure of a job: ``form`` is svg, png or csv (the numbers behind it)."""
+
+    name: str
+    form: str
+    content: bytes
+
+    def _repr_svg_(self) -> str | None:
+        """Show it in a notebook."""
+        return self.content.decode() if self.form == "svg" else None
+
+    def _repr_png_(self) -> bytes | None:
+        """Show it in a notebook."""
+        return self.content if self.form == "png" else None
 
 
 @dataclass(frozen=True, slots=True)

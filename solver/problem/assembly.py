@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -40,6 +40,7 @@ from solver.problem.sections import (
     Settings,
     Stopping,
 )
+from solver.problem.weighting import scheme_factors
 
 __all__ = ["load_problem", "parse_problem"]
 
@@ -96,7 +97,7 @@ class _Assembly:
         spec, model = self._forward_model()
         parameters, complete = self._parameters()
         constraints = self._constraints(settings, parameters, complete)
-        observations = self._observations(model)
+        observations = self._weighted(settings, self._observations(model))
         if model is not None and parameters:
             declared = self.document["parameters"]
             self.issues += check_against_model(parameters, declared, model, self._kind)
@@ -119,6 +120,7 @@ class _Assembly:
             method=method,
             stopping=stopping,
             seed=settings.seed,
+            weighting=settings.weighting,
         )
         unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem)
         if unsatisfiable:
@@ -253,6 +255,18 @@ class _Assembly:
         observations, found = build_observations(complete, model, self._kind)
         self.issues += found or _preparation_issues(model, observations)
         return observations
+
+    def _weighted(self, settings: Settings | None, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
+        """Multiply the weights by those of the scheme, if there is one."""
+        if settings is None or settings.weighting is None or not observations:
+            return observations
+        errors = {o.series: o.error for o in observations if o.error is not None}
+        if settings.weighting == "by_error" and len(errors) < len(observations):
+            missing = ", ".join(o.series for o in observations if o.error is None)
+            self._report("weighting", f"by_error needs the error of every observation; it is missing for {missing}")
+            return observations
+        factors = scheme_factors(settings.weighting, {o.series: o.y for o in observations}, errors)
+        return tuple(replace(o, weight=o.weight * factors[o.series]) for o in observations)
 
     def _check_known_values(
         self,

@@ -46,11 +46,15 @@ class Observation:
     x, y, point_weights
         Points and weights w_h, each of shape (m,), read-only, in base units (kN, m, day, degree).
     weight
-        Weight w_g of the series in the objective.
+        Weight w_g of the series in the objective: the one given times that of the problem's weighting scheme.
     x_unit, y_unit
         Units of ``points``; None stands for the base unit.
     points
         The points as the user gave them.
+    given_weight
+        Weight as the user gave it.
+    error, given_error
+        Standard deviation of a reading in the base unit and as the user gave it; None when it is not known.
     """
 
     series: str
@@ -61,6 +65,9 @@ class Observation:
     x_unit: str | None
     y_unit: str | None
     points: Points
+    given_weight: float
+    error: float | None = None
+    given_error: float | None = None
 
     def document(self) -> dict[str, Any]:
         """The observation's section in the canonical form, points inlined."""
@@ -69,7 +76,8 @@ class Observation:
             "series": self.series,
             "points": self.points.document(),
             **{name: unit for name, unit in units.items() if unit is not None},
-            "weight": self.weight,
+            "weight": self.given_weight,
+            **({} if self.given_error is None else {"error": self.given_error}),
         }
 
 
@@ -181,7 +189,26 @@ def _build(
     weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)
     for array in (x, y, weights):
         array.flags.writeable = False
-    return Observation(section.series, x, y, weights, section.weight, section.x_unit, section.y_unit, points), []
+    deviation = section.error
+    if deviation is not None and section.y_unit is not None:  # a difference: offsets of a unit do not matter
+        low, high = convert([0.0, deviation], section.y_unit, info.y_unit)
+        deviation = float(high - low)
+    return (
+        Observation(
+            section.series,
+            x,
+            y,
+            weights,
+            section.weight,
+            section.x_unit,
+            section.y_unit,
+            points,
+            given_weight=section.weight,
+            error=deviation,
+            given_error=section.error,
+        ),
+        [],
+    )
 
 
 def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -> tuple[FloatArray, str | None]:

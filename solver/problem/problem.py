@@ -19,6 +19,7 @@ from solver.problem.parameters import (
     outside_limits,
 )
 from solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
+from solver.problem.weighting import Weighting
 
 __all__ = ["Problem"]
 
@@ -46,6 +47,8 @@ class Problem:
         How to search and when to stop.
     seed
         Fixes all random numbers; None: to be chosen.
+    weighting
+        Scheme that took part in the weights of the observations.
     """
 
     name: str
@@ -57,6 +60,7 @@ class Problem:
     method: ParticleSwarmMethod | MonteCarloMethod
     stopping: Stopping
     seed: int | None
+    weighting: Weighting | None = None
     free: tuple[FreeParameter, ...] = field(init=False)
     free_names: tuple[str, ...] = field(init=False)
     _template: dict[str, float] = field(init=False, repr=False)
@@ -138,6 +142,8 @@ class Problem:
             "method": self.method.model_dump(mode="json", exclude_none=True),
             "stopping": self.stopping.model_dump(mode="json", exclude_none=True),
         }
+        if self.weighting is not None:
+            document["weighting"] = self.weighting
         return document if self.seed is None else document | {"seed": self.seed}
 
     def __eq__(self, other: object) -> bool:

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from pydantic_core import PydanticCustomError
 
 from solver.forward.registry import AnyForwardModelSpec
+from solver.problem.weighting import Weighting
 
 __all__ = [
     "METHODS",
@@ -93,6 +94,7 @@ class ObservationSection(_Section):
     x_unit: str | None = Field(None, description="unit of x in the data; the series' base unit if absent")
     y_unit: str | None = Field(None, description="unit of y in the data; the series' base unit if absent")
     weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
+    error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
 
     @model_validator(mode="after")
     def _one_source(self) -> ObservationSection:
@@ -216,6 +218,11 @@ class Settings(_Section):
 
     constraints: list[str] = Field(
         default=[], max_length=100, description='comparisons that hold for every proposal: "lambda_star > kappa_star"'
+    )
+    weighting: Weighting | None = Field(
+        None,
+        description="multiply the weights of the series by what a scheme gives: by_error (precision of the readings), "
+        "by_count (number of readings), by_range (range of the readings)",
     )
     seed: int | None = Field(
         None, ge=0, le=_LARGEST_SEED, description="fixes all random numbers; chosen and reported if absent"

@@ -55,8 +55,24 @@ def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:
         return np.asarray(array * float(factor.numerator) / float(factor.denominator))
 
 
+COMMON = {
+    ("s", "day"): Fraction(1, 86400),
+    ("min", "day"): Fraction(1, 1440),
+    ("h", "day"): Fraction(1, 24),
+    ("mm", "m"): Fraction(1, 1000),
+    ("cm", "m"): Fraction(1, 100),
+    ("MPa", "kPa"): Fraction(1000),
+    ("%", "dimensionless"): Fraction(1, 100),
+}
+"""What nearly all measurements need, so that a worker need not load the registry (tests compare the two)."""
+
+
 @lru_cache(maxsize=256)
 def _factor(unit: str, base: str) -> Fraction:
+    return COMMON[unit, base] if (unit, base) in COMMON else _registered_factor(unit, base)
+
+
+def _registered_factor(unit: str, base: str) -> Fraction:
     examples = _EXAMPLES.get(base, base)
     factor, dimension = _root(unit, examples)
     base_factor, base_dimension = _root(base, examples)

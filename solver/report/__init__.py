@@ -1,30 +1,68 @@
-"""Figures and tables from results.
+"""Figures, tables and reports from results.
 
-==============  =====================================================================
-``curves``      measured and calculated series in the units that the user gave
-``figures``     fit and convergence (needs the ``plots`` extra: matplotlib)
-``tables``      result, evaluations and generations as JSON and CSV files
-==============  =====================================================================
+==================  ====================================================================
+``build``           :class:`Report`: statistics, figures, HTML and PDF of one run
+``record``          what a report tells of a run, wherever it was
+``folder``          a run from the files of ``geoswarm run --output``
+``curves``          measured and calculated series in the units that the user gave
+``tables``          result, evaluations and generations as JSON and CSV files
+``content``         what stands in a report, in order
+``html``, ``pdf``   its two forms (need the ``plots`` extra)
+``figures``         the figures of a run by name
+``*_plot``          one module a figure (matplotlib, without a display and its global state)
+``style``           palette, sizes, files
+==================  ====================================================================
 """
 
 from __future__ import annotations
 
-from solver.report.curves import SeriesCurve, SeriesShare, objective_unit, series_curves, series_shares
-from solver.report.figures import convergence_figure, figures_available, fit_figure, save_figure
-from solver.report.tables import write_evaluations, write_generations, write_problem, write_result
+from solver.report.build import Report, linearise_here, linearise_stored, report_of_result
+from solver.report.curves import (
+    SeriesCurve,
+    SeriesShare,
+    initial_values,
+    objective_unit,
+    series_curves,
+    series_shares,
+)
+from solver.report.figures import FigureSet
+from solver.report.folder import report_of_folder, run_of_folder
+from solver.report.record import BestFit, RunRecord, record_of_result
+from solver.report.reweighted import reweighted_document
+from solver.report.style import figures_available, png_of, save_figure, svg_of
+from solver.report.tables import (
+    write_evaluations,
+    write_generations,
+    write_problem,
+    write_responses,
+    write_result,
+)
 
 __all__ = [
+    "BestFit",
+    "FigureSet",
+    "Report",
+    "RunRecord",
     "SeriesCurve",
     "SeriesShare",
-    "convergence_figure",
     "figures_available",
-    "fit_figure",
+    "initial_values",
+    "linearise_here",
+    "linearise_stored",
     "objective_unit",
+    "png_of",
+    "record_of_result",
+    "report_of_folder",
+    "report_of_result",
+    "reweighted_document",
+    "run_of_folder",
     "save_figure",
     "series_curves",
     "series_shares",
+    "svg_of",
     "write_evaluations",
     "write_generations",
     "write_problem",
+    "write_responses",
     "write_result",
 ]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,15 @@ from solver.forward.base import SeriesInfo
 from solver.problem import Observation, Problem
 from solver.problem.units import convert
 
-__all__ = ["SeriesCurve", "SeriesShare", "objective_unit", "series_curves", "series_shares"]
+__all__ = [
+    "SeriesCurve",
+    "SeriesShare",
+    "initial_values",
+    "load_times",
+    "objective_unit",
+    "series_curves",
+    "series_shares",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +45,10 @@ class SeriesCurve:
         points.
     at_points
         Calculated values at the measured points, shape (m,).
+    initial
+        Curve of the estimate to start from, shape (n,); None without one.
+    breaks
+        x at which a load is applied, of a test with loads in stages over time, shape (k,); empty for other series.
     """
 
     series: str
@@ -47,6 +61,13 @@ class SeriesCurve:
     x: FloatArray
     y: FloatArray
     at_points: FloatArray
+    initial: FloatArray | None = None
+    breaks: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def residuals(self) -> FloatArray:
+        """Calculated minus measured at the measured points, shape (m,)."""
+        return self.at_points - self.measured_y
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +91,10 @@ class SeriesShare:
 
 
 def series_curves(
-    problem: Problem, responses: Mapping[str, FloatArray], values: Mapping[str, float]
+    problem: Problem,
+    responses: Mapping[str, FloatArray],
+    values: Mapping[str, float],
+    initial: Mapping[str, float] | None = None,
 ) -> list[SeriesCurve]:
     """Return every observed series with its calculated curve, in the order of the problem.
 
@@ -83,17 +107,64 @@ def series_curves(
     values
         Value of every parameter; the curve between the points is calculated with them. Where that calculation fails,
         the curve joins the calculated points.
+    initial
+        Value of every parameter of the estimate to start from; a second curve where that calculation succeeds.
     """
     grids = {o.series: _grid(problem, o) for o in problem.observations}
-    try:
-        with np.errstate(all="ignore"):
-            dense: Mapping[str, FloatArray] = problem.model.prepare(grids)(values)
-    except ForwardError:
-        grids, dense = {o.series: o.x for o in problem.observations}, responses
+    dense = _calculate(problem, grids, values)
+    if dense is None:
+        grids, dense = {o.series: o.x for o in problem.observations}, dict(responses)
+    first = None if initial is None else _calculate(problem, grids, initial)
     known = {info.name: info for info in problem.model.series}
     return [
-        _curve(o, known[o.series], grids[o.series], dense[o.series], responses[o.series]) for o in problem.observations
+        _curve(
+            o,
+            known[o.series],
+            grids[o.series],
+            (dense[o.series], responses[o.series], None if first is None else first[o.series]),
+            load_times(problem, o.series),
+        )
+        for o in problem.observations
     ]
+
+
+def initial_values(problem: Problem) -> dict[str, float] | None:
+    """Return the estimate to start from, all parameters; None when the problem gives no ``initial`` value at all.
+
+    A free parameter without one stands in the middle of its bounds, in the coordinate it is searched in.
+    """
+    if all(p.initial is None for p in problem.free):
+        return None
+    middle = [math.sqrt(p.lower * p.upper) if p.scale == "log" else (p.lower + p.upper) / 2.0 for p in problem.free]
+    return problem.values([m if p.initial is None else p.initial for p, m in zip(problem.free, middle, strict=True)])
+
+
+def load_times(problem: Problem, series: str) -> FloatArray:
+    """Return the times [day] at which loads are applied, shape (k,), where a series runs over the time of such a test.
+
+    Empty for every other series. Times count from the series' zero; loads before it are left out.
+    """
+    spec: Any = problem.forward_model
+    part, dot, inner = series.partition(".")
+    if dot and hasattr(spec, "parts"):
+        spec, series = spec.parts[part], inner
+    stages = getattr(spec, "stages", ())
+    if not stages or series.startswith("stage_"):
+        return np.empty(0)
+    durations = np.array([stage.duration for stage in stages])
+    starts = np.concatenate([[0.0], np.cumsum(durations)[:-1]])
+    starts = starts - starts[getattr(spec, "zero_at_stage", 1) - 1]
+    return np.asarray(starts[starts >= 0.0], dtype=np.float64)
+
+
+def _calculate(
+    problem: Problem, grids: Mapping[str, FloatArray], values: Mapping[str, float]
+) -> dict[str, FloatArray] | None:
+    try:
+        with np.errstate(all="ignore"):
+            return problem.model.prepare(grids)(values)
+    except ForwardError:
+        return None
 
 
 def series_shares(problem: Problem, misfits: Mapping[str, float]) -> list[SeriesShare]:
@@ -122,8 +193,13 @@ def _grid(problem: Problem, observation: Observation) -> FloatArray:
 
 
 def _curve(
-    observation: Observation, info: SeriesInfo, x: FloatArray, y: FloatArray, at_points: FloatArray
+    observation: Observation,
+    info: SeriesInfo,
+    x: FloatArray,
+    calculated: tuple[FloatArray, FloatArray, FloatArray | None],
+    breaks: FloatArray,
 ) -> SeriesCurve:
+    y, at_points, initial = calculated
     x_unit, y_unit = observation.x_unit or info.x_unit, observation.y_unit or info.y_unit
 
     def to_x(values: FloatArray) -> FloatArray:
@@ -144,4 +220,6 @@ def _curve(
         x=to_x(x),
         y=to_y(np.asarray(y, dtype=np.float64)),
         at_points=to_y(np.asarray(at_points, dtype=np.float64))[order],
+        initial=None if initial is None else to_y(np.asarray(initial, dtype=np.float64)),
+        breaks=to_x(breaks),
     )

@@ -1,136 +1,171 @@
-"""Fit and convergence figures (matplotlib, without a display and without its global state)."""
+"""The figures of a run by name: each is drawn when it is asked for, as SVG, PNG, or the numbers behind it as CSV."""
 
 from __future__ import annotations
 
-import importlib.util
-from collections.abc import Sequence
-from pathlib import Path
+import csv
+import io
+from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING
 
-from solver.local import GenerationRecord
-from solver.report.curves import SeriesCurve
+from solver.identifiability import Samples, Statistics
+from solver.problem import Problem
+from solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
+from solver.report.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
+from solver.report.intervals_plot import IntervalRow, interval_rows, intervals_figure
+from solver.report.labels import parameter_labels
+from solver.report.matrix_plot import MatrixData, matrix_figure, matrix_rows
+from solver.report.progress_plots import convergence_figure, convergence_rows, traces_figure
+from solver.report.record import RunRecord
+from solver.report.words import verdict_in_words
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["convergence_figure", "figures_available", "fit_figure", "save_figure"]
+__all__ = ["FigureSet"]
 
-# Okabe and Ito: told apart with every common colour vision
-_BLACK, _BLUE, _ORANGE, _GREY = "#000000", "#0072B2", "#D55E00", "#666666"
-
-
-def figures_available() -> bool:
-    """Tell whether matplotlib (the ``plots`` extra) is installed."""
-    return importlib.util.find_spec("matplotlib") is not None
+Rows = tuple[list[str], list[list[object]]]
 
 
-def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
-    """Draw measured points and the calculated curve of every series, one panel a series.
+class FigureSet:
+    """All figures of one run.
+
+    ``names`` are, as far as there is anything to show: matrix, intervals, fit, stages.SERIES (one a series that was
+    measured during several loads), convergence, traces.
 
     Parameters
     ----------
-    title
-        Line above the panels.
-    curves
-        Series in the user's units; compression is positive and drawn upwards, as in the data.
+    problem, record
+        What was asked for and how it went.
+    samples, statistics
+        Successful evaluations and their statistics; None where there are none.
     """
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 1.0 + 3.4 * len(curves)), layout="constrained")
-    figure.suptitle(title)
-    for index, curve in enumerate(curves):
-        axes = figure.add_subplot(len(curves), 1, index + 1)
-        axes.plot(curve.x, curve.y, color=_BLUE, linewidth=1.4, label="calculated", zorder=2)
-        axes.plot(
-            curve.measured_x,
-            curve.measured_y,
-            linestyle="none",
-            marker="o",
-            markersize=3.5,
-            markerfacecolor="none",
-            markeredgecolor=_BLACK,
-            markeredgewidth=0.8,
-            label="measured",
-            zorder=3,
+    def __init__(
+        self, problem: Problem, record: RunRecord, samples: Samples | None, statistics: Statistics | None
+    ) -> None:
+        self._problem = problem
+        self._record = record
+        self._samples = samples
+        self._statistics = statistics
+        self._drawn: dict[str, Figure] = {}
+        self._labels = parameter_labels(problem)
+        self._unit = objective_unit(problem)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the figures that can be drawn, in the order of a report."""
+        return tuple(self._makers)
+
+    def draw(self, name: str) -> Figure:
+        """Draw a figure, once: several forms are rendered from the same one.
+
+        Raises
+        ------
+        KeyError
+            When there is no figure of this name; the message lists those that there are.
+        """
+        maker = self._maker(name)[0]
+        if name not in self._drawn:
+            self._drawn[name] = maker()
+        return self._drawn[name]
+
+    def rows(self, name: str) -> Rows:
+        """Return header and rows of the numbers that a figure shows."""
+        return self._maker(name)[1]()
+
+    def csv(self, name: str) -> str:
+        """Return the numbers that a figure shows as CSV; None becomes an empty cell."""
+        header, rows = self.rows(name)
+        stream = io.StringIO()
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+        return stream.getvalue()
+
+    def _maker(self, name: str) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+        if name not in self._makers:
+            raise KeyError(f"no figure {name!r}; there are: {', '.join(self._makers) or 'none'}")
+        return self._makers[name]
+
+    @cached_property
+    def _makers(self) -> dict[str, tuple[Callable[[], Figure], Callable[[], Rows]]]:
+        makers: dict[str, tuple[Callable[[], Figure], Callable[[], Rows]]] = {}
+        title, records = self._problem.name, self._record.records
+        if self._statistics is not None and self._samples is not None:
+            data = self._matrix(self._statistics, self._samples)
+            makers["matrix"] = (
+                lambda: matrix_figure(f"{title}: what the data can tell", data),
+                lambda: matrix_rows(data),
+            )
+            rows = self._intervals(self._statistics, self._samples)
+            makers["intervals"] = (lambda: intervals_figure(f"{title}: parameters", rows), lambda: interval_rows(rows))
+        if self._record.best is not None:
+            makers["fit"] = (lambda: fit_figure(f"{title}: fit", self._curves), lambda: fit_rows(self._curves))
+            for curve in self._curves:
+                if has_stages(curve):
+                    makers[f"stages.{curve.series}"] = _stages(title, curve)
+        if records:
+            target = self._problem.stopping.target_objective
+            makers["convergence"] = (
+                lambda: convergence_figure(f"{title}: convergence", records, self._unit, target),
+                lambda: convergence_rows(records),
+            )
+        if records and self._samples is not None:
+            samples = self._samples
+            makers["traces"] = (
+                lambda: traces_figure(f"{title}: parameters during the search", records, samples, self._labels),
+                lambda: _trace_rows(samples),
+            )
+        return makers
+
+    @cached_property
+    def _curves(self) -> list[SeriesCurve]:
+        best = self._record.best
+        if best is None:
+            return []
+        return series_curves(self._problem, best.responses, best.parameters, initial_values(self._problem))
+
+    def _matrix(self, statistics: Statistics, samples: Samples) -> MatrixData:
+        return MatrixData(
+            samples,
+            statistics.filtered,
+            statistics.projections,
+            statistics.pearson,
+            statistics.spearman,
+            self._labels,
+            self._unit,
         )
-        axes.set_xlabel(_label(curve.x_quantity, curve.x_unit))
-        axes.set_ylabel(_label(curve.y_quantity, curve.y_unit))
-        axes.set_title(curve.series, fontsize="medium", loc="left")
-        _finish(axes)
-    return figure
+
+    def _intervals(self, statistics: Statistics, samples: Samples) -> list[IntervalRow]:
+        rows = []
+        linearisation = statistics.linearisation
+        for index, (name, projection) in enumerate(zip(samples.names, statistics.projections, strict=True)):
+            verdict = statistics.verdict(name)
+            sampled = verdict.evidence.basis == "sampling" and projection.lower is not None
+            good = (projection.lower or 0.0, projection.upper or 0.0) if sampled else None
+            rows.append(
+                IntervalRow(
+                    self._labels[name],
+                    float(samples.lower[index]),
+                    float(samples.upper[index]),
+                    samples.scales[index] == "log",
+                    projection.best,
+                    good,
+                    None if linearisation is None else linearisation.interval(name),
+                    0.95 if linearisation is None else linearisation.level,
+                    None if linearisation is None else float(linearisation.optimum[index]),
+                    verdict_in_words(verdict.kind),
+                )
+            )
+        return rows
 
 
-def convergence_figure(
-    title: str, records: Sequence[GenerationRecord], unit: str, target: float | None = None
-) -> Figure:
-    """Draw the best objective so far, and the best of each generation, over the evaluations.
-
-    Parameters
-    ----------
-    title
-        Line above the axes.
-    records
-        Finished generations in order.
-    unit
-        Unit of the objective, for the axis.
-    target
-        Objective at which the search was to stop, or None.
-    """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 4.4), layout="constrained")
-    figure.suptitle(title)
-    axes = figure.add_subplot()
-    single = [(r.evaluations, r.best_objective) for r in records if r.best_objective is not None]
-    axes.plot(
-        [x for x, _ in single],
-        [y for _, y in single],
-        linestyle="none",
-        marker=".",
-        color=_GREY,
-        label="best of a generation",
-        zorder=2,
-    )
-    so_far = [(r.evaluations, r.objective) for r in records if r.objective is not None]
-    axes.step(
-        [x for x, _ in so_far],
-        [y for _, y in so_far],
-        where="post",
-        color=_BLUE,
-        linewidth=1.6,
-        label="best so far",
-        zorder=3,
-    )
-    if target is not None:
-        axes.axhline(target, color=_ORANGE, linestyle="--", linewidth=1.0, label="target", zorder=1)
-    if all(y > 0.0 for _, y in single + so_far) and single:
-        axes.set_yscale("log")
-    axes.set_xlabel("evaluations")
-    axes.set_ylabel(_label("objective", unit))
-    _finish(axes)
-    return figure
+def _stages(title: str, curve: SeriesCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    return lambda: stages_figure(f"{title}: {curve.series} by stage", curve), lambda: fit_rows([curve])
 
 
-def save_figure(figure: Figure, directory: Path, name: str) -> list[Path]:
-    """Write ``<name>.png`` and ``<name>.svg``; the SVG of the same figure has the same bytes each time."""
-    import matplotlib as mpl
-
-    written = []
-    with mpl.rc_context({"svg.hashsalt": "geoswarm", "svg.fonttype": "none"}):
-        for suffix in ("png", "svg"):
-            path = directory / f"{name}.{suffix}"
-            figure.savefig(path, dpi=150, metadata={"Date": None} if suffix == "svg" else None)
-            written.append(path)
-    return written
-
-
-def _label(quantity: str, unit: str) -> str:
-    return f"{quantity} [{unit}]" if unit and unit != "dimensionless" else quantity
-
-
-def _finish(axes: Axes) -> None:
-    axes.grid(visible=True, color="#dddddd", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize="small")
+def _trace_rows(samples: Samples) -> Rows:
+    header = ["generation", "particle", "objective", *(f"parameter.{name}" for name in samples.names)]
+    columns = (samples.generations.tolist(), samples.particles.tolist(), samples.objectives.tolist())
+    return header, [[*place, *x] for *place, x in zip(*columns, samples.parameters.tolist(), strict=True)]

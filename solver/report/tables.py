@@ -4,20 +4,35 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from solver.local import CalibrationResult
 from solver.problem import Problem
 
-__all__ = ["result_document", "write_evaluations", "write_generations", "write_problem", "write_result"]
+__all__ = [
+    "parameter_column",
+    "result_document",
+    "write_evaluations",
+    "write_generations",
+    "write_problem",
+    "write_responses",
+    "write_result",
+]
 
 _TAKEN = frozenset(
     {"generation", "particle", "state", "objective", "reason", "message", "attempts", "worker"}
     | {"started_at", "finished_at", "seconds"}
 )
 """Columns that a parameter of the same name must not shadow."""
+
+
+def parameter_column(name: str, taken: Collection[str] = _TAKEN) -> str:
+    """Return the column of a parameter; one that is called like another column gets the prefix ``parameter.``."""
+    return f"parameter.{name}" if name in taken else name
 
 
 def result_document(problem: Problem, result: CalibrationResult) -> dict[str, Any]:
@@ -64,7 +79,7 @@ def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -
     """
     series = [o.series for o in problem.observations]
     before, after = ("generation", "particle", "state", "objective"), ("reason", "message", "seconds")
-    parameters = [f"parameter.{name}" if name in _TAKEN else name for name in problem.free_names]
+    parameters = [parameter_column(name) for name in problem.free_names]
     header = [*before, *parameters, *(f"misfit.{name}" for name in series), *after]
 
     def rows() -> Iterable[Sequence[object]]:
@@ -78,11 +93,28 @@ def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -
     _write_csv(path, header, rows())
 
 
+def write_responses(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write the responses of the successful evaluations as a NumPy archive, for statistics and other weights later.
+
+    Arrays ``generation`` and ``particle``, shape (n,), and ``response.SERIES``, shape (n, m_g), base units.
+    """
+    good = [r for r in result.history if r.evaluation.reason is None]
+    arrays = {
+        f"response.{o.series}": np.array([r.evaluation.responses[o.series] for r in good]).reshape(-1, o.x.size)
+        for o in problem.observations
+    }
+    place = {
+        "generation": np.array([r.generation for r in good], dtype=np.int64),
+        "particle": np.array([r.particle for r in good], dtype=np.int64),
+    }
+    np.savez_compressed(path, **place, **arrays)  # type: ignore[arg-type]
+
+
 def write_generations(path: Path, problem: Problem, result: CalibrationResult) -> None:
     """Write one row a generation: totals so far, its best objective, the best so far with all parameters."""
     names = list(problem.parameters)
     before = ("generation", "evaluations", "failed", "best_objective", "objective")
-    header = [*before, *(f"parameter.{name}" if name in before else name for name in names)]
+    header = [*before, *(parameter_column(name, before) for name in names)]
 
     def rows() -> Iterable[Sequence[object]]:
         for r in result.generation_records:

@@ -49,6 +49,7 @@ def test_the_key_opens(guarded: App, headers: dict[str, str]) -> None:
         {"X-API-Key": "wrong"},
         {"Authorization": basic("wrong")},
         {"Authorization": "Basic ???"},
+        {"Authorization": b"Basic \xfc"},
     ],
 )
 def test_a_wrong_key_does_not(guarded: App, headers: dict[str, str]) -> None:
@@ -88,7 +89,7 @@ def test_allowed_hosts_and_a_key_open_other_names(service: JobService) -> None:
 
 
 def test_pages_of_other_origins_may_read_nothing_and_change_nothing(app: App) -> None:
-    for origin in ("http://evil.example", "null", "http://localhost:1"):
+    for origin in ("http://evil.example", "null", "http://localhost:1", "http://["):
         answer = app.post(f"{API}/jobs/x/cancel", headers={"Origin": origin})
         assert (answer.status_code, answer.json()["type"]) == (403, "urn:geoswarm:error:origin-refused")
     own = app.post(f"{API}/jobs/x/cancel", headers={"Origin": "http://localhost"})

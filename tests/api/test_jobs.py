@@ -195,3 +195,11 @@ def test_an_empty_idempotency_key_is_refused(app: App) -> None:
     answer = app.post(f"{API}/jobs", json=line_problem(), headers={"Idempotency-Key": ""})
     assert answer.status_code == 422
     assert "idempotency-key" in answer.json()["issues"][0]["path"]
+
+
+@pytest.mark.parametrize(
+    "query", ["generations?after=99999999999999999999", "evaluations?generation=9223372036854775808"]
+)
+def test_numbers_beyond_every_database_are_refused(app: App, query: str) -> None:
+    job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    assert app.get(f"{API}/jobs/{job}/{query}").status_code == 422

@@ -8,8 +8,14 @@ from tests.contracts.repository import ROOT, project
 
 RECORD = ROOT / "docs" / "decisions" / "0003-dependencies.md"
 REQUIREMENT = re.compile(r"(?P<name>[A-Za-z0-9._-]+)(\[[\w,]+\])?(?P<bounds>.+)")
-EXTRAS = ("server", "plots", "bench", "dev")
-HEADINGS = {"dependencies": "Base"} | {name: f"Extra `{name}`" for name in EXTRAS}
+HEADINGS = {
+    "dependencies": "Base",
+    "server": "Extra `server`",
+    "plots": "Extra `plots`",
+    "statistics": "Extra `statistics`",
+    "bench": "Extra `bench`",
+    "dev": "Extra `dev`",
+}
 
 
 def requirements() -> dict[str, list[re.Match[str]]]:

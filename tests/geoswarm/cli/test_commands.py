@@ -15,8 +15,9 @@ from geoswarm.cli.commands import COMMANDS, cli
 WANTED = (
     *("check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
     *("list", "show", "cancel", "pause", "resume", "export", "demo", "workers"),
+    *("report", "statistics", "reweight", "paper"),
 )
-READING = ("check", "evaluate", "run", "submit", "watch", "list", "show", "workers")
+READING = ("check", "evaluate", "run", "submit", "watch", "list", "show", "workers", "statistics", "reweight", "paper")
 
 
 def command(name: str) -> click.Command:

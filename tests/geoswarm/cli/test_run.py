@@ -70,16 +70,15 @@ def test_output_folder_holds_tables_figures_and_a_problem_that_runs_again(
     folder = tmp_path / "deep" / "output"
     assert main(["run", write(tmp_path), "--output", str(folder), "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)
-    assert sorted(path.name for path in folder.iterdir()) == [
-        "convergence.png",
-        "convergence.svg",
-        "evaluations.csv",
-        "fit.png",
-        "fit.svg",
-        "generations.csv",
-        "problem.json",
-        "result.json",
+    figures = ("convergence", "fit", "intervals", "matrix", "traces")
+    tables = ("evaluations.csv", "generations.csv", "problem.json", "responses.npz", "result.json")
+    expected = [
+        *tables,
+        "report.html",
+        "report.pdf",
+        *(f"{n}.{form}" for n in figures for form in ("png", "svg", "csv")),
     ]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(expected)
     result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     assert {key: result[key] for key in KEYS} == summary
     with (folder / "evaluations.csv").open(encoding="utf-8", newline="") as stream:
@@ -104,7 +103,7 @@ def test_without_matplotlib_the_tables_are_still_written(
     assert main(["run", write(tmp_path), "--output", str(folder)]) == 0
     assert "geoswarm[plots]" in capsys.readouterr().err
     assert sorted(path.name for path in folder.iterdir()) == (
-        ["evaluations.csv", "generations.csv", "problem.json", "result.json"]
+        ["evaluations.csv", "generations.csv", "problem.json", "responses.npz", "result.json"]
     )
 
 

@@ -182,3 +182,20 @@ def test_port_in_use_is_one_message(service: Service, tmp_path: Path, capsys: py
     assert f"127.0.0.1:{port}" in error
     assert "already in use" in error
     assert not (tmp_path / "jobs.db").exists()
+
+
+def test_statistics_report_and_other_weights_of_a_job(
+    service: Service, finished: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    found = call_json(capsys, service, "statistics", finished)
+    assert [verdict["parameter"] for verdict in found["verdicts"]] == ["amplitude", "rate"]
+    following = tmp_path / "next.json"
+    call(capsys, service, "statistics", finished, "--accept", "fix:rate=0.7", "--output", str(following))
+    assert json.loads(following.read_text(encoding="utf-8"))["parameters"]["rate"] == {"value": 0.7}
+    weighted = call_json(capsys, service, "reweight", finished, "--weight", "y=2")
+    assert weighted["weights"][0]["share"] == 1.0
+    _, written = call(capsys, service, "report", finished, "--figures", "--html", "--output", str(tmp_path / "report"))
+    names = {path.name for path in (tmp_path / "report").iterdir()}
+    assert {"report.html", "matrix.png", "matrix.svg", "matrix.csv", "fit.csv"} <= names
+    assert "report.pdf" not in names
+    assert "report.html" in written

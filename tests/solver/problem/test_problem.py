@@ -166,7 +166,8 @@ def test_sections_of_the_wrong_shape(section: str, value: Any, message: str) -> 
 def test_the_schema_knows_every_section_and_every_kind() -> None:
     schema = problem_schema()
     assert set(schema["properties"]) == {
-        *("name", "forward_model", "parameters", "constraints", "observations", "method", "stopping", "seed")
+        *("name", "forward_model", "parameters", "constraints", "observations", "method", "stopping", "seed"),
+        "weighting",
     }
     assert schema["required"] == ["forward_model", "parameters", "observations"]
     assert [choice["$ref"] for choice in schema["$defs"]["forward_model"]["oneOf"]] == [

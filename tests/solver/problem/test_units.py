@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.problem.units import UnitError, convert, same_unit
+from solver.problem.units import COMMON, UnitError, _registered_factor, convert, same_unit
 
 
 @pytest.mark.parametrize(
@@ -96,3 +96,7 @@ def test_base_units_need_no_registry() -> None:
     code = f"import sys; {use}; print('pint' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_common_factors_are_those_of_the_registry() -> None:
+    assert {pair: _registered_factor(*pair) for pair in COMMON} == COMMON

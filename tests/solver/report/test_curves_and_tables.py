@@ -1,4 +1,4 @@
-"""Curves in the user's units, shares, files and figures."""
+"""Curves in the user's units, shares and files."""
 
 from __future__ import annotations
 
@@ -10,17 +10,7 @@ import pytest
 
 from solver.local import CalibrationResult, calibrate
 from solver.problem import Problem, parse_problem
-from solver.report import (
-    convergence_figure,
-    figures_available,
-    fit_figure,
-    objective_unit,
-    save_figure,
-    series_curves,
-    series_shares,
-    write_evaluations,
-    write_result,
-)
+from solver.report import objective_unit, series_curves, series_shares, write_evaluations, write_result
 
 
 @pytest.fixture(scope="module")
@@ -108,32 +98,3 @@ def test_evaluations_keep_every_digit(problem: Problem, result: CalibrationResul
     place = header.split(",").index("rate")
     rates = [float(line.split(",")[place]) for line in lines]
     assert rates == [float(record.evaluation.parameters[0]) for record in result.history]
-
-
-def test_figures_show_their_data_and_repeat_to_the_byte(
-    problem: Problem, result: CalibrationResult, tmp_path: Path
-) -> None:
-    assert figures_available()
-    assert result.best is not None
-    assert result.parameters is not None
-    curves = series_curves(problem, result.best.responses, result.parameters)
-    figure = fit_figure("lines", curves)
-    assert [axes.get_ylabel() for axes in figure.axes] == [f"{c.y_quantity} [{c.y_unit}]" for c in curves]
-    calculated, measured = figure.axes[0].get_lines()
-    assert np.array_equal(measured.get_ydata(), curves[0].measured_y)
-    assert np.array_equal(calculated.get_xdata(), curves[0].x)
-    first = [path.read_bytes() for path in save_figure(figure, tmp_path, "fit")]
-    second = [path.read_bytes() for path in save_figure(fit_figure("lines", curves), tmp_path, "fit")]
-    assert first == second
-    assert first[0].startswith(b"\x89PNG")
-    assert b"<svg" in first[1]
-
-
-def test_convergence_is_logarithmic_and_shows_the_target(result: CalibrationResult) -> None:
-    figure = convergence_figure("lines", result.generation_records, "m²", target=1e-7)
-    axes = figure.axes[0]
-    assert axes.get_yscale() == "log"
-    assert axes.get_ylabel() == "objective [m²]"
-    best = axes.get_lines()[1].get_ydata()
-    assert np.all(np.diff(best) <= 0.0)
-    assert [line.get_label() for line in axes.get_lines()] == ["best of a generation", "best so far", "target"]

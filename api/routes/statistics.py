@@ -1,0 +1,157 @@
+"""What the evaluations of a job tell: statistics, report, figures, other weights. Nothing here runs a forward model."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Path, Query, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from api.dependencies import JobId, Service, problems_of
+from api.errors import DetailError
+from api.headers import DOCUMENT_POLICY
+from solver.report import Report, figures_available, png_of, svg_of
+from solver.report.jsonable import jsonable
+from workers.service import JobService
+
+__all__ = ["ReweightRequest", "router"]
+
+router = APIRouter(prefix="/jobs/{job_id}", tags=["statistics"])
+
+Threshold = Annotated[
+    float | None,
+    Query(gt=0, allow_inf_nan=False, description="objective up to which a fit is good; proposed if absent"),
+]
+MEDIA_TYPES = {"svg": "image/svg+xml", "png": "image/png", "csv": "text/csv; charset=utf-8"}
+
+
+class ReweightRequest(BaseModel):
+    """Other weights for the stored responses of a job."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    weights: dict[str, float] | None = Field(None, description="w_g by series; series not named keep theirs")
+    point_weights: dict[str, list[float]] | None = Field(None, description="w_h of every point, by series")
+    weighting: Literal["by_error", "by_count", "by_range"] | None = Field(
+        None, description="a scheme that chooses w_g, in place of weights"
+    )
+    noise: dict[str, float] | float | None = Field(
+        None, description="standard deviation of a reading, base units, for by_error"
+    )
+
+
+@router.get("/statistics", responses=problems_of(404, 409, 422))
+def statistics(job_id: JobId, service: Service, threshold: Threshold = None) -> dict[str, Any]:
+    """Judge the parameters from the stored evaluations.
+
+    Answers ``samples``, ``threshold``, ``correlations``, ``projections``, ``verdicts`` with evidence and proposals,
+    ``residuals``, ``weights`` (share of each series) and ``warnings``; docs/statistics.md explains them.
+    """
+    found = service.statistics.report(job_id, threshold=threshold).statistics
+    if found is None:
+        raise _nothing_yet(service, job_id)
+    answer: dict[str, Any] = jsonable(found.to_json())
+    return answer
+
+
+@router.post("/reweight", responses=problems_of(404, 409, 422))
+def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> dict[str, Any]:
+    """Calculate the objectives that the stored responses have under other weights; changes nothing in the job.
+
+    Answers the share of each series, the best evaluation under the new weights beside the old one, ``warnings`` when
+    the optimum would move outside the sampled region, and the problem with the new weights, ready to be submitted.
+    """
+    if service.statistics.stored(job_id).samples.size == 0:
+        raise _nothing_yet(service, job_id)
+    answer: dict[str, Any] = jsonable(service.statistics.reweighted(job_id, **request.model_dump()))
+    return answer
+
+
+@router.get(
+    "/report.html", response_class=Response, responses={200: {"content": {"text/html": {}}}, **problems_of(404, 422)}
+)
+def report_html(job_id: JobId, service: Service, threshold: Threshold = None) -> Response:
+    """Show the report of a job as one page that needs nothing else."""
+    page = service.statistics.rendered(job_id, "html", lambda report: report.html().encode(), threshold=threshold)
+    return _document(page, "text/html; charset=utf-8")
+
+
+@router.get(
+    "/report.pdf",
+    response_class=Response,
+    responses={200: {"content": {"application/pdf": {}}}, **problems_of(404, 422, 501)},
+)
+def report_pdf(job_id: JobId, service: Service, threshold: Threshold = None) -> Response:
+    """Show the report of a job as PDF."""
+    _need_figures()
+    pdf = service.statistics.rendered(job_id, "pdf", lambda report: report.pdf(), threshold=threshold)
+    return _document(pdf, "application/pdf", f"report-{job_id}.pdf")
+
+
+@router.get("/figures", responses=problems_of(404))
+def figures(job_id: JobId, service: Service) -> dict[str, list[str]]:
+    """List the figures that can be drawn of a job."""
+    return {"items": list(service.statistics.report(job_id).figures.names)}
+
+
+@router.get(
+    "/figures/{name}.{form}",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/svg+xml": {}, "image/png": {}, "text/csv": {}}, "description": "The figure"},
+        **problems_of(404, 422, 501),
+    },
+)
+def figure(
+    job_id: JobId,
+    service: Service,
+    name: Annotated[str, Path(max_length=200, description="as listed by /figures")],
+    form: Annotated[Literal["svg", "png", "csv"], Path(description="csv: the numbers that the figure shows")],
+    threshold: Threshold = None,
+) -> Response:
+    """Show a figure of a job, or the numbers behind it."""
+    if form != "csv":
+        _need_figures()
+    report = service.statistics.report(job_id, threshold=threshold)
+    if name not in report.figures.names:
+        raise DetailError(
+            404,
+            f"Job {job_id} has no figure {name!r}; there are: {', '.join(report.figures.names) or 'none yet'}.",
+            kind="no-figure",
+            title="No such figure",
+        )
+
+    def make(report: Report) -> bytes:
+        if form == "csv":
+            return report.figures.csv(name).encode()
+        return (svg_of if form == "svg" else png_of)(report.figures.draw(name))
+
+    content = service.statistics.rendered(job_id, f"{name}.{form}", make, threshold=threshold)
+    return _document(content, MEDIA_TYPES[form])
+
+
+def _document(content: bytes, media_type: str, file_name: str | None = None) -> Response:
+    headers = {"Content-Security-Policy": DOCUMENT_POLICY}
+    if file_name is not None:
+        headers["Content-Disposition"] = f'inline; filename="{file_name}"'
+    return Response(content, media_type=media_type, headers=headers)
+
+
+def _nothing_yet(service: JobService, job_id: str) -> DetailError:
+    state = service.get(job_id).state
+    return DetailError(
+        409,
+        f"Job {job_id} ({state}) has no successful evaluation yet, so there is nothing to judge.",
+        kind="no-evaluations",
+        title="No evaluations yet",
+    )
+
+
+def _need_figures() -> None:
+    if not figures_available():
+        raise DetailError(
+            501,
+            "The service draws no figures because matplotlib is not installed: pip install 'geoswarm[plots]'.",
+            kind="no-figures",
+            title="Figures not available",
+        )

@@ -1,0 +1,90 @@
+"""``geoswarm report``: the report of a job or of a run in a folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.options import connection_options
+from geoswarm.cli.output import note
+from geoswarm.cli.source import as_folder, threshold_check
+
+if TYPE_CHECKING:
+    from geoswarm.client import Client
+
+__all__ = ["report_command"]
+
+
+@click.command("report")
+@click.argument("source", metavar="ID|DIR")
+@click.option("--html", "html", is_flag=True, help="Write report.html.")
+@click.option("--pdf", "pdf", is_flag=True, help="Write report.pdf.")
+@click.option("--figures", "figures", is_flag=True, help="Write every figure as png, svg and csv.")
+@click.option("--threshold", type=float, help="Objective up to which a fit is good; proposed if not given.")
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Folder to write to; the folder of the run, or the working folder for a job.",
+)
+@connection_options
+def report_command(
+    source: str,
+    html: bool,
+    pdf: bool,
+    figures: bool,
+    threshold: float | None,
+    output: Path | None,
+    url: str,
+    api_key: str | None,
+) -> None:
+    """Write the report: verdicts, figures, tables, provenance.
+
+    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Without --html, --pdf or
+    --figures, report.html and report.pdf are written.
+    """
+    threshold_check(threshold)
+    if not (html or pdf or figures):
+        html = pdf = True
+    folder = as_folder(source)
+    target = output or folder or Path()
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInputError(f"--output {target}: {error.strerror}") from error
+    if folder is not None:
+        written = _of_folder(folder, target, threshold, html, pdf, figures)
+    else:
+        with connect(url, api_key) as client:
+            written = _of_job(client, find_job(client, source).id, target, threshold, html, pdf, figures)
+    note("Written: " + ", ".join(str(path) for path in written))
+
+
+def _of_folder(folder: Path, target: Path, threshold: float | None, html: bool, pdf: bool, figures: bool) -> list[Path]:
+    from solver.report import figures_available, report_of_folder
+
+    if not figures_available():
+        raise BadInputError("reports need matplotlib: pip install 'geoswarm[plots]'")
+    report = report_of_folder(folder, threshold=threshold)
+    return report.save(target, html=html, pdf=pdf, figures=None if figures else ())
+
+
+def _of_job(
+    client: Client, job_id: str, target: Path, threshold: float | None, html: bool, pdf: bool, figures: bool
+) -> list[Path]:
+    contents: dict[str, bytes] = {}
+    if html:
+        contents["report.html"] = client.report(job_id, threshold=threshold).html.encode()
+    if pdf:
+        contents["report.pdf"] = client.report_pdf(job_id, threshold=threshold)
+    for name in client.figures(job_id) if figures else ():
+        contents[f"{name}.png"] = client.figure(job_id, name, form="png", threshold=threshold).content
+        contents[f"{name}.svg"] = client.figure(job_id, name, form="svg", threshold=threshold).content
+        contents[f"{name}.csv"] = client.figure(job_id, name, form="csv", threshold=threshold).content
+    for file_name, content in contents.items():
+        (target / file_name).write_bytes(content)
+    return [target / file_name for file_name in contents]

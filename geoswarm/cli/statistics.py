@@ -1,0 +1,160 @@
+"""``geoswarm statistics``: what the evaluations of a run tell about its parameters, and what to do next."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.options import connection_options, json_option
+from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.source import as_folder, threshold_check
+
+if TYPE_CHECKING:
+    from solver.problem import Problem
+
+__all__ = ["statistics_command"]
+
+_KINDS = ("fix", "link", "widen")
+
+
+@click.command("statistics")
+@click.argument("source", metavar="ID|DIR")
+@click.option("--threshold", type=float, help="Objective up to which a fit is good; proposed if not given.")
+@click.option(
+    "--accept",
+    multiple=True,
+    metavar="KIND:NAME[=VALUE]",
+    help="Accept a proposal for the problem of a follow-up job: fix:phi, fix:phi=20, link:lambda_star, widen:c.",
+)
+@click.option(
+    "--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Problem file for --accept."
+)
+@json_option
+@connection_options
+def statistics_command(
+    source: str,
+    threshold: float | None,
+    accept: tuple[str, ...],
+    output: Path | None,
+    as_json: bool,
+    url: str,
+    api_key: str | None,
+) -> None:
+    """Tell what the data say about each parameter, from stored evaluations; no forward run.
+
+    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. With --accept, the problem of a
+    follow-up job is written to --output, or to stdout.
+    """
+    threshold_check(threshold)
+    if output is not None and not accept:
+        raise BadInputError("--output is the problem file of --accept; give at least one --accept KIND:NAME")
+    folder = as_folder(source)
+    if folder is not None:
+        from solver.report import report_of_folder
+        from solver.report.jsonable import jsonable
+
+        report = report_of_folder(folder, threshold=threshold)
+        if report.statistics is None:
+            raise BadInputError(f"{folder} holds no successful evaluation, so there is nothing to judge")
+        found, document = jsonable(report.statistics.to_json()), report.problem.document()
+    else:
+        with connect(url, api_key) as client:
+            job = find_job(client, source)
+            found, document = client.statistics(job.id, threshold=threshold), client.problem(job.id)
+    if accept:
+        _follow_up(found, document, accept, output)
+        return
+    if as_json:
+        echo_json(found)
+        return
+    _show(document["name"], found)
+
+
+def _show(name: str, found: Mapping[str, Any]) -> None:
+    samples, threshold = found["samples"], found["threshold"]
+    click.secho(name, bold=True)
+    for verdict in found["verdicts"]:
+        click.echo(f"  {verdict['sentence']}")
+    rows = [
+        (f"{p['kind']}:{p['parameter']}", p["sentence"])
+        for verdict in found["verdicts"]
+        for p in verdict["proposals"]
+        if p["kind"] in _KINDS
+    ]
+    if rows:
+        echo_table(None, ("--accept", "proposal"), rows)
+    pairs = found["correlations"][0]["pairs"]
+    if pairs:
+        cells = [
+            (
+                f"{p['first']}, {p['second']}",
+                number(p["coefficient"], 2),
+                "-" if p["lower"] is None else f"{p['lower']:.2f} to {p['upper']:.2f}",
+                str(p["count"]),
+            )
+            for p in pairs
+        ]
+        echo_table(None, ("pair", "Pearson r", "95 % interval", "good fits"), cells, right=(1, 2, 3))
+    weights = [
+        (w["series"], number(w["weight"]), "-" if w["share"] is None else f"{w['share']:.0%}") for w in found["weights"]
+    ]
+    echo_table(None, ("series", "weight", "share of the best objective"), weights, right=(1, 2))
+    facts = {
+        "good fits": f"{samples['kept']} of {samples['total']} evaluations ({samples['source'].replace('_', ' ')})",
+        "threshold": f"{number(threshold['value'])}: {threshold['explanation']}",
+        "failed": str(samples["failed"]),
+    }
+    echo_facts(None, facts)
+    for warning in found["warnings"]:
+        note(f"Warning: {warning}")
+
+
+def _follow_up(
+    found: Mapping[str, Any], document: dict[str, Any], accept: tuple[str, ...], output: Path | None
+) -> None:
+    """Write the problem with the accepted proposals; it is checked before."""
+    proposals = {
+        (p["kind"], p["parameter"]): p["changes"] for verdict in found["verdicts"] for p in verdict["proposals"]
+    }
+    changed = json.loads(json.dumps(document))
+    for item in accept:
+        kind, _, rest = item.partition(":")
+        name, given, value = rest.partition("=")
+        if given:
+            if kind != "fix" or name not in changed["parameters"]:
+                raise BadInputError(
+                    f"--accept {item}: only fix:NAME=VALUE takes a value, for a parameter of the problem"
+                )
+            try:
+                changed["parameters"][name] = {"value": float(value)}
+            except ValueError:
+                raise BadInputError(f"--accept {item}: '{value}' is not a number") from None
+            continue
+        changes = proposals.get((kind, name))
+        if changes is None or kind not in _KINDS:
+            known = ", ".join(f"{k}:{n}" for k, n in proposals if k in _KINDS)
+            raise BadInputError(f"--accept {item}: no such proposal; there are: {known or 'none'}")
+        changed["parameters"] |= changes["parameters"]
+    _write_problem(_checked(changed), output)
+
+
+def _checked(document: dict[str, Any]) -> Problem:
+    from solver.problem import parse_problem
+
+    return parse_problem(document)
+
+
+def _write_problem(problem: Problem, output: Path | None) -> None:
+    text = json.dumps(problem.document(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    output.write_text(text, encoding="utf-8")
+    free = ", ".join(problem.free_names)
+    note(f"Written to {output}: free are {free}. Next: geoswarm run {output}, or geoswarm submit {output}")

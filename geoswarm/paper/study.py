@@ -1,0 +1,202 @@
+"""What the studies share: a sampling repeated over seeds, a swarm, and the rows of a table published / here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration
+from solver.identifiability import Samples, Statistics, analyse
+from solver.local import CalibrationResult, calibrate
+from solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
+from solver.report import Report, record_of_result
+
+__all__ = [
+    "Row",
+    "Sampling",
+    "Study",
+    "bounds_rows",
+    "free",
+    "laboratory_rows",
+    "polished_rows",
+    "row",
+    "sample",
+    "spread",
+]
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One number: published, here, their difference in words, and what to know about it."""
+
+    topic: str
+    quantity: str
+    published: str
+    here: str
+    difference: str
+    remark: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """A study run again.
+
+    Parameters
+    ----------
+    key, title
+        ``A`` or ``B``, and its name.
+    remarks
+        What a reader must know before the numbers.
+    rows
+        Numbers beside the published ones.
+    choices
+        Parameter, verdict of the sampling, and what was done about it.
+    reports
+        Of the sampling and of the swarm, by the name of their folder.
+    """
+
+    key: str
+    title: str
+    remarks: tuple[str, ...]
+    rows: tuple[Row, ...]
+    choices: tuple[tuple[str, str, str], ...]
+    reports: Mapping[str, Report]
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """A sampling: that of the first seed with its report, the same for further seeds, and all put together."""
+
+    report: Report
+    statistics: Statistics
+    each: tuple[Statistics, ...] = field(repr=False)
+    together: Statistics
+
+    def correlations(self, first: str, second: str) -> FloatArray:
+        """Pearson's r of a pair for each seed, shape (k,)."""
+        found = [s.pearson.get(first, second).coefficient for s in self.each]
+        return np.array([np.nan if r is None else r for r in found], dtype=np.float64)
+
+
+def free(document: Mapping[str, Any], bounds: Mapping[str, tuple[float, float, str]], samples: int) -> Problem:
+    """Return a problem with these parameters free, sampled at random ``samples`` times."""
+    changed = {**document, "parameters": dict(document["parameters"]), "stopping": {}}
+    for name, (lower, upper, scale) in bounds.items():
+        changed["parameters"][name] = {"lower": lower, "upper": upper, "scale": scale}
+    changed["method"] = {"kind": "monte_carlo", "samples": samples, "batch": 50}
+    return parse_problem(changed)
+
+
+def sample(problem: Problem, threshold: float, seeds: Sequence[int], tell: Tell) -> Sampling:
+    """Sample a problem once a seed; the first seed gives the report."""
+    calibration = Calibration(problem, seeds[0])
+    parts: list[Samples] = []
+    each: list[Statistics] = []
+    first: CalibrationResult | None = None
+    for number, seed in enumerate(seeds, start=1):
+        tell(f"statistics {number} of {len(seeds)}: {problem.method.samples} forward runs, seed {seed}")  # type: ignore[union-attr]
+        result = calibrate(problem, seed=seed)
+        first = result if first is None else first
+        parts.append(Samples.from_result(problem, result))
+        each.append(analyse(calibration, parts[-1], threshold=threshold))
+    if first is None:
+        raise ValueError("seeds is empty; at least one is needed")
+    report = Report(problem, record_of_result(problem, first), parts[0], threshold=threshold)
+    together = analyse(calibration, Samples.merge(parts), threshold=threshold)
+    return Sampling(report, each[0], tuple(each), together)
+
+
+def row(
+    topic: str,
+    quantity: str,
+    published: float | None,
+    here: float | None,
+    *,
+    unit: str = "",
+    remark: str = "",
+    digits: int = 3,
+) -> Row:
+    """Return a row of two numbers with their relative difference."""
+    difference = "–"
+    if published is not None and here is not None:
+        if here == published:
+            difference = "0"
+        elif published:
+            difference = f"{100.0 * (here - published) / abs(published):+.1f} %".replace("-", "−")
+        else:
+            difference = f"{here - published:+.3g}".replace("-", "−")
+    return Row(topic, quantity, _text(published, unit, digits), _text(here, unit, digits), difference, remark)
+
+
+def spread(values: FloatArray, published: float) -> str:
+    """Return median and middle 90 % of finite values, and whether the published one lies among them."""
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
+        return "undefined"
+    low, middle, high = np.quantile(finite, [0.05, 0.5, 0.95])
+    inside = "inside" if low <= published <= high else "outside"
+    text = f"median {middle:.2f}, 5 to 95 % {low:.2f} to {high:.2f} over {finite.size} seeds"
+    return f"{text}, the published value lies {inside}"
+
+
+def bounds_rows(
+    problem: Problem, bounds: Mapping[str, tuple[float, float, str]], units: Mapping[str, str]
+) -> list[Row]:
+    """Return rows that compare the search range with the published one."""
+    rows = []
+    for parameter in problem.free:
+        lower, upper, scale = bounds[parameter.name]
+        unit = units.get(parameter.name, "")
+        written = f"search range ({scale})"
+        rows.append(row(parameter.name, f"{written}, lower", lower, parameter.lower, unit=unit))
+        rows.append(row(parameter.name, f"{written}, upper", upper, parameter.upper, unit=unit))
+    return rows
+
+
+def laboratory_rows(values: Mapping[str, float], problem: Problem, units: Mapping[str, str]) -> list[Row]:
+    """Return rows that compare the laboratory set with fixed and initial values of the swarm's problem."""
+    rows = []
+    for name, value in values.items():
+        parameter = problem.parameters[name]
+        if isinstance(parameter, FixedParameter):
+            here, remark = parameter.value, "fixed for the swarm"
+        elif isinstance(parameter, FreeParameter):
+            here, remark = parameter.initial or value, "the swarm's first particle"
+        else:
+            here, remark = value, "forward run; linked for the swarm"
+        rows.append(row("laboratory", name, value, here, unit=units.get(name, ""), remark=remark))
+    return rows
+
+
+def polished_rows(report: Report, published: Mapping[str, float], units: Mapping[str, str]) -> list[Row]:
+    """Return rows with the least-squares optimum near the swarm's best and its confidence intervals."""
+    optimum = report.optimum
+    if optimum is None:
+        return []
+    rows = []
+    values = dict(zip(report.problem.free_names, optimum.polished.parameters.tolist(), strict=True))
+    for name, value in published.items():
+        if name not in values:
+            continue
+        interval = optimum.linearisation.interval(name)
+        remark = "no interval" if interval is None else f"95 % interval {interval[0]:.3g} to {interval[1]:.3g}"
+        if interval is not None:
+            remark += ", holds the published value" if interval[0] <= value <= interval[1] else ""
+        rows.append(row("swarm, polished", name, value, values[name], unit=units.get(name, ""), remark=remark))
+    objective = optimum.polished.objective
+    return [
+        *rows,
+        row("swarm, polished", "objective", None, objective, unit="m²", remark="noise alone: 2.5e-9 m² a series"),
+    ]
+
+
+def _text(value: float | None, unit: str, digits: int) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.{digits}g} {unit}".strip()

@@ -1,0 +1,93 @@
+"""What the data can tell: statistics on stored evaluations, and uncertainty at the optimum.
+
+======================  ====================================================================
+``samples``             evaluations as arrays
+``filtering``           threshold of good fits, given or proposed
+``correlations``        Pearson and Spearman with confidence intervals
+``projections``         the objective over each parameter, and what its shape tells
+``verdicts``            identified, bounded on one side, in combination, not identified
+``proposals``           fix, link, widen, add a test; as changes of the problem file
+``study``               all of these in one go
+``differences``         sensitivities as one parallel generation
+``combinations``        combinations that the data leave open
+``sensitivity``         standard errors and intervals at the optimum
+``surface``             response surface over stored evaluations, checked by hold-out
+``stored``              sensitivities from stored evaluations
+``noise``               known, or estimated from the residuals
+``residuals``           runs test, Durbin-Watson, repeats
+``weighting``           schemes, shares, re-weighting of stored responses
+``polish``              Levenberg-Marquardt from an optimum
+``profiles``            profile objectives and their intervals
+``chains``              one side of a profile
+``posterior``           posterior sample through a checked response surface
+``global_sensitivity``  Sobol and Morris indices (extra ``statistics``)
+======================  ====================================================================
+"""
+
+from __future__ import annotations
+
+from solver.identifiability.combinations import Combination
+from solver.identifiability.correlations import Correlation, Correlations, correlate
+from solver.identifiability.differences import DifferenceDesign, Jacobian, design, differentiate
+from solver.identifiability.errors import StatisticsError, TooFewPointsError
+from solver.identifiability.filtering import Filtered, Threshold, filter_samples, propose_threshold
+from solver.identifiability.noise import Noise, estimate_noise, known_noise, noise_objective
+from solver.identifiability.projections import Projection, project
+from solver.identifiability.proposals import FittedLine, Proposal, apply_proposals, fit_line
+from solver.identifiability.residuals import SeriesResiduals, examine_residuals
+from solver.identifiability.samples import Samples
+from solver.identifiability.sensitivity import Linearisation, from_evaluations, linearise
+from solver.identifiability.study import Statistics, analyse
+from solver.identifiability.verdicts import Evidence, Verdict, judge
+from solver.identifiability.weighting import (
+    Reweighted,
+    SeriesWeight,
+    reweight,
+    reweighted_problem,
+    scheme_weights,
+    shares,
+)
+
+__all__ = [
+    "Combination",
+    "Correlation",
+    "Correlations",
+    "DifferenceDesign",
+    "Evidence",
+    "Filtered",
+    "FittedLine",
+    "Jacobian",
+    "Linearisation",
+    "Noise",
+    "Projection",
+    "Proposal",
+    "Reweighted",
+    "Samples",
+    "SeriesResiduals",
+    "SeriesWeight",
+    "Statistics",
+    "StatisticsError",
+    "Threshold",
+    "TooFewPointsError",
+    "Verdict",
+    "analyse",
+    "apply_proposals",
+    "correlate",
+    "design",
+    "differentiate",
+    "estimate_noise",
+    "examine_residuals",
+    "filter_samples",
+    "fit_line",
+    "from_evaluations",
+    "judge",
+    "known_noise",
+    "linearise",
+    "noise_objective",
+    "project",
+    "propose_threshold",
+    "reweight",
+    "reweighted_problem",
+    "scheme_weights",
+    "shares",
+]

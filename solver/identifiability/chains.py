@@ -1,0 +1,221 @@
+"""One side of a profile: a chain of values of one parameter, at each of which the others are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation
+
+__all__ = ["Chain", "ChainPoint"]
+
+_DIFFERENCE = 1e-4  # in parts of the range
+_MOST_ITERATIONS = 12  # of Levenberg-Marquardt at one value
+_MOST_POINTS = 60
+_SMALL_GAIN = 2e-3  # of the increase: an iteration that lowers f by less has converged
+_DAMPING = 1e-3
+_MOST_DAMPING = 1e8
+
+
+@dataclass(frozen=True, slots=True)
+class ChainPoint:
+    """A finished value: all parameters in parts of the range, shape (d,), and the lowest objective found."""
+
+    unit: FloatArray
+    objective: float
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """State of one side of a profile.
+
+    Parameters
+    ----------
+    index, side
+        Which parameter, and -1 towards the lower or 1 towards the upper bound.
+    step
+        Distance to the next value, parts of the range.
+    increase
+        Rise of the profile that ends the interval.
+    points
+        Finished values, outwards.
+    trial
+        Point that is due for evaluation, shape (d,), parts of the range.
+    current, objective, gradient, curvature
+        Best point at this value, its f, J'r over and J'J of the other parameters; None before the first evaluation.
+    damping, iterations
+        Of Levenberg-Marquardt at this value.
+    finished
+        Nothing is left to do.
+    """
+
+    index: int
+    side: int
+    step: float
+    increase: float
+    points: tuple[ChainPoint, ...]
+    trial: FloatArray
+    origin: FloatArray
+    current: FloatArray | None = None
+    objective: float | None = None
+    gradient: FloatArray | None = None
+    curvature: FloatArray | None = None
+    damping: float = _DAMPING
+    iterations: int = 0
+    finished: bool = False
+
+    @classmethod
+    def begin(
+        cls, index: int, side: int, optimum: FloatArray, step: float, increase: float, *, idle: bool = False
+    ) -> Chain:
+        """Begin at the optimum, shape (d,), parts of the range; an ``idle`` chain has nothing to do."""
+        chain = cls(index, side, step, increase, (), optimum, optimum)
+        return replace(chain, finished=True) if idle else chain._next_value()
+
+    def positions(self, calibration: Calibration) -> FloatArray:
+        """The trial and a small move of each other parameter, shape (d, d), natural values."""
+        return _natural(calibration, np.array([self.trial, *self._moved()]))
+
+    def _moved(self) -> list[FloatArray]:
+        moved = []
+        for other in self._others():
+            point = self.trial.copy()
+            point[other] += _DIFFERENCE if point[other] + _DIFFERENCE <= 1.0 else -_DIFFERENCE
+            moved.append(point)
+        return moved
+
+    def _others(self) -> list[int]:
+        return [i for i in range(len(self.trial)) if i != self.index]
+
+    def advance(self, calibration: Calibration, evaluations: Sequence[Evaluation], lowest: float) -> Chain:
+        """Take the evaluations of :meth:`positions`; ``lowest`` is f at the optimum."""
+        centre = evaluations[0]
+        feasible = calibration.space.feasible(_natural(calibration, self.trial))
+        objective = centre.objective if feasible else None
+        chain = replace(self, iterations=self.iterations + 1)
+        if objective is None and self.objective is None:
+            # the others cannot be kept at this value: the space ends here, as at a bound
+            return replace(chain, finished=True)
+        if objective is None or (self.objective is not None and objective >= self.objective):
+            return replace(chain, damping=self.damping * 10.0)._next_trial(lowest, 0.0)
+        gain = np.inf if self.objective is None else self.objective - objective
+        gradient, curvature = self._linearised(calibration, evaluations)
+        chain = replace(
+            chain,
+            current=self.trial,
+            objective=objective,
+            gradient=gradient,
+            curvature=curvature,
+            damping=max(self.damping / 10.0, 1e-12),
+        )
+        return chain._next_trial(lowest, gain)
+
+    def _linearised(self, calibration: Calibration, evaluations: Sequence[Evaluation]) -> tuple[FloatArray, FloatArray]:
+        observed = calibration.objective.observed
+
+        def weighted(evaluation: Evaluation) -> FloatArray:
+            return np.concatenate(
+                [
+                    np.sqrt(o.weight * o.point_weights / o.y.size) * (evaluation.responses[o.series] - o.y)
+                    for o in observed
+                ]
+            )
+
+        residuals = weighted(evaluations[0])
+        columns = []
+        for other, moved, evaluation in zip(self._others(), self._moved(), evaluations[1:], strict=True):
+            if evaluation.objective is None:
+                columns.append(np.zeros_like(residuals))  # cannot be moved from here
+            else:
+                columns.append((weighted(evaluation) - residuals) / (moved[other] - self.trial[other]))
+        jacobian = np.stack(columns, axis=1) if columns else np.empty((len(residuals), 0))
+        return jacobian.T @ residuals, jacobian.T @ jacobian
+
+    def _next_trial(self, lowest: float, gain: float) -> Chain:
+        """The next Levenberg-Marquardt step at this value, or the next value."""
+        assert self.current is not None
+        assert self.gradient is not None
+        assert self.curvature is not None
+        others = self._others()
+        done = not others or self.iterations >= _MOST_ITERATIONS or self.damping > _MOST_DAMPING
+        step: FloatArray = np.zeros(len(others))
+        if not done:
+            diagonal = np.diag(self.curvature)
+            scale = np.where(diagonal > 0, diagonal, 1.0)
+            system = self.curvature + self.damping * np.diag(scale)
+            step = np.asarray(-np.linalg.solve(system, self.gradient), dtype=np.float64)
+            predicted = float(-(2.0 * self.gradient @ step + step @ self.curvature @ step))
+            small = _SMALL_GAIN * self.increase
+            done = predicted < small or (0.0 < gain < small and self.iterations > 1)
+        if done:
+            return self._finish_value(lowest)
+        trial = self.current.copy()
+        trial[others] = np.clip(trial[others] + step, 0.0, 1.0)
+        return replace(self, trial=trial)
+
+    def _finish_value(self, lowest: float) -> Chain:
+        assert self.current is not None
+        assert self.objective is not None
+        points = (*self.points, ChainPoint(self.current, self.objective))
+        end = self.current[self.index] in (0.0, 1.0)
+        before = self.points[-1].objective if self.points else lowest
+        rise = self.objective - before
+        step = self.step
+        if rise < 0.1 * self.increase:
+            step = min(2.0 * step, 0.1)
+        elif rise > 0.5 * self.increase:
+            step = max(0.5 * step, 1e-9)
+        chain = replace(self, points=points, step=step)
+        if end or len(points) >= _MOST_POINTS or self.objective >= lowest + 1.5 * self.increase:
+            return replace(chain, finished=True)
+        return chain._next_value()
+
+    def _next_value(self) -> Chain:
+        """Go one step outwards; the other parameters go on in the direction they took last."""
+        last = self.points[-1].unit if self.points else self.origin
+        before = self.points[-2].unit if len(self.points) > 1 else self.origin
+        value = float(np.clip(last[self.index] + self.side * self.step, 0.0, 1.0))
+        moved = value - last[self.index]
+        if moved == 0.0:
+            return replace(self, finished=True)
+        trial = last.copy()
+        earlier = last[self.index] - before[self.index]
+        if self.points and earlier != 0.0:
+            trial = np.clip(last + (last - before) * moved / earlier, 0.0, 1.0)
+        trial[self.index] = value
+        return replace(
+            self,
+            trial=trial,
+            current=None,
+            objective=None,
+            gradient=None,
+            curvature=None,
+            damping=_DAMPING,
+            iterations=0,
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values, from which :meth:`from_json` restores exactly."""
+        data = asdict(self)
+        for key in _ARRAYS:
+            data[key] = None if data[key] is None else data[key].tolist()
+        return data | {"points": [{"unit": p.unit.tolist(), "objective": p.objective} for p in self.points]}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Chain:
+        """Restore from :meth:`to_json`."""
+        arrays = {k: None if data[k] is None else np.array(data[k], dtype=np.float64) for k in _ARRAYS}
+        points = tuple(ChainPoint(np.array(p["unit"], dtype=np.float64), p["objective"]) for p in data["points"])
+        return cls(**{**data, **arrays, "points": points})
+
+
+_ARRAYS = ("trial", "origin", "current", "gradient", "curvature")
+
+
+def _natural(calibration: Calibration, unit: FloatArray) -> FloatArray:
+    space = calibration.space
+    return space.to_natural(space.search_lower + unit * (space.search_upper - space.search_lower))

@@ -1,0 +1,198 @@
+"""Correlations of the parameters among good fits: which parameters the data cannot tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.special import ndtri
+
+from solver.arrays import FloatArray
+from solver.identifiability.samples import Samples
+
+__all__ = [
+    "COORDINATES",
+    "NOT_CORRELATED",
+    "Coordinates",
+    "Correlation",
+    "CorrelationMethod",
+    "Correlations",
+    "correlate",
+]
+
+NOT_CORRELATED = 0.5
+"""Below this |r| two parameters count as not correlated (Meier et al. 2008)."""
+
+CorrelationMethod: TypeAlias = Literal["pearson", "spearman"]
+Coordinates: TypeAlias = Literal["linear", "search"]
+
+COORDINATES: tuple[Coordinates, ...] = ("linear", "search")
+
+_FEWEST = 4  # Fisher's z needs more than three samples
+_HEAVY_TAIL = 3.0  # excess kurtosis beyond which Fisher's variance is too small
+_RESAMPLES = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Correlation:
+    """Correlation of two parameters.
+
+    Parameters
+    ----------
+    first, second
+        Names of the parameters.
+    coefficient
+        r, -1 to 1; None when it is undefined (fewer than three samples, or a constant parameter).
+    lower, upper
+        Confidence interval of r on ``level``; None when it cannot be given.
+    count
+        Number of samples.
+    interval
+        How the interval was found: ``fisher`` (z transformation; for Spearman with the variance of Bonett and Wright
+        2000) or ``bootstrap`` (percentiles of 1000 resamples, where a heavy-tailed parameter or |r| = 1 rules Fisher's
+        out), or ``none``.
+    """
+
+    first: str
+    second: str
+    coefficient: float | None
+    lower: float | None
+    upper: float | None
+    count: int
+    interval: Literal["fisher", "bootstrap", "none"]
+
+    @property
+    def correlated(self) -> bool:
+        """Whether |r| is at least 0.5 and its interval excludes 0."""
+        if self.coefficient is None or self.lower is None or self.upper is None:
+            return False
+        return abs(self.coefficient) >= NOT_CORRELATED and not self.lower <= 0.0 <= self.upper
+
+
+@dataclass(frozen=True, slots=True)
+class Correlations:
+    """Correlations of all pairs of parameters.
+
+    Parameters
+    ----------
+    names
+        Names of the d parameters.
+    pairs
+        One entry a pair, in the order of ``itertools.combinations(names, 2)``.
+    method, coordinates
+        Pearson's or Spearman's r; over natural values (``linear``) or search coordinates.
+    level
+        Of the intervals.
+    biased
+        True when particles of a swarm take part: the coefficient then describes the swarm's path as well.
+    """
+
+    names: tuple[str, ...]
+    pairs: tuple[Correlation, ...]
+    method: CorrelationMethod
+    coordinates: Coordinates
+    level: float
+    biased: bool
+
+    def __iter__(self) -> Iterator[Correlation]:
+        return iter(self.pairs)
+
+    def get(self, first: str, second: str) -> Correlation:
+        """The correlation of two parameters, in either order."""
+        for pair in self.pairs:
+            if {pair.first, pair.second} == {first, second}:
+                return pair
+        raise KeyError(f"no pair ({first}, {second}); parameters: {', '.join(self.names)}")
+
+    def matrix(self) -> FloatArray:
+        """Coefficients, shape (d, d), nan where undefined."""
+        matrix = np.eye(len(self.names))
+        place = {name: index for index, name in enumerate(self.names)}
+        for pair in self.pairs:
+            i, j = place[pair.first], place[pair.second]
+            matrix[i, j] = matrix[j, i] = np.nan if pair.coefficient is None else pair.coefficient
+        return matrix
+
+
+def correlate(
+    samples: Samples,
+    *,
+    method: CorrelationMethod = "pearson",
+    coordinates: Coordinates = "linear",
+    level: float = 0.95,
+    seed: int = 0,
+) -> Correlations:
+    """Correlate all pairs of parameters of (usually filtered) samples.
+
+    Parameters
+    ----------
+    samples
+        Where a sampling and a swarm are put together, only the Monte Carlo samples are used, as the swarm's are biased.
+    seed
+        Of the bootstrap.
+    """
+    used = samples.select(samples.unbiased) if samples.source == "mixed" else samples
+    values = used.parameters if coordinates == "linear" else used.coordinates
+    if method == "spearman":
+        values = _ranks(values)
+    random = np.random.default_rng(seed)
+    pairs = tuple(
+        _pair(used.names[i], used.names[j], values[:, i], values[:, j], method, level, random)
+        for i, j in combinations(range(used.dimension), 2)
+    )
+    return Correlations(used.names, pairs, method, coordinates, level, bool((~used.unbiased).any()))
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    from scipy.stats import rankdata  # takes 0.4 s to import, which only Spearman's needs
+
+    ranks: FloatArray = rankdata(values, axis=0) if len(values) else values
+    return ranks
+
+
+def _pair(
+    first: str,
+    second: str,
+    x: FloatArray,
+    y: FloatArray,
+    method: CorrelationMethod,
+    level: float,
+    random: np.random.Generator,
+) -> Correlation:
+    count = len(x)
+    r = _pearson(x, y) if count > 2 else None
+    if r is None or count < _FEWEST:
+        return Correlation(first, second, r, None, None, count, "none")
+    if abs(r) > 1.0 - 1e-12 or (method == "pearson" and max(_kurtosis(x), _kurtosis(y)) > _HEAVY_TAIL):
+        lower, upper = _bootstrap(x, y, level, random)
+        return Correlation(first, second, r, lower, upper, count, "bootstrap")
+    variance = (1.0 if method == "pearson" else 1.0 + r * r / 2.0) / (count - 3)
+    half = float(ndtri(0.5 + level / 2.0)) * np.sqrt(variance)
+    z = np.arctanh(r)
+    return Correlation(first, second, r, float(np.tanh(z - half)), float(np.tanh(z + half)), count, "fisher")
+
+
+def _pearson(x: FloatArray, y: FloatArray) -> float | None:
+    dx, dy = x - x.mean(), y - y.mean()
+    scale = np.sqrt((dx @ dx) * (dy @ dy))
+    rounding = 1e-14 * len(x) * max(abs(x).max(), 1e-300) * max(abs(y).max(), 1e-300)
+    if not scale > rounding:
+        return None
+    return float(np.clip((dx @ dy) / scale, -1.0, 1.0))
+
+
+def _kurtosis(x: FloatArray) -> float:
+    """Excess kurtosis; 0 for a normal variable."""
+    d = x - x.mean()
+    variance = float((d * d).mean())
+    return float((d**4).mean()) / variance**2 - 3.0 if variance > 0 else 0.0
+
+
+def _bootstrap(x: FloatArray, y: FloatArray, level: float, random: np.random.Generator) -> tuple[float, float]:
+    chosen = (random.integers(0, len(x), len(x)) for _ in range(_RESAMPLES))
+    found = [r for r in (_pearson(x[index], y[index]) for index in chosen) if r is not None]
+    lower, upper = np.quantile(found, [0.5 - level / 2.0, 0.5 + level / 2.0]) if found else (-1.0, 1.0)
+    return float(lower), float(upper)

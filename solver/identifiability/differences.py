@@ -1,0 +1,208 @@
+"""Sensitivities of the responses by finite differences, as one generation that can be evaluated in parallel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import FloatArray, IntArray
+from solver.calibration import Calibration, Evaluation
+from solver.identifiability.errors import StatisticsError, TooFewPointsError
+
+__all__ = ["DifferenceDesign", "Jacobian", "count_points", "design", "differentiate"]
+
+_CENTRAL = (-1.0, -0.5, 0.5, 1.0)
+_ABOVE = (0.25, 0.5, 0.75, 1.0)
+_PLACES = 5
+_FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True)
+class DifferenceDesign:
+    """Where to evaluate for the sensitivities at an optimum.
+
+    Parameters
+    ----------
+    optimum
+        Shape (d,), natural values.
+    positions
+        Shape (n, d), natural values; the first is the optimum.
+    parameter
+        Which parameter each position moves, shape (n,); -1 for the optimum.
+    offset
+        By how much, shape (n,), in parts of the range between the bounds in search coordinates.
+    """
+
+    optimum: FloatArray
+    positions: FloatArray
+    parameter: IntArray
+    offset: FloatArray
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values, from which :meth:`from_json` restores exactly."""
+        return {
+            "optimum": self.optimum.tolist(),
+            "positions": self.positions.tolist(),
+            "parameter": self.parameter.tolist(),
+            "offset": self.offset.tolist(),
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> DifferenceDesign:
+        """Restore from :meth:`to_json`."""
+        return cls(
+            np.array(data["optimum"], dtype=np.float64),
+            np.array(data["positions"], dtype=np.float64),
+            np.array(data["parameter"], dtype=np.int64),
+            np.array(data["offset"], dtype=np.float64),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Jacobian:
+    """Derivatives of the responses.
+
+    Parameters
+    ----------
+    optimum
+        Where, shape (d,), natural values.
+    responses
+        Calculated values at the optimum, shape (m_g,) a series, base units.
+    derivatives
+        Of each series, shape (m_g, d), in its base unit per *range*: the change over the whole range between the bounds
+        in search coordinates, extrapolated linearly.
+    error
+        Estimate of their errors, same shapes.
+    origin
+        ``differences`` or ``samples``.
+    """
+
+    optimum: FloatArray
+    responses: dict[str, FloatArray]
+    derivatives: dict[str, FloatArray]
+    error: dict[str, FloatArray]
+    origin: str
+
+
+def count_points(calibration: Calibration) -> int:
+    """Number of measured points that take part: weights of point and series above 0."""
+    return sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
+
+
+def check_points(calibration: Calibration) -> None:
+    """Refuse problems with fewer points than free parameters.
+
+    Raises
+    ------
+    TooFewPointsError
+        Says how many there are and are needed.
+    """
+    points, free = count_points(calibration), calibration.space.dimension
+    if points < free:
+        raise TooFewPointsError(
+            f"{points} measured point{'' if points == 1 else 's'} cannot determine {free} free parameters "
+            f"({', '.join(calibration.free_names)}); fix or link some of them, or add measurements"
+        )
+
+
+def design(calibration: Calibration, optimum: FloatArray, *, step: float = 5e-3) -> DifferenceDesign:
+    """Plan the evaluations for the sensitivities: the optimum and four places along each parameter, 4 d + 1 in all.
+
+    Central places where both sides are inside the bounds and feasible, otherwise all on one side.
+
+    Parameters
+    ----------
+    optimum
+        Shape (d,), natural values of the free parameters, inside the bounds.
+    step
+        Largest offset in parts of the range in search coordinates. Take more for a rough forward model.
+
+    Raises
+    ------
+    TooFewPointsError
+        When there are fewer measured points than free parameters.
+    """
+    check_points(calibration)
+    space = calibration.space
+    optimum = np.asarray(optimum, dtype=np.float64)
+    low, span = space.search_lower, space.search_upper - space.search_lower
+    centre = (space.to_search(optimum) - low) / span
+    positions, parameter, offset = [optimum], [-1], [0.0]
+    for index in range(space.dimension):
+        best: tuple[int, list[float], list[FloatArray]] = (-1, [], [])
+        for pattern in (_CENTRAL, _ABOVE, tuple(-v for v in _ABOVE)):
+            offsets, points = [], []
+            for part in pattern:
+                unit = centre.copy()
+                unit[index] += part * step
+                point = optimum.copy()  # the others stay as they are, to the last digit
+                point[index] = space.to_natural(low + unit * span)[index]
+                if 0.0 <= unit[index] <= 1.0 and space.feasible(point):
+                    offsets.append(part * step)
+                    points.append(point)
+            if len(points) > best[0]:
+                best = (len(points), offsets, points)
+        positions += best[2]
+        offset += best[1]
+        parameter += [index] * best[0]
+    return DifferenceDesign(optimum, np.array(positions), np.array(parameter, dtype=np.int64), np.array(offset))
+
+
+def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations: Sequence[Evaluation]) -> Jacobian:
+    """Differentiate the responses from the evaluations of a plan; failed ones are left out.
+
+    Raises
+    ------
+    StatisticsError
+        When the optimum itself failed, or too few evaluations along a parameter succeeded.
+    """
+    if len(evaluations) != len(plan.positions):
+        raise StatisticsError(f"{len(evaluations)} evaluations are given; the plan has {len(plan.positions)}")
+    centre = evaluations[0]
+    if centre.reason is not None:
+        raise StatisticsError(f"the evaluation of the optimum failed ({centre.reason}): {centre.message}")
+    names = [o.series for o in calibration.objective.observed]
+    derivatives = {s: np.empty((centre.responses[s].size, len(plan.optimum))) for s in names}
+    errors = {s: np.empty_like(array) for s, array in derivatives.items()}
+    for index, name in enumerate(calibration.free_names):
+        chosen = [i for i in np.flatnonzero(plan.parameter == index).tolist() if evaluations[i].reason is None]
+        if len(chosen) < 2:
+            raise StatisticsError(
+                f"sensitivities to {name} cannot be had: only {len(chosen)} of its neighbouring evaluations succeeded"
+            )
+        offsets = np.array([0.0, *plan.offset[chosen]])
+        for series in names:
+            values = np.stack([evaluations[i].responses[series] for i in [0, *chosen]])
+            derivatives[series][:, index], errors[series][:, index] = _derivative(offsets, values)
+    return Jacobian(plan.optimum, dict(centre.responses), derivatives, errors, "differences")
+
+
+def _derivative(offsets: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Derivative of values, shape (k, m), at offset 0, and an estimate of its error, both of shape (m,).
+
+    Five evenly spaced places tell the roughness of a forward model from its curvature: their fourth difference is
+    small for a smooth one, and sqrt(70) times the roughness otherwise. The truncation error is that of the two outer
+    places squared, relative to the derivative. With fewer places the difference between both formulas counts in full.
+    """
+    weights = _weights(offsets)
+    fine = weights @ (values - values[0])
+    outer = [0, 1, len(offsets) - 1]
+    gap = np.abs(fine - _weights(offsets[outer]) @ (values[outer] - values[0]))
+    if len(offsets) < _PLACES:
+        return fine, gap
+    order = np.argsort(offsets)
+    roughness = np.abs(_FOURTH_DIFFERENCE @ values[order]) / np.linalg.norm(_FOURTH_DIFFERENCE)
+    truncation = gap * min(float(np.linalg.norm(gap)) / max(float(np.linalg.norm(fine)), 1e-300), 1.0)
+    return fine, roughness * np.linalg.norm(weights) + truncation
+
+
+def _weights(offsets: FloatArray) -> FloatArray:
+    """Weights of values at ``offsets``, shape (k,), in the derivative at 0; exact for polynomials below order k."""
+    scale = np.abs(offsets).max()
+    system = np.vander(offsets / scale, increasing=True).T
+    target = np.zeros(len(offsets))
+    target[1] = 1.0
+    return np.asarray(np.linalg.solve(system, target) / scale)

@@ -1,0 +1,116 @@
+"""Filtering by a threshold of the objective, given by the engineer or proposed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.special import fdtri
+
+from solver.identifiability.errors import StatisticsError
+from solver.identifiability.samples import Samples
+
+__all__ = ["Filtered", "Threshold", "filter_samples", "propose_threshold"]
+
+_LEVEL = 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold:
+    """A limit of the objective: samples at or below it count as good fits.
+
+    Parameters
+    ----------
+    value
+        In the objective's unit.
+    origin
+        ``given`` by the engineer, or proposed from the ``statistics`` of the best fit, or relaxed to keep enough
+        ``samples``.
+    explanation
+        One sentence: how it was found.
+    """
+
+    value: float
+    origin: Literal["given", "statistics", "samples"]
+    explanation: str
+
+
+@dataclass(frozen=True, slots=True)
+class Filtered:
+    """What a filter leaves: ``kept`` of ``total`` samples, of which ``kept_unbiased`` are Monte Carlo samples."""
+
+    samples: Samples
+    threshold: Threshold
+    total: int
+
+    @property
+    def kept(self) -> int:
+        """Number of samples at or below the threshold."""
+        return self.samples.size
+
+    @property
+    def kept_unbiased(self) -> int:
+        """Monte Carlo samples among them."""
+        return int(self.samples.unbiased.sum())
+
+    @property
+    def statement(self) -> str:
+        """The filter in words, for captions."""
+        return f"f ≤ {self.threshold.value:.3g}: {self.kept} of {self.total} evaluations"
+
+
+def propose_threshold(samples: Samples, points: int, *, noise_objective: float | None = None) -> Threshold:
+    """Propose a threshold from the best value, the noise and the number of samples.
+
+    A fit is as good as the best one, on a level of 95 %, while
+
+        f <= f_0 (1 + d / (n - d) F_0.95(d, n - d))
+
+    for d parameters and n measured points, where f_0 is the larger of the best objective found and the objective that
+    noise alone leaves (Beale 1960; Seber and Wild 2003, eq. 5.22, for independent errors of equal variance). A sampling
+    seldom has enough points below it; then the threshold is raised until 20 times as many samples as there are
+    parameters remain (at most a fifth of all).
+
+    Parameters
+    ----------
+    samples
+        At least one.
+    points
+        Number n of measured points.
+    noise_objective
+        f that the measurement noise alone leaves, when it is known.
+    """
+    dimension = samples.dimension
+    best = float(samples.objectives[samples.best])
+    base = best if noise_objective is None else max(best, noise_objective)
+    words = "the best objective" if base == best else "the objective that noise alone leaves"
+    free = points - dimension
+    factor = 1.0 + dimension / free * float(fdtri(dimension, free, _LEVEL)) if free > 0 else 2.0
+    value = base * factor
+    wanted = max(1, min(20 * dimension, samples.size // 5))
+    if int((samples.objectives <= value).sum()) >= wanted:
+        how = f"{factor:.3g} times {words} {base:.3g}: fits within it cannot be told from the best one at 95 %"
+        return Threshold(value, "statistics", how)
+    relaxed = float(np.partition(samples.objectives, wanted - 1)[wanted - 1])
+    kept = int((samples.objectives <= relaxed).sum())
+    how = (
+        f"raised from {value:.3g} ({factor:.3g} times {words} {base:.3g}), below which too few samples lie, "
+        f"to keep the best {kept}"
+    )
+    return Threshold(relaxed, "samples", how)
+
+
+def filter_samples(samples: Samples, threshold: Threshold | float) -> Filtered:
+    """Keep the samples at or below a threshold.
+
+    Raises
+    ------
+    StatisticsError
+        When the threshold is not a positive number.
+    """
+    if not isinstance(threshold, Threshold):
+        if not (np.isfinite(threshold) and threshold > 0):
+            raise StatisticsError(f"threshold is {threshold:g}; it must be a finite number above 0")
+        threshold = Threshold(float(threshold), "given", f"given: {threshold:g}")
+    return Filtered(samples.select(samples.objectives <= threshold.value), threshold, samples.size)

@@ -1,0 +1,186 @@
+"""Global sensitivity: how much of an output's variation over the whole search space each parameter explains.
+
+Sobol indices (Saltelli et al. 2010) and Morris' elementary effects (Morris 1991; Campolongo et al. 2007) through SALib
+(extra ``statistics``). The design is one generation of positions; the indices follow from the outputs in their order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation
+from solver.identifiability.errors import StatisticsError
+
+__all__ = ["GlobalDesign", "GlobalIndex", "GlobalSensitivity", "analyse_design", "global_design", "outputs_of"]
+
+_FEWEST_BLOCKS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalDesign:
+    """Where to evaluate.
+
+    Parameters
+    ----------
+    kind
+        ``sobol`` or ``morris``.
+    names
+        Of the d free parameters.
+    unit
+        Positions in parts of the range in search coordinates, shape (n, d).
+    positions
+        The same as natural values.
+    block
+        Rows that belong together: d + 2 of a Sobol point, d + 1 of a Morris trajectory.
+    """
+
+    kind: Literal["sobol", "morris"]
+    names: tuple[str, ...]
+    unit: FloatArray
+    positions: FloatArray
+    block: int
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalIndex:
+    """Index of one parameter, with half widths of 95 % intervals.
+
+    ``main``: first-order Sobol index, or the mean absolute elementary effect mu* (``total``: Morris' sigma).
+    """
+
+    parameter: str
+    main: float
+    main_half_width: float
+    total: float
+    total_half_width: float
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalSensitivity:
+    """Indices of all parameters; ``blocks`` were used, ``dropped`` hold failed or infeasible evaluations."""
+
+    kind: Literal["sobol", "morris"]
+    output: str
+    indices: tuple[GlobalIndex, ...]
+    blocks: int
+    dropped: int
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        from dataclasses import asdict
+
+        return asdict(self)
+
+
+def global_design(
+    calibration: Calibration, *, kind: Literal["sobol", "morris"] = "sobol", samples: int = 256, seed: int = 0
+) -> GlobalDesign:
+    """Plan the evaluations: ``samples`` (d + 2) for Sobol, ``samples`` (d + 1) for Morris.
+
+    Parameters
+    ----------
+    samples
+        Base points (a power of two) or trajectories.
+
+    Raises
+    ------
+    StatisticsError
+        When SALib is not installed, or ``samples`` is no power of two for Sobol.
+    """
+    _require_salib()
+    from SALib.sample import morris, sobol
+
+    if kind == "sobol":
+        if samples < 2 or samples & (samples - 1):
+            raise StatisticsError(f"samples is {samples}; a Sobol design needs a power of two")
+        unit = sobol.sample(_problem(calibration), samples, calc_second_order=False, seed=seed)
+    else:
+        unit = morris.sample(_problem(calibration), samples, seed=seed)
+    space = calibration.space
+    positions = space.to_natural(space.search_lower + unit * (space.search_upper - space.search_lower))
+    block = space.dimension + (2 if kind == "sobol" else 1)
+    return GlobalDesign(kind, calibration.free_names, np.asarray(unit), positions, block)
+
+
+def outputs_of(calibration: Calibration, evaluations: Sequence[Evaluation], output: str) -> FloatArray:
+    """Outputs to analyse, shape (n,), nan for failed evaluations and positions against the constraints.
+
+    Parameters
+    ----------
+    output
+        ``objective``: log10 of f, as f itself spans decades; or the name of a series: its root mean square.
+
+    Raises
+    ------
+    StatisticsError
+        For an unknown output.
+    """
+    series = [o.series for o in calibration.objective.observed]
+    if output != "objective" and output not in series:
+        raise StatisticsError(f"unknown output '{output}'; known: objective, {', '.join(series)}")
+    values = np.full(len(evaluations), np.nan)
+    for index, evaluation in enumerate(evaluations):
+        if evaluation.objective is None or not calibration.space.feasible(evaluation.parameters):
+            continue
+        if output == "objective":
+            values[index] = np.log10(max(evaluation.objective, 1e-300))
+        else:
+            values[index] = np.sqrt(np.mean(evaluation.responses[output] ** 2))
+    return values
+
+
+def analyse_design(
+    calibration: Calibration, plan: GlobalDesign, outputs: FloatArray, *, output: str = "objective", seed: int = 0
+) -> GlobalSensitivity:
+    """Calculate the indices from the outputs of a design, in its order, shape (n,).
+
+    Blocks with a nan are dropped whole and counted. Indices then describe the feasible part of the space.
+
+    Raises
+    ------
+    StatisticsError
+        When SALib is not installed, the number of outputs is wrong, or fewer than eight blocks are complete.
+    """
+    _require_salib()
+    from SALib.analyze import morris, sobol
+
+    if len(outputs) != len(plan.positions):
+        raise StatisticsError(f"{len(outputs)} outputs are given; the design has {len(plan.positions)}")
+    blocks = outputs.reshape(-1, plan.block)
+    whole = np.isfinite(blocks).all(axis=1)
+    if whole.sum() < _FEWEST_BLOCKS:
+        raise StatisticsError(
+            f"only {whole.sum()} of {len(blocks)} blocks of the design have no failed or infeasible evaluation, "
+            f"{_FEWEST_BLOCKS} are needed; narrow the bounds"
+        )
+    used = blocks[whole].ravel()
+    if np.ptp(used) == 0.0:
+        rows = [(0.0, 0.0, 0.0, 0.0)] * len(plan.names)
+    elif plan.kind == "sobol":
+        found = sobol.analyze(_problem(calibration), used, calc_second_order=False, seed=seed)
+        rows = list(zip(found["S1"], found["S1_conf"], found["ST"], found["ST_conf"], strict=True))
+    else:
+        unit = plan.unit[np.repeat(whole, plan.block)]
+        found = morris.analyze(_problem(calibration), unit, used, seed=seed)
+        rows = [(mu, half, sigma, np.nan) for mu, half, sigma in zip(
+            found["mu_star"], found["mu_star_conf"], found["sigma"], strict=True
+        )]  # fmt: skip
+    indices = tuple(GlobalIndex(name, *map(float, row)) for name, row in zip(plan.names, rows, strict=True))
+    return GlobalSensitivity(plan.kind, output, indices, int(whole.sum()), int((~whole).sum()))
+
+
+def _problem(calibration: Calibration) -> dict[str, Any]:
+    dimension = calibration.space.dimension
+    return {"num_vars": dimension, "names": list(calibration.free_names), "bounds": [[0.0, 1.0]] * dimension}
+
+
+def _require_salib() -> None:
+    from importlib.util import find_spec
+
+    if find_spec("SALib") is None:
+        raise StatisticsError("global sensitivity needs SALib; install geoswarm[statistics]")

@@ -1,0 +1,178 @@
+"""Everything that stored evaluations tell, in one go: what a report and the HTTP interface show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.calibration import Calibration
+from solver.identifiability.correlations import Correlations, correlate
+from solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
+from solver.identifiability.noise import known_noise, noise_objective, problem_noise
+from solver.identifiability.projections import Projection, project
+from solver.identifiability.residuals import SeriesResiduals, examine_residuals
+from solver.identifiability.samples import Samples
+from solver.identifiability.sensitivity import Linearisation
+from solver.identifiability.verdicts import Verdict, judge
+from solver.identifiability.weighting import SeriesWeight, shares
+
+__all__ = ["NOT_AT_OPTIMUM", "SWARM_BIAS", "Statistics", "analyse"]
+
+SWARM_BIAS = (
+    "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
+    "describe its path as well as the data. Only the lower envelope can be read as it is."
+)
+
+NOT_AT_OPTIMUM = (
+    "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
+    "first."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """What stored evaluations tell.
+
+    Parameters
+    ----------
+    samples, filtered
+        All successful evaluations, and the good fits among them.
+    pearson
+        Over natural values, as in the published study.
+    pearson_search, spearman
+        Over search coordinates, and of ranks.
+    projections, verdicts
+        One a free parameter.
+    linearisation
+        At the optimum, when it was made.
+    residuals
+        At the best sample, one a series; empty when responses are not stored.
+    weights
+        Share of each series in the objective of the best sample.
+    warnings
+        What to be careful about, in sentences.
+    """
+
+    samples: Samples
+    filtered: Filtered
+    pearson: Correlations
+    pearson_search: Correlations
+    spearman: Correlations
+    projections: tuple[Projection, ...]
+    verdicts: tuple[Verdict, ...]
+    linearisation: Linearisation | None
+    residuals: tuple[SeriesResiduals, ...]
+    weights: tuple[SeriesWeight, ...]
+    warnings: tuple[str, ...]
+
+    def verdict(self, parameter: str) -> Verdict:
+        """The verdict about one parameter."""
+        return next(verdict for verdict in self.verdicts if verdict.parameter == parameter)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values, without the samples themselves; None for what is not known."""
+        filtered = self.filtered
+        return {
+            "samples": {
+                "total": filtered.total,
+                "failed": self.samples.failed,
+                "source": self.samples.source,
+                "kept": filtered.kept,
+                "kept_unbiased": filtered.kept_unbiased,
+            },
+            "threshold": asdict(filtered.threshold),
+            "correlations": [_correlation_json(c) for c in (self.pearson, self.pearson_search, self.spearman)],
+            "projections": [_projection_json(projection) for projection in self.projections],
+            "verdicts": [verdict.to_json() for verdict in self.verdicts],
+            "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
+            "residuals": [residuals.to_json() for residuals in self.residuals],
+            "weights": [asdict(weight) for weight in self.weights],
+            "warnings": list(self.warnings),
+        }
+
+
+def analyse(
+    calibration: Calibration,
+    samples: Samples,
+    *,
+    threshold: float | None = None,
+    noise: Mapping[str, float] | float | None = None,
+    linearisation: Linearisation | None = None,
+    bins: int = 30,
+) -> Statistics:
+    """Analyse stored evaluations; runs no forward calculation.
+
+    Parameters
+    ----------
+    threshold
+        Of the objective; proposed when absent.
+    noise
+        Known standard deviation of a reading, base units, one for all series or one each; that of the problem file when
+        absent.
+    linearisation
+        At the optimum, from :func:`solver.identifiability.from_evaluations`.
+    bins
+        Of the projections.
+
+    Raises
+    ------
+    StatisticsError
+        When no evaluation succeeded, or threshold or noise are wrong.
+    """
+    known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
+    points = sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
+    limit = (
+        propose_threshold(
+            samples, points, noise_objective=None if known is None else noise_objective(calibration.problem, known)
+        )
+        if threshold is None
+        else threshold
+    )
+    filtered = filter_samples(samples, limit)
+    pearson = correlate(filtered.samples)
+    pearson_search = correlate(filtered.samples, coordinates="search")
+    projections = project(samples, filtered.threshold.value, bins=bins)
+    best = samples.best
+    at_best = {series: values[best] for series, values in samples.responses.items()}
+    residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
+    misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
+    warnings = [warning for r in residuals for warning in r.warnings]
+    if linearisation is not None and not linearisation.at_optimum:
+        warnings.insert(0, NOT_AT_OPTIMUM.format(far=float(np.nanmax(linearisation.distance))))
+    if samples.source == "particle_swarm":
+        warnings.insert(0, SWARM_BIAS)
+    return Statistics(
+        samples=samples,
+        filtered=filtered,
+        pearson=pearson,
+        pearson_search=pearson_search,
+        spearman=correlate(filtered.samples, method="spearman"),
+        projections=projections,
+        verdicts=judge(samples, filtered, projections, linearisation),
+        linearisation=linearisation,
+        residuals=residuals,
+        weights=shares(calibration.problem, misfits) if misfits else (),
+        warnings=tuple(warnings),
+    )
+
+
+def _correlation_json(correlations: Correlations) -> dict[str, Any]:
+    return {
+        "method": correlations.method,
+        "coordinates": correlations.coordinates,
+        "level": correlations.level,
+        "biased": correlations.biased,
+        "pairs": [asdict(pair) | {"correlated": pair.correlated} for pair in correlations],
+    }
+
+
+def _projection_json(projection: Projection) -> dict[str, Any]:
+    envelope = [float(v) if np.isfinite(v) else None for v in projection.envelope]
+    return asdict(projection) | {
+        "edges": projection.edges.tolist(),
+        "envelope": envelope,
+        "counts": projection.counts.tolist(),
+    }

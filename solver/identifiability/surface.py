@@ -1,0 +1,142 @@
+"""A response surface over stored evaluations, checked by what it was not shown.
+
+It models the *responses*, not the objective: a few principal components of the weighted residuals, each a cubic radial
+basis function with a linear trend over the parameters in parts of their range. Objectives under any weights follow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+
+from solver.arrays import FloatArray, IntArray
+from solver.calibration import Calibration
+from solver.identifiability.errors import StatisticsError
+from solver.identifiability.samples import Samples
+
+__all__ = ["ResponseSurface", "fit_surface"]
+
+_MOST_SAMPLES = 600
+_FOLDS = 5
+_LIKELY = 30.0
+_CELLS = 400
+_VARIANCE = 1e-10  # share of the residuals' variance that components may leave out
+_MOST_COMPONENTS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class ResponseSurface:
+    """Fast stand-in for the forward calculation near the optimum.
+
+    Parameters
+    ----------
+    names
+        Of the d free parameters.
+    lower, upper
+        Region it was fitted in, shape (d,), parts of the range; it must not be used outside.
+    count
+        Evaluations it was fitted to.
+    objective_error
+        Root mean square of (predicted - calculated f) over those of the hold-out evaluations that are good fits
+        (below four times the best objective, at least 20), relative to their f.
+    checked
+        Number of those.
+    """
+
+    names: tuple[str, ...]
+    lower: FloatArray
+    upper: FloatArray
+    count: int
+    objective_error: float
+    checked: int
+    _mean: FloatArray
+    _components: FloatArray
+    _interpolator: RBFInterpolator
+
+    def residuals(self, unit: FloatArray) -> FloatArray:
+        """Weighted residuals, shape (k, n), at points (k, d) in parts of the range; their squares sum up to f."""
+        scores = self._interpolator(unit)
+        return np.asarray(self._mean + scores @ self._components)
+
+    def objective(self, unit: FloatArray) -> FloatArray:
+        """f, shape (k,), at points (k, d) in parts of the range."""
+        return np.asarray(np.sum(self.residuals(unit) ** 2, axis=1))
+
+    def inside(self, unit: FloatArray) -> FloatArray:
+        """Whether points (k, d) lie in the fitted region, shape (k,)."""
+        return np.asarray(((unit >= self.lower) & (unit <= self.upper)).all(axis=1))
+
+
+def fit_surface(calibration: Calibration, samples: Samples, *, seed: int = 0) -> ResponseSurface:
+    """Fit to at most 600 of the best stored evaluations with responses, and check it by five-fold hold-out.
+
+    Raises
+    ------
+    StatisticsError
+        When responses are not stored, or there are fewer than 10 (d + 1) different evaluations.
+    """
+    if not samples.responses:
+        raise StatisticsError("a response surface needs the stored responses of the evaluations")
+    order = _chosen(calibration, samples)
+    unit = samples.unit[order]
+    needed = 10 * (samples.dimension + 1)
+    if len(unit) < needed:
+        raise StatisticsError(f"a response surface needs {needed} different evaluations, there are {len(unit)}")
+    residuals = np.concatenate(
+        [
+            np.sqrt(o.weight * o.point_weights / o.y.size) * (samples.responses[o.series][order] - o.y)
+            for o in calibration.objective.observed
+        ],
+        axis=1,
+    )
+    objectives = samples.objectives[order]
+    error, checked = _hold_out(unit, residuals, objectives, seed)
+    mean, components, interpolator = _fit(unit, residuals)
+    return ResponseSurface(
+        samples.names, unit.min(axis=0), unit.max(axis=0), len(unit), error, checked, mean, components, interpolator
+    )
+
+
+def _chosen(calibration: Calibration, samples: Samples) -> IntArray:
+    """Indices of evaluations to fit to, the best first.
+
+    All whose likelihood is not negligible (a factor of exp(-30) for unknown noise), and sixteen times beyond, so that
+    the sample does not run against the edge; at least the best 300. Of those that crowd in one cell of a fine grid, as
+    the particles of a converged swarm do, the best; of too many, every n-th by rank.
+    """
+    points = sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
+    order = np.argsort(samples.objectives, kind="stable")
+    limit = 16.0 * np.exp(2.0 * _LIKELY / max(points, 1)) * samples.objectives[order[0]]
+    count = max(int((samples.objectives <= limit).sum()), _MOST_SAMPLES // 2)
+    order = order[:count]
+    unit = samples.unit[order]
+    extent = np.maximum(np.ptp(unit, axis=0), 1e-9)
+    cells = np.floor((unit - unit.min(axis=0)) / extent * _CELLS)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    order = order[np.sort(first)]
+    if len(order) > _MOST_SAMPLES:
+        order = order[np.unique(np.linspace(0, len(order) - 1, _MOST_SAMPLES).astype(np.int64))]
+    return np.asarray(order)
+
+
+def _fit(unit: FloatArray, residuals: FloatArray) -> tuple[FloatArray, FloatArray, RBFInterpolator]:
+    mean = residuals.mean(axis=0)
+    left, singular, right = np.linalg.svd(residuals - mean, full_matrices=False)
+    share = np.cumsum(singular[::-1] ** 2)[::-1]
+    count = max(1, min(int(np.sum(share > _VARIANCE * share[0])), _MOST_COMPONENTS))
+    scores = left[:, :count] * singular[:count]
+    return mean, right[:count], RBFInterpolator(unit, scores, kernel="cubic", degree=1)
+
+
+def _hold_out(unit: FloatArray, residuals: FloatArray, objectives: FloatArray, seed: int) -> tuple[float, int]:
+    fold = np.random.default_rng(seed).permutation(len(unit)) % _FOLDS
+    predicted = np.empty(len(unit))
+    for number in range(_FOLDS):
+        held = fold == number
+        mean, components, interpolator = _fit(unit[~held], residuals[~held])
+        predicted[held] = np.sum((mean + interpolator(unit[held]) @ components) ** 2, axis=1)
+    good = objectives <= max(4.0 * float(objectives.min()), float(np.sort(objectives)[min(19, len(objectives) - 1)]))
+    relative = predicted[good] / np.maximum(objectives[good], 1e-300) - 1.0
+    return float(np.sqrt(np.mean(relative**2))), int(good.sum())

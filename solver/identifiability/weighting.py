@@ -1,0 +1,223 @@
+"""Weights of series and points: schemes, shares, and re-weighting of stored responses without a new run.
+
+The objective is f = sum_g w_g f'_g with f'_g = (1/m_g) sum_h w_h r_hg^2 (Meier et al. 2008, equations (1) and (2)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from solver.identifiability.errors import StatisticsError
+from solver.identifiability.noise import known_noise, problem_noise
+from solver.identifiability.samples import Samples
+from solver.objective import LeastSquares, ObservedSeries
+from solver.problem import Problem, parse_problem
+from solver.problem.weighting import WEIGHTINGS, Weighting, scheme_factors
+
+__all__ = ["Reweighted", "SeriesWeight", "Weighting", "reweight", "reweighted_problem", "scheme_weights", "shares"]
+
+_EDGE_NEIGHBOURS = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class SeriesWeight:
+    """Weight w_g of a series and its share in the objective: w_g f'_g / f, 0 to 1 (nan when f is 0)."""
+
+    series: str
+    weight: float
+    misfit: float
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Reweighted:
+    """Stored evaluations under other weights.
+
+    Parameters
+    ----------
+    problem
+        With the new weights.
+    samples
+        With the new objectives and misfits, shape (n,).
+    shares
+        At the new best sample.
+    best_before, best_after
+        Index of the best sample under the old and the new weights.
+    warnings
+        Whether the optimum would move outside the region that was sampled densely; empty if not.
+    """
+
+    problem: Problem
+    samples: Samples
+    shares: tuple[SeriesWeight, ...]
+    best_before: int
+    best_after: int
+    warnings: tuple[str, ...]
+
+
+def shares(problem: Problem, misfits: Mapping[str, float]) -> tuple[SeriesWeight, ...]:
+    """Share of each series in the objective.
+
+    Parameters
+    ----------
+    misfits
+        f'_g by series.
+    """
+    parts = {o.series: o.weight * misfits[o.series] for o in problem.observations}
+    total = sum(parts.values())
+    return tuple(
+        SeriesWeight(
+            o.series, o.weight, float(misfits[o.series]), parts[o.series] / total if total > 0 else float("nan")
+        )
+        for o in problem.observations
+    )
+
+
+def scheme_weights(
+    problem: Problem, weighting: Weighting, *, noise: Mapping[str, float] | float | None = None
+) -> dict[str, float]:
+    """Weights w_g that a scheme gives, scaled so that the largest is 1.
+
+    The schemes are those of the problem file, see :func:`solver.problem.weighting.scheme_factors`.
+
+    Parameters
+    ----------
+    noise
+        Standard deviation of a reading of each series, base units; needed by ``by_error`` unless the problem tells it.
+
+    Raises
+    ------
+    StatisticsError
+        For an unknown scheme, or ``by_error`` without noise.
+    """
+    if weighting not in WEIGHTINGS:
+        raise StatisticsError(f"unknown weighting '{weighting}'; known: {', '.join(WEIGHTINGS)}")
+    deviations = problem_noise(problem) if noise is None else known_noise(problem, noise)
+    if weighting == "by_error" and deviations is None:
+        raise StatisticsError("weighting by_error needs the standard deviation of a reading of each series (noise)")
+    errors = {} if deviations is None else deviations.deviations
+    return scheme_factors(weighting, {o.series: o.y for o in problem.observations}, errors)
+
+
+def reweighted_problem(
+    problem: Problem,
+    *,
+    weights: Mapping[str, float] | None = None,
+    point_weights: Mapping[str, list[float]] | None = None,
+) -> Problem:
+    """The same problem with other weights w_g and w_h; series that are not named keep theirs.
+
+    Raises
+    ------
+    StatisticsError
+        When a series is unknown.
+    ProblemError
+        When a weight is negative, all are 0, or a list has the wrong length.
+    """
+    document: dict[str, Any] = problem.document()
+    document.pop("weighting", None)  # what its scheme gave is in the weights
+    effective = {o.series: o.weight for o in problem.observations}
+    known = list(effective)
+    unknown = sorted({*(weights or {}), *(point_weights or {})} - set(known))
+    if unknown:
+        raise StatisticsError(f"unknown series {', '.join(unknown)}; observed: {', '.join(known)}")
+    for section in document["observations"]:
+        series = section["series"]
+        section["weight"] = (weights or {}).get(series, effective[series])
+        if point_weights and series in point_weights:
+            section["points"]["weight"] = list(point_weights[series])
+    return parse_problem(document)
+
+
+def reweight(
+    problem: Problem,
+    samples: Samples,
+    *,
+    weights: Mapping[str, float] | None = None,
+    point_weights: Mapping[str, list[float]] | None = None,
+    weighting: Weighting | None = None,
+    noise: Mapping[str, float] | float | None = None,
+) -> Reweighted:
+    """Calculate the objectives that stored responses have under other weights.
+
+    The same code as in an evaluation runs on the same numbers, so the result is that of a fresh one to rounding.
+
+    Parameters
+    ----------
+    weights
+        New w_g by series; or let a ``weighting`` scheme choose them.
+    point_weights
+        New w_h by series, shape (m_g,).
+    noise
+        For ``by_error``.
+
+    Raises
+    ------
+    StatisticsError
+        When responses are needed and not stored, a series is unknown, or both weights and weighting are given.
+    ProblemError
+        When a weight is not accepted.
+    """
+    if weights is not None and weighting is not None:
+        raise StatisticsError("give either weights or weighting, not both")
+    if weighting is not None:
+        weights = scheme_weights(problem, weighting, noise=noise)
+    changed = reweighted_problem(problem, weights=weights, point_weights=point_weights)
+    objective = LeastSquares(
+        [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight) for o in changed.observations]
+    )
+    series = [o.series for o in changed.observations]
+    if samples.responses:
+        rows = (
+            dict(zip(series, row, strict=True)) for row in zip(*(samples.responses[s] for s in series), strict=True)
+        )
+        misfits = [objective.misfits(row) for row in rows]
+    elif point_weights is None and samples.misfits:
+        misfits = [{s: float(samples.misfits[s][i]) for s in series} for i in range(samples.size)]
+    else:
+        raise StatisticsError("re-weighting points needs the stored responses of the evaluations")
+    after = replace(
+        samples,
+        objectives=np.array([objective.value(m) for m in misfits], dtype=np.float64),
+        misfits={s: np.array([m[s] for m in misfits]) for s in series},
+    )
+    best = after.best
+    return Reweighted(
+        changed, after, shares(changed, misfits[best]), samples.best, best, _moved_outside(samples, after)
+    )
+
+
+def _moved_outside(before: Samples, after: Samples) -> tuple[str, ...]:
+    """Warn where the new optimum lies at the edge of what was sampled, or where few samples lie around it.
+
+    A swarm samples densely only around its own optimum. So the number of samples in a box around the new best sample (a
+    tenth of the range to either side) is compared with that around the old one, and its place with the outermost
+    samples.
+    """
+    unit, best = after.unit, after.best
+    if best == before.best:
+        return ()
+    warnings = []
+    place = unit[best]
+    for index, name in enumerate(after.names):
+        low, high = float(unit[:, index].min()), float(unit[:, index].max())
+        value = after.parameters[best, index]
+        if place[index] <= low + _EDGE_NEIGHBOURS * (high - low) or place[index] >= high - _EDGE_NEIGHBOURS * (
+            high - low
+        ):
+            at_bound = place[index] <= _EDGE_NEIGHBOURS or place[index] >= 1.0 - _EDGE_NEIGHBOURS
+            where = "at a bound of the search" if at_bound else "at the edge of the sampled region"
+            warnings.append(f"the new optimum has {name} = {value:.4g} {where}: the true one may lie outside.")
+    if not after.unbiased.any():
+        around = int((np.abs(unit - place) <= 0.1).all(axis=1).sum())
+        around_old = int((np.abs(unit - unit[before.best]) <= 0.1).all(axis=1).sum())
+        if around < max(10 * after.dimension, around_old // 10):
+            warnings.append(
+                f"only {around} evaluations lie around the new optimum ({around_old} around the old one): the swarm "
+                "did not search there; run it again with the new weights."
+            )
+    return tuple(warnings)

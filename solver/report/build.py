@@ -1,0 +1,166 @@
+"""From a run to its report: statistics, figures, content, HTML and PDF in one object that makes each part once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+
+from solver.calibration import Calibration
+from solver.errors import SolverError
+from solver.identifiability import (
+    Linearisation,
+    Samples,
+    Statistics,
+    analyse,
+    design,
+    from_evaluations,
+    linearise,
+)
+from solver.identifiability.polish import polish
+from solver.identifiability.stored import jacobian_from_samples
+from solver.local import CalibrationResult
+from solver.problem import ParticleSwarmMethod, Problem
+from solver.report.content import Content, report_content
+from solver.report.figures import FigureSet
+from solver.report.html import html_fragment, html_report
+from solver.report.pdf import pdf_report
+from solver.report.record import Optimum, RunRecord, record_of_result
+from solver.report.style import save_figure
+
+__all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
+
+
+_BUDGET = 20.0  # s
+
+
+class Report:
+    """Everything that can be shown of one run.
+
+    Parameters
+    ----------
+    problem, record
+        What was asked for and how it went.
+    samples
+        Successful evaluations.
+    threshold
+        Objective up to which a fit is good; proposed when None.
+    optimum
+        Polished and linearised, where somebody made it.
+    linearisation
+        In place of ``optimum``: at the best sample, from stored evaluations (:func:`linearise_stored`).
+
+    Raises
+    ------
+    StatisticsError
+        When the threshold is wrong.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        record: RunRecord,
+        samples: Samples,
+        *,
+        threshold: float | None = None,
+        optimum: Optimum | None = None,
+        linearisation: Linearisation | None = None,
+    ) -> None:
+        self.problem = problem
+        self.record = record
+        self.samples = samples
+        self.optimum = optimum
+        self.statistics: Statistics | None = None
+        if samples.size:
+            calibration = Calibration(problem, record.seed)
+            linearisation = linearisation if optimum is None else optimum.linearisation
+            self.statistics = analyse(calibration, samples, threshold=threshold, linearisation=linearisation)
+
+    @cached_property
+    def figures(self) -> FigureSet:
+        """The figures by name."""
+        return FigureSet(self.problem, self.record, self.samples if self.samples.size else None, self.statistics)
+
+    @cached_property
+    def content(self) -> Content:
+        """What the report says."""
+        return report_content(self.problem, self.record, self.statistics, self.figures, self.optimum)
+
+    def html(self) -> str:
+        """Return the page."""
+        return html_report(self.content)
+
+    def fragment(self) -> str:
+        """Return a short form for a notebook."""
+        return html_fragment(self.content)
+
+    def pdf(self) -> bytes:
+        """Return the PDF."""
+        return pdf_report(self.content)
+
+    def save(
+        self, folder: Path, *, html: bool = True, pdf: bool = True, figures: Sequence[str] | None = None
+    ) -> list[Path]:
+        """Write report.html, report.pdf and figures (all unless named) as PNG, SVG and CSV; return the files."""
+        written: list[Path] = []
+        if html:
+            written.append(folder / "report.html")
+            written[-1].write_text(self.html(), encoding="utf-8")
+        if pdf:
+            written.append(folder / "report.pdf")
+            written[-1].write_bytes(self.pdf())
+        for name in self.figures.names if figures is None else figures:
+            written += save_figure(self.figures.draw(name), folder, name)
+            table = folder / f"{name}.csv"
+            table.write_text(self.figures.csv(name), encoding="utf-8")
+            written.append(table)
+        return written
+
+
+def report_of_result(
+    problem: Problem, result: CalibrationResult, *, threshold: float | None = None, linearise: bool | None = None
+) -> Report:
+    """Make the report of a run in this process.
+
+    Parameters
+    ----------
+    linearise
+        Whether to polish the optimum and calculate the sensitivities there, with some hundred further forward runs. By
+        default after a swarm only: the best of a sampling is no optimum.
+    """
+    samples = Samples.from_result(problem, result)
+    wanted = isinstance(problem.method, ParticleSwarmMethod) if linearise is None else linearise
+    found = linearise_here(problem, samples, result.seed) if wanted and samples.size else None
+    return Report(problem, record_of_result(problem, result), samples, threshold=threshold, optimum=found)
+
+
+def linearise_stored(problem: Problem, samples: Samples, seed: int) -> Linearisation | None:
+    """Linearise at the best sample of a swarm without a forward run; None where they are not dense enough."""
+    if not isinstance(problem.method, ParticleSwarmMethod) or not samples.responses or samples.size == 0:
+        return None
+    calibration = Calibration(problem, seed)
+    try:
+        return linearise(calibration, jacobian_from_samples(calibration, samples))
+    except SolverError:
+        return None
+
+
+def linearise_here(problem: Problem, samples: Samples, seed: int) -> Optimum | None:
+    """Polish the best sample and linearise there, with forward runs in this process.
+
+    None where the data do not allow it, or where a forward run takes so long that the few hundred needed would take
+    more than 20 s.
+    """
+    calibration = Calibration(problem, seed)
+    best = samples.parameters[samples.best]
+    seconds = calibration.evaluate(best).seconds
+    affordable = int(_BUDGET / max(seconds, 1e-6))
+    if affordable < 40 * samples.dimension:
+        return None
+    try:
+        polished = polish(calibration, best, max_evaluations=min(affordable, 2000))
+        plan = design(calibration, polished.parameters)
+        found = from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+    except SolverError:
+        return None
+    return Optimum(polished, found)

@@ -1,0 +1,365 @@
+"""What stands in a report, in order: verdicts, pictures, tables, provenance. HTML and PDF only differ in form."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from solver.identifiability import Statistics
+from solver.problem import FreeParameter, LinkedParameter, Problem
+from solver.report.curves import objective_unit, series_shares
+from solver.report.figures import FigureSet
+from solver.report.labels import ParameterLabel, parameter_labels
+from solver.report.record import Optimum, RunRecord, method_in_words
+from solver.report.words import duration, number, reasons_in_words, verdict_in_words
+
+__all__ = ["Card", "Content", "Picture", "Table", "report_content"]
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """Verdict on one parameter.
+
+    ``value`` is that of the polished optimum where there is one, and ``remark`` then tells that of the best evaluation.
+    """
+
+    name: str
+    symbol: str
+    value: str
+    remark: str
+    kind: str
+    words: str
+    sentence: str
+    proposals: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One figure with its heading, its caption, and whether it needs the whole width of a page."""
+
+    name: str
+    heading: str
+    caption: str
+    wide: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """One table; ``numeric`` are the indices of the columns to align to the right."""
+
+    heading: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numeric: tuple[int, ...] = ()
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """Everything that a report says, as text; the figures are drawn from ``figures`` by the name of a picture."""
+
+    title: str
+    state: str
+    facts: tuple[tuple[str, str], ...]
+    summary: str
+    cards: tuple[Card, ...]
+    notes: tuple[str, ...]
+    pictures: tuple[Picture, ...]
+    tables: tuple[Table, ...]
+    provenance: tuple[tuple[str, str], ...]
+    problem: str
+    figures: FigureSet
+
+
+def report_content(
+    problem: Problem,
+    record: RunRecord,
+    statistics: Statistics | None,
+    figures: FigureSet,
+    optimum: Optimum | None = None,
+) -> Content:
+    """Put together what a report says.
+
+    Parameters
+    ----------
+    problem, record
+        What was asked for and how it went.
+    statistics
+        The statistics; None when there are none, because no evaluation has succeeded for example.
+    figures
+        Those that can be drawn.
+    optimum
+        Polished and linearised, where somebody made it.
+    """
+    labels = parameter_labels(problem)
+    unit = objective_unit(problem)
+    best = record.best
+    facts = (
+        ("best objective", _quantity(None if best is None else best.objective, unit)),
+        ("evaluations", str(record.evaluations)),
+        ("failed", str(record.failed)),
+        ("generations", str(record.generations)),
+        ("running time", duration(record.seconds)),
+        ("stopped", reasons_in_words(record.stop_reasons)),
+    )
+    cards = (
+        ()
+        if statistics is None
+        else tuple(_card(statistics, name, labels, record, optimum) for name in problem.free_names)
+    )
+    return Content(
+        title=problem.name,
+        state=record.state,
+        facts=facts,
+        summary=_summary(cards, record),
+        cards=cards,
+        notes=() if statistics is None else _notes(statistics),
+        pictures=tuple(
+            Picture(name, *_CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
+        ),
+        tables=tuple(_tables(problem, record, statistics, labels, optimum)),
+        provenance=tuple(_provenance(problem, record).items()),
+        problem=_listing(_short(problem.document())),
+        figures=figures,
+    )
+
+
+_CAPTIONS: dict[str, tuple[str, str, bool]] = {
+    "matrix": (
+        "What the data can tell",
+        "Diagonal: objective over one parameter with its lower envelope; a firm single minimum means that the data "
+        "determine the parameter. Below: good fits by their objective, other evaluations grey. Above: Pearson's r of "
+        "the good fits with its 95 % interval, Spearman's ρ and the number of good fits.",
+        True,
+    ),
+    "intervals": (
+        "Parameters between their bounds",
+        "Search range, the middle 90 % of the good fits, and, where the parameter is identifiable at the optimum, its "
+        "confidence interval.",
+        False,
+    ),
+    "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
+    "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
+    "convergence": ("Convergence", "Lowest objective found over the number of evaluations.", False),
+    "traces": (
+        "Parameters during the search",
+        "Dots: all evaluations; line: best so far; dotted: the bounds.",
+        False,
+    ),
+}
+
+
+def _card(
+    statistics: Statistics, name: str, labels: dict[str, ParameterLabel], record: RunRecord, optimum: Optimum | None
+) -> Card:
+    verdict = statistics.verdict(name)
+    value = None if record.best is None else record.best.parameters[name]
+    label = labels[name]
+    remark = ""
+    if optimum is not None:
+        polished = dict(zip(optimum.linearisation.names, optimum.polished.parameters.tolist(), strict=True))
+        remark = f"polished; best evaluation {_quantity(value, label.unit)}"
+        value = polished[name]
+    proposals = tuple(proposal.sentence for proposal in verdict.proposals)
+    return Card(
+        name,
+        label.symbol,
+        _quantity(value, label.unit),
+        remark,
+        verdict.kind,
+        verdict_in_words(verdict.kind),
+        verdict.sentence,
+        proposals,
+    )
+
+
+def _summary(cards: Sequence[Card], record: RunRecord) -> str:
+    if record.best is None:
+        return record.error or "No evaluation has succeeded yet: there is nothing to judge."
+    if not cards:
+        return "There are too few evaluations for a judgement of the parameters."
+    kinds = dict.fromkeys(card.words for card in cards)
+    parts = [f"{words}: {', '.join(c.symbol for c in cards if c.words == words)}" for words in kinds]
+    text = "; ".join(parts) + "."
+    return text[:1].upper() + text[1:]
+
+
+def _tables(
+    problem: Problem,
+    record: RunRecord,
+    statistics: Statistics | None,
+    labels: dict[str, ParameterLabel],
+    optimum: Optimum | None,
+) -> list[Table]:
+    tables = []
+    best = record.best
+    if best is not None:
+        tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum))
+        unit = objective_unit(problem)
+        rows = [
+            (s.series, number(s.weight), number(s.misfit), f"{s.share:.1%}".replace("%", " %"))
+            for s in series_shares(problem, best.misfits)
+        ]
+        misfit = f"misfit f′ [{unit}]" if unit else "misfit f′ [(unit of the series)²]"
+        columns = ("series", "weight w", misfit, "share of the objective")
+        tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3)))
+    if statistics is not None and len(statistics.pearson.names) > 1:
+        tables.append(_correlation_table(statistics, labels))
+    if statistics is not None:
+        tables += _optimum_tables(statistics, labels)
+    if record.failures:
+        rows_of_failures = tuple((reason.replace("_", " "), str(count)) for reason, count in record.failures.items())
+        tables.append(Table("Failed evaluations", ("reason", "number"), rows_of_failures, (1,)))
+    return tables
+
+
+def _parameter_table(
+    problem: Problem,
+    values: dict[str, float],
+    statistics: Statistics | None,
+    labels: dict[str, ParameterLabel],
+    optimum: Optimum | None,
+) -> Table:
+    rows = []
+    polished = None if optimum is None else problem.values(optimum.polished.parameters.tolist())
+    for name, parameter in problem.parameters.items():
+        label = labels[name]
+        shown = name if label.symbol == name else f"{label.symbol} ({name})"
+        cells = [shown, number(values[name]), *([] if polished is None else [number(polished[name])]), label.unit]
+        if isinstance(parameter, FreeParameter):
+            interval = _interval(statistics, name)
+            sure = "–" if interval is None else f"{number(interval[0], 3)} … {number(interval[1], 3)}"
+            cells += [f"{number(parameter.lower)} … {number(parameter.upper)}", parameter.scale, sure]
+        elif isinstance(parameter, LinkedParameter):
+            cells += [f"= {parameter.expression.text}", "linked", ""]
+        else:
+            cells += ["", "fixed", ""]
+        rows.append(tuple(cells))
+    more = () if polished is None else ("polished",)
+    columns = ("parameter", "best value", *more, "unit", "search range", "scale", "95 % interval")
+    note = "A dash: no interval can be given, because the data do not determine the parameter or nobody asked for it."
+    if optimum is not None:
+        p = optimum.polished
+        unit = objective_unit(problem)
+        note += (
+            f" Polished by least squares from the best evaluation, objective {_quantity(p.start_objective, unit)} to "
+            f"{_quantity(p.objective, unit)}, with {p.evaluations} further forward runs; intervals belong there."
+        )
+    return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)
+
+
+def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]) -> Table:
+    rows = []
+    for pair in statistics.pearson:
+        rank = statistics.spearman.get(pair.first, pair.second).coefficient
+        search = statistics.pearson_search.get(pair.first, pair.second).coefficient
+        known = pair.lower is not None and pair.upper is not None
+        interval = f"{pair.lower:.2f} … {pair.upper:.2f}".replace("-", "−") if known else "–"
+        cells = [f"{labels[pair.first].symbol}, {labels[pair.second].symbol}", _r(pair.coefficient), interval]
+        rows.append((*cells, _r(search), _r(rank), str(pair.count)))
+    columns = ("pair", "Pearson r", "95 % interval", "r in search coordinates", "Spearman ρ", "good fits")
+    note = f"Good fits: {statistics.filtered.statement}. Below |r| = 0.5 two parameters count as not correlated."
+    return Table("Correlations of the good fits", columns, tuple(rows), (1, 2, 3, 4, 5), note)
+
+
+def _interval(statistics: Statistics | None, name: str) -> tuple[float, float] | None:
+    if statistics is None or statistics.linearisation is None:
+        return None
+    return statistics.linearisation.interval(name)
+
+
+def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -> list[Table]:
+    """Directions that the data determine or leave open, and the residuals, as far as they are known."""
+    tables = []
+    linearisation = statistics.linearisation
+    if linearisation is not None:
+        rows = []
+        for c in linearisation.combinations:
+            parts = ", ".join(f"{labels[name].symbol}: {_r(part)}" for name, part in c.components.items())
+            rows.append((number(c.singular_value, 3), parts, "left open" if c.open else "determined"))
+        note = (
+            "Directions at the optimum, the best determined first; parts are moves of each parameter in units of its "
+            f"search range. Relative error of the derivatives: {number(linearisation.derivative_error, 2)}."
+        )
+        columns = ("singular value", "combination", "the data")
+        tables.append(Table("Combinations of parameters at the optimum", columns, tuple(rows), (0,), note))
+    if statistics.residuals:
+        examined = [
+            (
+                r.series,
+                str(r.residuals.size),
+                number(r.deviation, 3),
+                number(r.bias, 2),
+                "–" if r.runs is None else f"{r.runs} of {number(r.expected_runs, 3)}",
+                number(r.durbin_watson, 3),
+            )
+            for r in statistics.residuals
+        ]
+        headings = ("series", "points", "deviation", "bias", "runs of expected", "Durbin-Watson")
+        note = "Residuals of the best evaluation in base units; Durbin-Watson is 2 for independent residuals."
+        tables.append(Table("Residuals", headings, tuple(examined), (1, 2, 3, 4, 5), note))
+    return tables
+
+
+def _notes(statistics: Statistics) -> tuple[str, ...]:
+    threshold = statistics.filtered.threshold
+    how = "given" if threshold.origin == "given" else f"proposed, {threshold.explanation}"
+    notes = [f"Good fits: {statistics.filtered.statement}. The threshold was {how}."]
+    if statistics.samples.source == "mixed":
+        notes.append("Widths and correlations come from the Monte Carlo samples alone; the swarm's are biased.")
+    if statistics.samples.failed:
+        notes.append(f"{statistics.samples.failed} evaluations failed and take no part.")
+    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings))
+
+
+def _r(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2f}".replace("-", "−")
+
+
+def _provenance(problem: Problem, record: RunRecord) -> dict[str, str]:
+    versions = dict(record.environment)
+    found = {
+        "problem": problem.name,
+        "job": record.id or "run in process",
+        "forward model": problem.forward_model.kind.replace("_", " "),
+        "method": method_in_words(problem),
+        "seed": str(record.seed),
+        "evaluations": f"{record.evaluations} in {record.generations} generations, {record.failed} failed",
+        "state": record.state,
+        "geoswarm": versions.pop("geoswarm", "not installed as a package"),
+        "environment": ", ".join(f"{name} {value}" for name, value in versions.items()),
+    }
+    if record.finished_at is not None:
+        found["finished"] = f"{record.finished_at:%Y-%m-%d %H:%M:%S} UTC"
+    if record.best is not None:
+        found["best evaluation"] = f"generation {record.best.generation}, particle {record.best.particle}"
+    return found
+
+
+def _quantity(value: float | None, unit: str) -> str:
+    text = number(value)
+    return text if value is None or unit in ("", "-") else f"{text} {unit}"
+
+
+def _listing(document: dict[str, Any]) -> str:
+    """JSON with one line an item of each section."""
+    lines = []
+    for key, value in document.items():
+        if isinstance(value, dict) and value:
+            inner = (f"  {json.dumps(name)}: {json.dumps(item, ensure_ascii=False)}" for name, item in value.items())
+            lines.append(f"{json.dumps(key)}: {{\n" + ",\n".join(inner) + "\n}")
+        else:
+            lines.append(f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}")
+    return "{\n" + ",\n".join(lines) + "\n}"
+
+
+def _short(document: dict[str, Any]) -> dict[str, Any]:
+    """The problem without the measured points, which the tables and the problem file have."""
+    observations = document["observations"]
+    kept = [
+        {key: value for key, value in o.items() if key != "points"} | {"points": f"{len(o['points']['x'])} points"}
+        for o in observations
+    ]
+    return document | {"observations": kept}

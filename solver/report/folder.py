@@ -1,0 +1,151 @@
+"""A run from the files that ``geoswarm run --output`` wrote."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.errors import SolverError
+from solver.identifiability import Samples
+from solver.local import GenerationRecord
+from solver.problem import ParticleSwarmMethod, Problem, parse_problem
+from solver.report.build import Report, linearise_here
+from solver.report.record import BestFit, RunRecord
+from solver.report.tables import parameter_column
+
+__all__ = ["FolderError", "StoredRun", "report_of_folder", "run_of_folder"]
+
+_NEEDED = ("problem.json", "result.json", "evaluations.csv", "generations.csv")
+
+
+class FolderError(SolverError):
+    """A folder does not hold a run; the message says what is missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoredRun:
+    """Problem, record and successful evaluations of a run that was written to a folder."""
+
+    problem: Problem
+    record: RunRecord
+    samples: Samples
+
+
+def run_of_folder(folder: Path) -> StoredRun:
+    """Read a run.
+
+    Parameters
+    ----------
+    folder
+        With problem.json, result.json, evaluations.csv, generations.csv; with responses.npz the evaluations can also be
+        re-weighted point by point.
+
+    Raises
+    ------
+    FolderError
+        When a file is missing or cannot be read.
+    """
+    missing = [name for name in _NEEDED if not (folder / name).is_file()]
+    if missing:
+        raise FolderError(
+            f"{folder} lacks {', '.join(missing)}; a folder that 'geoswarm run PROBLEM --output DIR' wrote is accepted"
+        )
+    try:
+        problem = parse_problem(json.loads((folder / "problem.json").read_text(encoding="utf-8")))
+        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        rows = _table(folder / "evaluations.csv")
+        record = _record(problem, result, rows, _table(folder / "generations.csv"))
+        samples = _samples(problem, rows, folder / "responses.npz")
+    except (KeyError, ValueError, TypeError) as error:
+        raise FolderError(f"{folder} cannot be read as a run: {type(error).__name__}: {error}") from error
+    return StoredRun(problem, record, samples)
+
+
+def report_of_folder(folder: Path, *, threshold: float | None = None) -> Report:
+    """Make the report of a run that was written to a folder; a swarm's optimum is polished and examined anew."""
+    stored = run_of_folder(folder)
+    swarm = isinstance(stored.problem.method, ParticleSwarmMethod) and stored.samples.size > 0
+    found = linearise_here(stored.problem, stored.samples, stored.record.seed) if swarm else None
+    return Report(stored.problem, stored.record, stored.samples, threshold=threshold, optimum=found)
+
+
+def _table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def _record(
+    problem: Problem, result: Mapping[str, Any], rows: list[dict[str, str]], generations: list[dict[str, str]]
+) -> RunRecord:
+    best = result["best"]
+    return RunRecord(
+        id=None,
+        state=result["state"],
+        stop_reasons=tuple(result["stop_reasons"]),
+        error=result["error"],
+        evaluations=result["evaluations"],
+        failed=result["failed_evaluations"],
+        generations=result["generations"],
+        failures=dict(Counter(row["reason"] for row in rows if row["reason"])),
+        seconds=result["seconds"],
+        seed=result["seed"],
+        best=best
+        and BestFit(
+            best["generation"],
+            best["particle"],
+            result["objective"],
+            result["parameters"],
+            best["misfits"],
+            {series: np.array(xy["y"], dtype=np.float64) for series, xy in best["responses"].items()},
+        ),
+        records=[_generation(problem, row) for row in generations],
+    )
+
+
+def _generation(problem: Problem, row: Mapping[str, str]) -> GenerationRecord:
+    taken = ("generation", "evaluations", "failed", "best_objective", "objective")
+    cells = {name: row[parameter_column(name, taken)] for name in problem.parameters}
+    return GenerationRecord(
+        int(row["generation"]),
+        int(row["evaluations"]),
+        int(row["failed"]),
+        _number(row["best_objective"]),
+        _number(row["objective"]),
+        {name: float(cell) for name, cell in cells.items()} if all(cells.values()) else None,
+    )
+
+
+def _samples(problem: Problem, rows: list[dict[str, str]], archive: Path) -> Samples:
+    good = [row for row in rows if row["state"] == "finished"]
+    responses: dict[str, FloatArray] = {}
+    if archive.is_file():
+        with np.load(archive, allow_pickle=False) as stored:
+            if len(stored["generation"]) == len(good):
+                responses = {o.series: stored[f"response.{o.series}"] for o in problem.observations}
+    names = [parameter_column(name) for name in problem.free_names]
+    return Samples.from_arrays(
+        problem,
+        np.array([[float(row[name]) for name in names] for row in good], dtype=np.float64),
+        np.array([float(row["objective"]) for row in good], dtype=np.float64),
+        misfits={o.series: _column(good, f"misfit.{o.series}") for o in problem.observations},
+        responses=responses,
+        generations=np.array([int(row["generation"]) for row in good], dtype=np.int64),
+        particles=np.array([int(row["particle"]) for row in good], dtype=np.int64),
+        failed=len(rows) - len(good),
+    )
+
+
+def _column(rows: list[dict[str, str]], name: str) -> FloatArray:
+    return np.array([float(row[name]) for row in rows], dtype=np.float64)
+
+
+def _number(text: str) -> float | None:
+    return float(text) if text else None

@@ -1,0 +1,216 @@
+"""How every figure looks, and how it becomes a file: one palette, one set of sizes, one lock.
+
+Colours are those of Okabe and Ito, and a part of viridis for values: told apart with every common colour vision, and
+visible on white as on black. Ink, muted ink and grid have colours of their own that :func:`inline_svg` replaces by
+those of the page.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import re
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "BLUE",
+    "GREEN",
+    "GRID",
+    "INK",
+    "MUTED",
+    "ORANGE",
+    "SKY",
+    "colour_map",
+    "drawing",
+    "figures_available",
+    "finish",
+    "inline_svg",
+    "plain_ticks",
+    "png_of",
+    "save_figure",
+    "svg_of",
+    "tick_text",
+    "with_unit",
+]
+
+INK, MUTED, GRID = "#1b1f24", "#6a7178", "#d5d9dd"
+BLUE, SKY, ORANGE, GREEN = "#0072B2", "#56B4E9", "#D55E00", "#009E73"
+
+_SETTINGS: Any = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "figure.titlesize": 10.5,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.facecolor": "none",
+    "axes.edgecolor": MUTED,
+    "axes.linewidth": 0.7,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "axes.unicode_minus": True,
+    "svg.hashsalt": "geoswarm",
+    "svg.fonttype": "none",
+    "mathtext.default": "regular",
+}
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+_LOCK = threading.RLock()  # matplotlib's settings and font caches belong to the process, not to a thread
+_DPI = 150
+
+
+def figures_available() -> bool:
+    """Tell whether matplotlib (the ``plots`` extra) is installed."""
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """Draw or render in the body with the settings of the house, one thread at a time."""
+    import matplotlib as mpl
+
+    with _LOCK, mpl.rc_context(_SETTINGS):
+        yield
+
+
+def colour_map() -> Colormap:
+    """Return the part of viridis that is visible on white and on black; dark is a low value."""
+    import matplotlib as mpl
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("viridis_part", mpl.colormaps["viridis"]([0.14, 0.3, 0.5, 0.7, 0.86]))
+
+
+def with_unit(quantity: str, unit: str) -> str:
+    """Return an axis label; a pure number has the unit ``-``."""
+    return f"{quantity} [{unit if unit not in ('', '1', 'dimensionless') else '-'}]"
+
+
+def finish(axes: Axes, *, legend: bool = True) -> None:
+    """Give axes a faint grid and a legend without a frame; no lines where nothing is measured."""
+    axes.grid(visible=True, color=GRID, linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    if legend:
+        axes.legend(frameon=False)
+
+
+def plain_ticks(axes: Axes, which: str, *, log: bool, most: int = 4, inset: bool = False, whole: bool = False) -> None:
+    """Give the ``x`` or ``y`` axis few ticks that do not collide, numbers without mathematical markup.
+
+    Parameters
+    ----------
+    log
+        Whether the axis is logarithmic.
+    most
+        Number of labelled ticks, about.
+    inset
+        Whether the outermost labels must stay within the axis, because another one follows.
+    whole
+        Whether only whole numbers make sense.
+    """
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    if log:
+        (axes.set_xscale if which == "x" else axes.set_yscale)("log")
+    low, high = sorted(axes.get_xlim() if which == "x" else axes.get_ylim())
+    if not log:
+        axis.set_major_locator(MaxNLocator(most, min_n_ticks=1 if whole else 2, integer=whole))
+    elif high / low < 20.0:  # little more than a decade: numbers in between say more than powers
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=most + 4))
+    else:
+        axis.set_major_locator(LogLocator(numticks=most))
+    margin = 0.07 if inset else -1.0
+
+    def written(value: float, _position: object) -> str:
+        place = np.log(value / low) / np.log(high / low) if log else (value - low) / (high - low)
+        return tick_text(value) if margin <= place <= 1.0 - margin else ""
+
+    axis.set_major_formatter(FuncFormatter(written))
+    if log:
+        axis.set_minor_formatter(NullFormatter())
+
+
+def tick_text(value: float) -> str:
+    """Return a number for a tick: ``0.05``, ``20000``, ``10⁻⁶``, ``5·10⁻⁷``."""
+    if value == 0.0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:.6g}".replace("-", "\N{MINUS SIGN}")
+    mantissa, _, power = f"{value:.3g}".partition("e") if "e" in f"{value:.3g}" else f"{value:.2e}".partition("e")
+    mantissa = f"{float(mantissa):g}".replace("-", "\N{MINUS SIGN}")
+    raised = str(int(power)).translate(_RAISED)
+    return f"10{raised}" if mantissa == "1" else f"{mantissa}·10{raised}"
+
+
+def png_of(figure: Figure, *, dpi: int = _DPI) -> bytes:
+    """Render as PNG on white."""
+    return _render(figure, "png", dpi=dpi, facecolor="white")
+
+
+def svg_of(figure: Figure) -> bytes:
+    """Render as SVG on white; the same figure has the same bytes each time."""
+    return _render(figure, "svg", dpi=_DPI, facecolor="white", metadata={"Date": None, "Creator": "geoswarm"})
+
+
+def inline_svg(figure: Figure, name: str) -> str:
+    """Render as an SVG element for a page: no background, ink and grid in the page's colours, its width.
+
+    Parameters
+    ----------
+    name
+        Prefix of the element's ids, so that several figures can be in one page.
+    """
+    text = _render(figure, "svg", dpi=_DPI, facecolor="none", metadata={"Date": None, "Creator": "geoswarm"}).decode()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r"^<svg ", '<svg role="img" ', text)
+    text = re.sub(r'(<svg [^>]*?) width="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r'(<svg [^>]*?) height="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', text)
+    text = re.sub(r'(url\(#|href="#)', rf"\1{name}-", text)
+    text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", text)
+    for colour, role in ((INK, "currentColor"), (MUTED, "var(--muted)"), (GRID, "var(--grid)")):
+        text = text.replace(colour, role)
+    return text
+
+
+def save_figure(figure: Figure, directory: Path, name: str) -> list[Path]:
+    """Write ``<name>.png`` and ``<name>.svg``."""
+    written = []
+    for suffix, content in (("png", png_of(figure)), ("svg", svg_of(figure))):
+        path = directory / f"{name}.{suffix}"
+        path.write_bytes(content)
+        written.append(path)
+    return written
+
+
+def _render(figure: Figure, form: str, **options: Any) -> bytes:
+    stream = io.BytesIO()
+    with drawing():
+        figure.savefig(stream, format=form, **options)
+        if figure.get_layout_engine() is not None:
+            figure.set_layout_engine("none")  # found once, it holds for every further form
+    return stream.getvalue()

@@ -1,0 +1,59 @@
+"""Sobol and Morris indices of functions whose indices are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from solver.calibration import Calibration
+from solver.identifiability import StatisticsError
+from solver.identifiability.global_sensitivity import analyse_design, global_design, outputs_of
+from tests.solver.identifiability.cases import X, free, problem_of
+
+
+def test_first_order_and_total_indices_of_a_sum_and_a_product() -> None:
+    # y = a + 2 b + 0 c over the unit cube: variances 1/12, 4/12
+    parameters = {name: free(0.0, 1.0) for name in "abc"}
+    calibration = Calibration(problem_of("a + 2 * b + 0 * c", parameters, X), 1)
+    plan = global_design(calibration, samples=512, seed=1)
+    assert len(plan.positions) == 512 * 5
+    evaluations = [calibration.evaluate(x) for x in plan.positions]
+    found = analyse_design(calibration, plan, outputs_of(calibration, evaluations, "y"), output="y")
+    np.testing.assert_allclose([i.main for i in found.indices], [0.2, 0.8, 0.0], atol=0.02)
+    np.testing.assert_allclose([i.total for i in found.indices], [0.2, 0.8, 0.0], atol=0.02)
+    assert (found.blocks, found.dropped) == (512, 0)
+
+
+def test_elementary_effects_of_a_linear_function() -> None:
+    calibration = Calibration(problem_of("a + 2 * b + 3", {"a": free(0.0, 1.0), "b": free(0.0, 1.0)}, X), 1)
+    plan = global_design(calibration, kind="morris", samples=20)
+    evaluations = [calibration.evaluate(x) for x in plan.positions]
+    found = analyse_design(calibration, plan, outputs_of(calibration, evaluations, "y"), output="y")
+    np.testing.assert_allclose([i.main for i in found.indices], [1.0, 2.0], rtol=1e-9)
+    np.testing.assert_allclose([i.total for i in found.indices], 0.0, atol=1e-9)
+
+
+def test_blocks_against_the_constraints_are_dropped_and_counted() -> None:
+    parameters = {"a": free(0.0, 1.0), "b": free(0.0, 1.0)}
+    calibration = Calibration(problem_of("a + b", parameters, X, constraints=["a + b < 1.6"]), 1)
+    plan = global_design(calibration, samples=128)
+    outputs = outputs_of(calibration, [calibration.evaluate(x) for x in plan.positions], "objective")
+    found = analyse_design(calibration, plan, outputs)
+    assert found.dropped > 0
+    assert found.blocks + found.dropped == 128
+    outputs[:] = np.nan
+    with pytest.raises(StatisticsError, match="only 0 of 128 blocks"):
+        analyse_design(calibration, plan, outputs)
+
+
+def test_wrong_requests_are_refused() -> None:
+    calibration = Calibration(problem_of("a * x", {"a": free()}, X), 1)
+    with pytest.raises(StatisticsError, match="power of two"):
+        global_design(calibration, samples=100)
+    plan = global_design(calibration, samples=8)
+    with pytest.raises(StatisticsError, match="known: objective, y"):
+        outputs_of(calibration, [], "z")
+    with pytest.raises(StatisticsError, match="1 outputs are given"):
+        analyse_design(calibration, plan, np.ones(1))
+    constant = analyse_design(calibration, plan, np.ones(len(plan.positions)))
+    assert constant.indices[0].total == 0.0

@@ -1,0 +1,182 @@
+"""The report as HTML and PDF: what stands in it, that it needs nothing else, and what it costs."""
+
+from __future__ import annotations
+
+import re
+import time
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.report import (
+    report_of_folder,
+    report_of_result,
+    run_of_folder,
+    write_evaluations,
+    write_generations,
+    write_problem,
+    write_responses,
+    write_result,
+)
+from solver.report.folder import FolderError
+from solver.report.jsonable import jsonable
+from solver.report.words import duration, number
+from tests.solver.report.conftest import Run
+
+
+class Reader(HTMLParser):
+    """Collects visible text and addresses."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.words: list[str] = []
+        self.addresses: list[str] = []
+        self.tags: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href", "xlink:href", "action")]
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+
+def read(page: str) -> Reader:
+    reader = Reader()
+    reader.feed(page)
+    return reader
+
+
+def test_page_has_verdicts_first_and_provenance_last(sampling: Run) -> None:
+    page = sampling.report.html()
+    places = [page.index(f'id="{section}"') for section in ("verdicts", "figures", "tables", "provenance")]
+    assert places == sorted(places)
+    text = " ".join(" ".join(read(page).words).split())
+    statistics = sampling.report.statistics
+    assert statistics is not None
+    for verdict in statistics.verdicts:
+        assert verdict.sentence in text
+        assert all(proposal.sentence in text for proposal in verdict.proposals)
+    for words in ("not identified", "only in combination", "seed 2008", "Monte Carlo sampling (random), 2000 samples"):
+        assert words in text
+    assert f"{statistics.filtered.kept} of 2000 evaluations" in text
+    assert text.count("λ*") >= 3
+
+
+def test_page_needs_nothing_else(swarm: Run) -> None:
+    reader = read(swarm.report.html())
+    assert "script" not in reader.tags
+    assert all(address.startswith(("#", "data:")) for address in reader.addresses)
+    assert "viewport" in swarm.report.html()
+    assert len(set(re.findall(r'\bid="([^"]+)"', swarm.report.html()))) == len(
+        re.findall(r'\bid="([^"]+)"', swarm.report.html())
+    )
+
+
+def test_names_of_the_user_are_escaped(swarm: Run) -> None:
+    from dataclasses import replace
+
+    problem = replace(swarm.problem, name="<script>alert(1)</script>")
+    page = report_of_result(problem, swarm.result, linearise=False).html()
+    assert "<script>" not in page
+    assert "&lt;script&gt;" in page
+
+
+def test_a_swarm_is_polished_and_its_parameters_are_identified(swarm: Run) -> None:
+    content = swarm.report.content
+    assert content.summary == "Identified: λ*, κ*, c."
+    optimum = swarm.report.optimum
+    assert optimum is not None
+    values = dict(zip(swarm.problem.free_names, optimum.polished.parameters, strict=True))
+    assert values["lambda_star"] == pytest.approx(0.082, rel=0.03)
+    assert values["kappa_star"] == pytest.approx(0.051, rel=0.03)
+    assert values["c"] == pytest.approx(25.0, rel=0.05)
+    assert content.cards[0].remark.startswith("polished; best evaluation 0.07")
+    (table,) = (table for table in content.tables if table.heading == "Parameters")
+    assert [row[5] for row in table.rows if row[0].startswith("μ*")] == ["fixed"]
+    assert any("Samples are particles of a swarm" in note or "swarm" in note for note in content.notes)
+
+
+def test_report_of_2000_runs_is_quick(sampling: Run) -> None:
+    sampling.report.html()
+    began = time.process_time()
+    fresh = report_of_result(sampling.problem, sampling.result, threshold=1e-7)
+    page, pdf = fresh.html(), fresh.pdf()
+    assert time.process_time() - began < 8.0  # both forms; each alone is below 5 s
+    assert len(page) < 3e6
+    assert len(pdf) < 3e6
+
+
+def test_pdf_is_one_and_has_pages_with_a_title(sampling: Run) -> None:
+    pdf = sampling.report.pdf()
+    assert pdf.startswith(b"%PDF-")
+    assert pdf.rstrip().endswith(b"%%EOF")
+    pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
+    assert 5 <= pages <= 12
+    assert b"geoswarm report" in pdf or "geoswarm report".encode("utf-16-be") in pdf
+
+
+def test_a_run_without_success_has_a_report_that_says_so(failed: Run) -> None:
+    assert failed.report.statistics is None
+    assert failed.report.figures.names == ("convergence",)
+    text = " ".join(read(failed.report.html()).words)
+    assert "all 20 evaluations failed (20 not_finite)" in text
+    assert "not finite" in text
+    assert failed.report.pdf().startswith(b"%PDF-")
+
+
+def write(run: Run, folder: Path, *, responses: bool = True) -> None:
+    write_result(folder / "result.json", run.problem, run.result)
+    write_problem(folder / "problem.json", run.problem, run.result.seed)
+    write_evaluations(folder / "evaluations.csv", run.problem, run.result)
+    write_generations(folder / "generations.csv", run.problem, run.result)
+    if responses:
+        write_responses(folder / "responses.npz", run.problem, run.result)
+
+
+def test_a_folder_gives_the_same_statistics_and_report(sampling: Run, tmp_path: Path) -> None:
+    write(sampling, tmp_path)
+    again = report_of_folder(tmp_path, threshold=1e-7)
+    assert again.statistics is not None
+    assert sampling.report.statistics is not None
+    assert jsonable(again.statistics.to_json()) == jsonable(sampling.report.statistics.to_json())
+    assert again.content.cards == sampling.report.content.cards
+    assert again.content.tables == sampling.report.content.tables
+
+
+def test_a_folder_without_responses_lacks_only_what_needs_them(swarm: Run, tmp_path: Path) -> None:
+    write(swarm, tmp_path, responses=False)
+    stored = run_of_folder(tmp_path)
+    assert stored.samples.responses == {}
+    assert np.array_equal(stored.samples.objectives, swarm.report.samples.objectives)
+    assert stored.record.records == swarm.result.generation_records
+
+
+def test_a_folder_that_is_no_run_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FolderError, match=r"lacks problem\.json, result\.json, evaluations\.csv, generations\.csv"):
+        run_of_folder(tmp_path)
+    for name in ("problem.json", "result.json", "evaluations.csv", "generations.csv"):
+        (tmp_path / name).write_text("nothing", encoding="utf-8")
+    with pytest.raises(FolderError, match="cannot be read as a run"):
+        run_of_folder(tmp_path)
+
+
+def test_notebooks_show_a_result(swarm: Run) -> None:
+    text = swarm.result._repr_html_()
+    assert "lambda_star" in text
+    assert "target_objective" in text
+    fragment = swarm.report.fragment()
+    assert "Identified: λ*, κ*, c." in fragment
+    assert "<html" not in fragment
+
+
+def test_jsonable_has_no_numbers_that_json_lacks() -> None:
+    mixed = {"a": np.array([1.0, np.nan]), "b": (np.float64("inf"), np.int64(3)), "c": [np.bool_(True)]}
+    assert jsonable(mixed) == {"a": [1.0, None], "b": [None, 3], "c": [True]}
+
+
+def test_words() -> None:
+    assert [number(v) for v in (None, 0.08214, 4.837e-9, 123456.0)] == ["–", "0.08214", "4.837·10⁻⁹", "123500"]
+    assert [duration(v) for v in (None, 0.02, 3.0, 125.0)] == ["–", "20 ms", "3.0 s", "2 min 05 s"]

@@ -1,0 +1,52 @@
+"""Certified parameters to six digits after polishing, certified standard deviations to 1 %."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from solver.calibration import Calibration
+from solver.identifiability import Linearisation, design, from_evaluations
+from solver.identifiability.polish import Polished, polish
+from solver.local import calibrate
+from solver.problem import parse_problem
+from tests.verification.nist.data import MGH09, PROBLEMS, THURBER, Certified
+
+
+def fit(case: Certified) -> tuple[Polished, Linearisation]:
+    problem = parse_problem(case.document())
+    calibration = Calibration(problem, 1)
+    best = calibrate(problem).best
+    assert best is not None
+    polished = polish(calibration, best.parameters)
+    plan = design(calibration, polished.parameters)
+    return polished, from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+
+
+@pytest.mark.parametrize("case", PROBLEMS, ids=lambda case: case.name)
+def test_swarm_and_polishing_reach_the_certified_values(case: Certified) -> None:
+    polished, linearisation = fit(case)
+    certified = np.array([row[0] for row in case.parameters.values()])
+    deviations = np.array([row[1] for row in case.parameters.values()])
+    assert polished.converged
+    np.testing.assert_allclose(polished.parameters, certified, rtol=5e-7)
+    np.testing.assert_allclose(polished.objective * len(case.x), case.residual_sum_of_squares, rtol=1e-9)
+    np.testing.assert_allclose(linearisation.standard_errors, deviations, rtol=1e-2)
+    assert linearisation.at_optimum
+    assert linearisation.degrees_of_freedom == len(case.x) - len(certified)
+    assert linearisation.noise is not None
+    expected = np.sqrt(case.residual_sum_of_squares / linearisation.degrees_of_freedom)
+    np.testing.assert_allclose(linearisation.noise.deviations["y"], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("case", [THURBER, MGH09], ids=lambda case: case.name)
+def test_standard_deviations_do_not_hang_on_the_step(case: Certified) -> None:
+    problem = parse_problem(case.document())
+    calibration = Calibration(problem, 1)
+    certified = np.array([row[0] for row in case.parameters.values()])
+    deviations = np.array([row[1] for row in case.parameters.values()])
+    for step in (1e-3, 5e-3, 1e-2):
+        plan = design(calibration, certified, step=step)
+        evaluations = [calibration.evaluate(x) for x in plan.positions]
+        errors = from_evaluations(calibration, plan, evaluations).standard_errors
+        np.testing.assert_allclose(errors, deviations, rtol=1e-2)

@@ -1,0 +1,234 @@
+"""Reports and statistics of jobs from their stored evaluations: no forward run, made once for each state of a job."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter, OrderedDict
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from sqlalchemy import Connection
+
+from solver.identifiability import Samples, reweight
+from solver.identifiability.weighting import Weighting
+from solver.local import GenerationRecord
+from solver.problem import Problem, parse_problem
+from solver.report import BestFit, Report, RunRecord, linearise_stored, reweighted_document
+from workers.errors import JobNotFoundError
+from workers.store import Store, jobs
+from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_responses
+from workers.store.evaluations import Filters, get_evaluation, list_evaluations
+
+__all__ = ["StatisticsDesk", "StoredJob"]
+
+Made = TypeVar("Made")
+
+_ROWS = 2000
+_KEPT = 16
+"""Jobs, reports and rendered files that are kept in memory, the latest used."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoredJob:
+    """A job read for its statistics."""
+
+    problem: Problem
+    record: RunRecord
+    samples: Samples
+
+
+class StatisticsDesk:
+    """Makes reports of jobs, keeps the latest, and shares them among threads.
+
+    What is kept belongs to one state of a job (its state and the number of its finished evaluations), so a running job
+    is always shown as it is.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._lock = threading.Lock()
+        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
+        self._at_work: dict[Hashable, threading.Lock] = {}
+
+    def stored(self, job_id: str) -> StoredJob:
+        """Read a job with its evaluations.
+
+        Raises
+        ------
+        JobNotFoundError
+        """
+        return self._once((*self._key(job_id), "stored"), lambda: self._store.read(lambda c: _read(c, job_id)))
+
+    def report(self, job_id: str, *, threshold: float | None = None) -> Report:
+        """Make the report of a job.
+
+        Parameters
+        ----------
+        threshold
+            Objective up to which a fit is good; proposed when None.
+        """
+        job = self.stored(job_id)
+        key = (*self._key(job_id), "report", threshold)
+
+        def make() -> Report:
+            found = self._once(
+                (*self._key(job_id), "linearisation"),
+                lambda: linearise_stored(job.problem, job.samples, job.record.seed),
+            )
+            return Report(job.problem, job.record, job.samples, threshold=threshold, linearisation=found)
+
+        return self._once(key, make)
+
+    def rendered(
+        self, job_id: str, form: str, make: Callable[[Report], bytes], *, threshold: float | None = None
+    ) -> bytes:
+        """Render a report in a form (``html``, ``fit.svg``, ...), once for each state of the job."""
+        report = self.report(job_id, threshold=threshold)
+        return self._once((*self._key(job_id), form, threshold), lambda: make(report))
+
+    def reweighted(
+        self,
+        job_id: str,
+        *,
+        weights: Mapping[str, float] | None = None,
+        point_weights: Mapping[str, list[float]] | None = None,
+        weighting: Weighting | None = None,
+        noise: Mapping[str, float] | float | None = None,
+    ) -> dict[str, Any]:
+        """Calculate the objectives that the stored responses have under other weights.
+
+        Returns
+        -------
+        dict
+            ``weights`` (weight, misfit and share of each series), ``best`` and ``best_before`` (generation, particle,
+            objective under the new weights, all parameters), ``moved``, ``warnings`` and ``problem`` with the new
+            weights.
+
+        Raises
+        ------
+        StatisticsError, ProblemError
+            When a weight or a name is wrong.
+        """
+        job = self.stored(job_id)
+        after = reweight(
+            job.problem, job.samples, weights=weights, point_weights=point_weights, weighting=weighting, noise=noise
+        )
+        return reweighted_document(job.problem, after)
+
+    def _key(self, job_id: str) -> tuple[str, str, int]:
+        row = self._store.read(lambda connection: jobs.get_job(connection, job_id))
+        if row is None:
+            raise JobNotFoundError(job_id)
+        return job_id, row.state, row.evaluations
+
+    def _once(self, key: Hashable, make: Callable[[], Made]) -> Made:
+        """Return what was made for a key, or make it while other threads that want it wait."""
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                found: Made = self._kept[key]
+                return found
+            working = self._at_work.setdefault(key, threading.Lock())
+        with working:
+            with self._lock:
+                if key in self._kept:
+                    again: Made = self._kept[key]
+                    return again
+            made = make()
+            with self._lock:
+                self._kept[key] = made
+                self._at_work.pop(key, None)
+                while len(self._kept) > _KEPT:
+                    self._kept.popitem(last=False)
+        return made
+
+
+def _read(connection: Connection, job_id: str) -> StoredJob:
+    row, stored = jobs.get_job(connection, job_id), jobs.get_problem(connection, job_id)
+    if row is None or stored is None:
+        raise JobNotFoundError(job_id)
+    problem = parse_problem(unpack_json(stored.problem))
+    samples, failures = _samples(connection, job_id, problem)
+    record = RunRecord(
+        id=job_id,
+        state=row.state,
+        stop_reasons=tuple(unpack_json(row.stop_reasons)),
+        error=row.error,
+        evaluations=row.evaluations,
+        failed=row.failed_evaluations,
+        generations=row.generations,
+        failures=failures,
+        seconds=row.run_seconds if row.started_at is not None else None,
+        seed=row.seed,
+        best=_best(connection, job_id, row, problem),
+        records=_generations(connection, job_id),
+        finished_at=to_optional_datetime(row.finished_at),
+    )
+    return StoredJob(problem, record, samples)
+
+
+def _samples(connection: Connection, job_id: str, problem: Problem) -> tuple[Samples, dict[str, int]]:
+    good: list[Any] = []
+    failures: Counter[str] = Counter()
+    after: tuple[int, int] | None = None
+    while True:
+        page = list_evaluations(connection, job_id, Filters(), after=after, limit=_ROWS, responses=True)
+        good += [row for row in page if row.state == "finished"]
+        failures.update(row.reason for row in page if row.state == "failed")
+        if len(page) < _ROWS:
+            break
+        after = (page[-1].generation, page[-1].particle)
+    responses = [unpack_responses(row.responses) for row in good]
+    misfits = [unpack_json(row.misfits) for row in good]
+    samples = Samples.from_arrays(
+        problem,
+        np.array([unpack_array(row.parameters) for row in good]),
+        np.array([row.objective for row in good], dtype=np.float64),
+        misfits={o.series: np.array([m[o.series] for m in misfits], dtype=np.float64) for o in problem.observations},
+        responses={
+            o.series: np.array([r[o.series] for r in responses], dtype=np.float64).reshape(-1, o.x.size)
+            for o in problem.observations
+        },
+        generations=np.array([row.generation for row in good], dtype=np.int64),
+        particles=np.array([row.particle for row in good], dtype=np.int64),
+        failed=failures.total(),
+    )
+    return samples, dict(failures)
+
+
+def _best(connection: Connection, job_id: str, job: Any, problem: Problem) -> BestFit | None:
+    if job.best_generation is None:
+        return None
+    row = get_evaluation(connection, job_id, job.best_generation, job.best_particle)
+    if row is None or row.responses is None:
+        return None
+    return BestFit(
+        row.generation,
+        row.particle,
+        row.objective,
+        problem.values(unpack_array(row.parameters).tolist()),
+        unpack_json(row.misfits),
+        unpack_responses(row.responses),
+    )
+
+
+def _generations(connection: Connection, job_id: str) -> list[GenerationRecord]:
+    found: list[GenerationRecord] = []
+    while True:
+        after = found[-1].number if found else -1
+        rows = jobs.list_generations(connection, job_id, after=after, limit=_ROWS)
+        found += [
+            GenerationRecord(
+                r.number,
+                r.evaluations,
+                r.failed,
+                r.best_objective,
+                r.objective,
+                None if r.parameters is None else unpack_json(r.parameters),
+            )
+            for r in rows
+        ]
+        if len(rows) < _ROWS:
+            return found
