@@ -14,14 +14,16 @@ from fastapi.staticfiles import StaticFiles
 from api.errors import ProblemDetail, install_error_handlers
 from api.feed import EventFeed
 from api.gate import Gate
+from api.observe import Observer, RequestMetrics
 from api.pages import router as pages_router
-from api.routes import API_PREFIX, api_router, health_router
+from api.routes import API_PREFIX, api_router, health_router, metrics_router
 from api.settings import ApiSettings
 from solver.problem import problem_schema
 from workers.service import JobService
 
 __all__ = ["create_app"]
 
+KEYED = (API_PREFIX, "/metrics")
 DESCRIPTION = """Finds the parameters of geotechnical models from measurements.
 
 Submit a problem, follow its events, read the best parameters. Units inside: kN, m, day, degree; timestamps are UTC.
@@ -55,10 +57,13 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
         service, poll_seconds=settings.poll_seconds, heartbeat_seconds=settings.heartbeat_seconds
     )
     app.include_router(health_router)
+    app.include_router(metrics_router)
     app.include_router(api_router)
     app.include_router(pages_router)
     app.mount("/static", StaticFiles(directory=Path(__file__).parent / "static"), name="static")
-    app.add_middleware(Gate, settings=settings)
+    app.add_middleware(Gate, settings=settings, service=service)
+    app.state.requests = RequestMetrics()
+    app.add_middleware(Observer, metrics=app.state.requests)
     install_error_handlers(app)
     app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]
     return app
@@ -94,7 +99,7 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
         }
         for path, operations in document["paths"].items():
             for operation in operations.values():
-                operation["security"] = [{"bearer": []}, {"apiKey": []}] if path.startswith(API_PREFIX) else []
+                operation["security"] = [{"bearer": []}, {"apiKey": []}] if path.startswith(KEYED) else []
                 if "422" in operation["responses"]:  # replaces the framework's own form of errors
                     operation["responses"]["422"]["content"] = {
                         "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetail"}}

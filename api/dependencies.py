@@ -9,17 +9,21 @@ from fastapi import Depends, Path, Query, Request
 
 from api.errors import ProblemDetail
 from api.feed import EventFeed
+from workers.access import Principal
 from workers.errors import JobNotFoundError
 from workers.service import JobService
 
 __all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "problems_of"]
 
+NOBODY = Principal(None, "read")  # on routes that are open to everybody
 POSSIBLE_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 async def _service(request: Request) -> JobService:
+    """The service as the one who asks may use it; the gate has told who that is."""
     service: JobService = request.app.state.service
-    return service
+    principal: Principal | None = getattr(request.state, "principal", None)
+    return service.on_behalf_of(NOBODY if principal is None else principal)
 
 
 async def _feed(request: Request) -> EventFeed:
@@ -42,12 +46,15 @@ Cursor = Annotated[str | None, Query(description="next_cursor of the previous an
 MEANINGS = {
     400: "The body or a cursor cannot be read",
     401: "An API key is needed",
+    403: "Host or origin are refused, the API key's role does not suffice, or its owner's quota is used up",
     404: "Not found",
     409: "Not possible in the present state",
     413: "The body is too large",
+    408: "The body did not arrive in time",
     415: "The media type of the body is not understood",
     422: "What was sent is wrong; issues lists every mistake",
     501: "Not available in this installation",
+    429: "Too many requests; Retry-After says when to come again",
     503: "Database or broker cannot be reached",
 }
 
@@ -57,5 +64,5 @@ def problems_of(*statuses: int) -> dict[int | str, dict[str, Any]]:
     schema = {"$ref": f"#/components/schemas/{ProblemDetail.__name__}"}
     return {
         status: {"description": MEANINGS[status], "content": {"application/problem+json": {"schema": schema}}}
-        for status in sorted({*statuses, 401, 503})
+        for status in sorted({*statuses, 401, 403, 429, 503})
     }

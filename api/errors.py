@@ -32,6 +32,8 @@ from workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    NothingToRetryError,
+    QuotaExceededError,
     StoreUnavailableError,
 )
 
@@ -158,6 +160,8 @@ def translate(error: Exception) -> DetailError:
             )
         case JobNotFoundError():
             return DetailError(404, str(error), kind="job-not-found", title="Job not found")
+        case NothingToRetryError():
+            return DetailError(409, str(error), kind="nothing-to-retry", title="No failed evaluation")
         case InvalidTransitionError():
             return DetailError(409, str(error), kind="invalid-transition", title="Not possible in this state")
         case IdempotencyConflictError():
@@ -166,6 +170,8 @@ def translate(error: Exception) -> DetailError:
             return DetailError(422, str(error), kind="invalid-statistics", title="Statistics not possible")
         case InvalidCursorError():
             return DetailError(400, str(error), kind="invalid-cursor", title="Invalid cursor")
+        case QuotaExceededError():
+            return DetailError(403, f"{error}.", kind="quota-exceeded", title="Quota exceeded")
         case StoreUnavailableError() | BrokerUnavailableError():
             title = "Database" if isinstance(error, StoreUnavailableError) else "Broker"
             return DetailError(
@@ -183,9 +189,11 @@ TRANSLATED: tuple[type[Exception], ...] = (
     RequestValidationError,
     JobNotFoundError,
     InvalidTransitionError,
+    NothingToRetryError,
     IdempotencyConflictError,
     InvalidCursorError,
     StatisticsError,
+    QuotaExceededError,
     StoreUnavailableError,
     BrokerUnavailableError,
 )

@@ -1,4 +1,4 @@
-"""Live events of jobs: one poller a watched job, however many listeners.
+"""Live events of jobs: one query a tick for all watched jobs, however many listeners.
 
 The database is the only source, so a listener of any process sees the events of every process, and what was missed
 between two connections is read again. Reads run in a few threads of their own; a waiting listener holds neither a
@@ -8,9 +8,11 @@ thread nor a connection.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
+import time
 from collections import deque
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -30,6 +32,8 @@ KEPT_EVENTS = 500
 BATCH = 500
 RETRY_SECONDS = 2.0
 READING_THREADS = 4
+EXISTENCE_SECONDS = 2.0  # how soon listeners learn that their job was deleted
+GATHER_SECONDS = 0.02
 
 T = TypeVar("T")
 
@@ -49,7 +53,6 @@ class _Tail:
     changed: asyncio.Event = field(default_factory=asyncio.Event)
     listeners: int = 0
     gone: bool = False
-    poller: asyncio.Task[None] | None = None
 
     def wake(self) -> None:
         changed, self.changed = self.changed, asyncio.Event()
@@ -71,7 +74,7 @@ class EventFeed:
     service
         Where events are read.
     poll_seconds
-        Interval at which a watched job is looked at [s].
+        Interval at which the watched jobs are looked at [s].
     heartbeat_seconds
         Silence after which :meth:`listen` yields None [s].
     """
@@ -83,11 +86,18 @@ class EventFeed:
         self._tails: dict[str, _Tail] = {}
         self._limiter: anyio.CapacityLimiter | None = None
         self._closed = False
+        self._poller: asyncio.Task[None] | None = None
+        self._joined = asyncio.Event()
 
     @property
     def watched(self) -> int:
         """Number of jobs that are being polled."""
         return len(self._tails)
+
+    @property
+    def listeners(self) -> int:
+        """Number of open streams."""
+        return sum(tail.listeners for tail in self._tails.values())
 
     async def read(self, job_id: str, after: int) -> list[EventView]:
         """Read the events that follow ``after`` from the database, at most one batch.
@@ -155,31 +165,55 @@ class EventFeed:
         tail = self._tails.get(job_id)
         if tail is None or tail.gone:
             tail = self._tails[job_id] = _Tail(floor=after, last=after)
-            tail.poller = asyncio.create_task(self._follow(job_id, tail), name=f"events of job {job_id}")
+            self._joined.set()
+            if self._poller is None or self._poller.done():
+                self._poller = asyncio.create_task(self._follow(), name="events of watched jobs")
         tail.listeners += 1
         return tail
 
     def _leave(self, job_id: str, tail: _Tail) -> None:
         tail.listeners -= 1
-        if tail.listeners == 0:
-            if tail.poller is not None:
-                tail.poller.cancel()
-            if self._tails.get(job_id) is tail:
-                del self._tails[job_id]
+        if tail.listeners == 0 and self._tails.get(job_id) is tail:
+            del self._tails[job_id]
+            if not self._tails and self._poller is not None:
+                self._poller.cancel()
+                self._poller = None
 
-    async def _follow(self, job_id: str, tail: _Tail) -> None:
+    async def _follow(self) -> None:
+        check_at = time.monotonic() + EXISTENCE_SECONDS
         while True:
+            self._joined.clear()
+            watched = {job_id: (tail, tail.last) for job_id, tail in self._tails.items()}
             try:
-                batch = await self.read(job_id, tail.last)
-            except JobNotFoundError:
-                tail.gone = True
-                tail.wake()
-                return
+                count = await self._look(watched)
+                if time.monotonic() >= check_at:
+                    await self._find_deleted(watched)
+                    check_at = time.monotonic() + EXISTENCE_SECONDS
             except StoreUnavailableError as error:
-                logger.warning("events of job %s cannot be read now: %s", job_id, error)
+                logger.warning("events cannot be read now: %s", error)
                 await asyncio.sleep(RETRY_SECONDS)
                 continue
-            if batch:
+            if count < BATCH:
+                with contextlib.suppress(TimeoutError):
+                    await asyncio.wait_for(self._joined.wait(), self._poll)
+                    await asyncio.sleep(GATHER_SECONDS)  # whoever else comes now shares the query
+
+    async def _look(self, watched: Mapping[str, tuple[_Tail, int]]) -> int:
+        """Give every tail its new events; return how many came."""
+        after = {job_id: last for job_id, (_, last) in watched.items()}
+        news = await self._in_thread(lambda: self._service.news(after, limit=BATCH))
+        batches: dict[str, list[EventView]] = {}
+        for job_id, event in news:
+            batches.setdefault(job_id, []).append(event)
+        for job_id, batch in batches.items():
+            tail, last = watched[job_id]
+            if self._tails.get(job_id) is tail and tail.last == last:  # nobody left and came back meanwhile
                 tail.add(batch)
-            else:
-                await asyncio.sleep(self._poll)
+        return len(news)
+
+    async def _find_deleted(self, watched: Mapping[str, tuple[_Tail, int]]) -> None:
+        there = await self._in_thread(lambda: self._service.existing(watched))
+        for job_id in watched.keys() - there:
+            tail, _ = watched[job_id]
+            tail.gone = True
+            tail.wake()

@@ -25,7 +25,7 @@ router = APIRouter(include_in_schema=False)
 
 PLOT_WIDTH, PLOT_HEIGHT = 640, 300
 LEFT, RIGHT, TOP, BOTTOM = 64, 12, 12, 40
-MOST_POINTS = 2000
+MOST_POINTS = 1000
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -12,6 +12,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 __all__ = [
+    "Attempt",
+    "AttemptList",
     "Best",
     "CheckResult",
     "Evaluation",
@@ -27,6 +29,7 @@ __all__ = [
     "Liveness",
     "Parameter",
     "Response",
+    "Retry",
     "Series",
     "TestRun",
     "Worker",
@@ -71,6 +74,8 @@ class Job(Model):
     seed: int
     free_parameters: list[str]
     max_evaluations: int | None = Field(description="planned number of evaluations, when there is one")
+    priority: int
+    retrying: bool = Field(description="its failed evaluations are run again; then it is what it was before")
 
 
 class JobPage(Model):
@@ -104,6 +109,35 @@ class Evaluation(Model):
     started_at: datetime | None
     finished_at: datetime | None
     seconds: float | None
+    log: str | None = Field(description="end of what a failed forward model wrote")
+
+
+class Attempt(Model):
+    """One try at an evaluation."""
+
+    number: int
+    worker: str | None
+    outcome: str = Field(
+        description="running, finished, the kind of failure, or why it does not count: late, overdue, stopped"
+    )
+    counted: bool = Field(description="it gave the evaluation's result")
+    message: str | None
+    log: str | None = Field(description="end of what the forward model wrote")
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+class AttemptList(Model):
+    """Tries in the order in which they were begun."""
+
+    items: list[Attempt]
+
+
+class Retry(Model):
+    """Failed evaluations that are run again."""
+
+    evaluations: int = Field(description="their number")
+    job: Job
 
 
 class EvaluationPage(Model):
@@ -151,7 +185,10 @@ class Worker(Model):
     pid: int
     engine: str
     state: str
-    job: str | None
+    job: str | None = Field(description="what it works on; null: on nothing, or on a job of somebody else")
+    generation: int | None
+    evaluations: int | None = Field(description="number of evaluations that it has claimed")
+    busy_since: datetime | None
     started_at: datetime
     seen_at: datetime
 

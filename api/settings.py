@@ -19,6 +19,8 @@ VARIABLES: dict[str, str] = {
     "api_key": "GEOSWARM_API_KEY",
     "allowed_hosts": "GEOSWARM_ALLOWED_HOSTS",
     "max_body_bytes": "GEOSWARM_MAX_BODY_BYTES",
+    "requests_per_second": "GEOSWARM_REQUESTS_PER_SECOND",
+    "request_burst": "GEOSWARM_REQUEST_BURST",
 }
 
 
@@ -28,23 +30,34 @@ class ApiSettings(BaseModel):
     Attributes
     ----------
     api_key
-        When set, every route except ``/health`` and ``/openapi.json`` asks for it.
+        An administrator's key that is not in the database, to begin with; every route except ``/health`` and
+        ``/openapi.json`` then asks for a key.
+    require_key
+        Ask for a key also when only the database has some.
     allowed_hosts
         Further names in the ``Host`` header to answer to (without port) when no API key is set; loopback names are
         always allowed. This keeps a web page in the user's browser from reaching the service by DNS rebinding.
     max_body_bytes
         Largest request body that is read.
+    body_seconds
+        Time in which a request body must have arrived [s].
+    requests_per_second, request_burst
+        What one API key may ask for in the long run [1/s] (0: anything) and at once, in each process of the service.
     heartbeat_seconds
         Pause after which a silent event stream sends a comment, so that proxies and clients know it is alive.
     poll_seconds
-        Interval at which a watched job is looked at for new events (once a job, however many watch it).
+        Interval at which the watched jobs are looked at for new events [s], with one query, however many watch.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     api_key: SecretStr | None = None
+    require_key: bool = False
     allowed_hosts: frozenset[str] = frozenset()
     max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
+    body_seconds: float = Field(default=30.0, gt=0.0)
+    requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
+    request_burst: int = Field(default=500, ge=1)
     heartbeat_seconds: float = Field(default=10.0, gt=0.0, le=20.0)
     poll_seconds: float = Field(default=0.2, gt=0.0, le=10.0)
 
@@ -57,9 +70,14 @@ class ApiSettings(BaseModel):
                 raise ValueError("an API key needs at least 8 printable ASCII characters without spaces")
         return key
 
+    @property
+    def needs_key(self) -> bool:
+        """Whether requests are asked for an API key."""
+        return self.require_key or self.api_key is not None
+
     @classmethod
     def from_environment(cls, **overrides: Any) -> ApiSettings:
-        """Read GEOSWARM_API_KEY, GEOSWARM_ALLOWED_HOSTS (comma-separated) and GEOSWARM_MAX_BODY_BYTES.
+        """Read the environment variables of :data:`VARIABLES`; GEOSWARM_ALLOWED_HOSTS is comma-separated.
 
         ``overrides`` that are not None win over the environment.
 

@@ -56,7 +56,7 @@ class Evaluation:
     misfits, responses
         f'_g and calculated values, shape (m_g,), of each observed series; empty when failed.
     reason, message
-        Kind of failure (``diverged``, ``not_finite``, ``infeasible``, ``bad_output``) and what happened.
+        Kind of failure (:data:`solver.errors.FailureReason`) and what happened.
     seconds
         Wall time of the forward calculation [s].
     """
@@ -206,6 +206,8 @@ class Calibration:
             misfits = self.objective.misfits(responses)
         except ForwardError as error:
             reason, message = error.reason, str(error)
+        except MemoryError:
+            reason, message = "killed_memory", "the forward model ran out of memory"
         except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
             reason, message = "bad_output", f"the forward model raised {type(error).__name__}: {error}"
         else:

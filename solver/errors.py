@@ -22,9 +22,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal, TypeAlias
 
 __all__ = [
+    "FailureReason",
     "BadOutputError",
     "BrokenForwardModelError",
     "DivergedError",
@@ -39,6 +40,11 @@ __all__ = [
     "WorkerLostError",
 ]
 
+FailureReason: TypeAlias = Literal[
+    "diverged", "not_finite", "infeasible", "bad_output", "timeout", "killed_memory", "worker_lost"
+]
+"""Why an evaluation failed: the words of ForwardError, and those of the engine that runs it."""
+
 
 class SolverError(Exception):
     """Base of all errors that the solver raises on purpose."""
@@ -51,8 +57,17 @@ class Issue:
     path: str
     message: str
 
+    def __post_init__(self) -> None:
+        # What was written is quoted in messages, and may be of any length.
+        object.__setattr__(self, "path", _shortened(self.path, 200))
+        object.__setattr__(self, "message", _shortened(self.message, 1000))
+
     def __str__(self) -> str:
         return f"{self.path}: {self.message}" if self.path else self.message
+
+
+def _shortened(text: str, length: int) -> str:
+    return text if len(text) <= length else f"{text[: length - 103]} ... {text[-98:]}"
 
 
 class ProblemError(SolverError):

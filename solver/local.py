@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -19,6 +19,7 @@ from solver.calibration import Calibration, Evaluation, Progress, RunLog, choose
 from solver.errors import WorkerLostError
 from solver.notebook import result_html
 from solver.problem import Problem, parse_problem
+from solver.problem.running import fatal_message
 
 __all__ = [
     "CalibrationResult",
@@ -139,6 +140,10 @@ def calibrate(
         while True:
             evaluations = evaluate_generation(progress.positions)
             history += [EvaluationRecord(progress.generation, i, e) for i, e in enumerate(evaluations)]
+            fatal = _fatal(problem, progress.generation, evaluations)
+            if fatal is not None:
+                result = _result(problem, seed, progress, (), history, records, time.monotonic() - began)
+                return replace(result, state="failed", error=fatal)
             objectives = [e.objective for e in evaluations]
             runs = None
             if calibration.accelerated:
@@ -152,6 +157,14 @@ def calibrate(
                 break
             progress = step.progress
     return _result(problem, seed, step.progress, step.stop_reasons, history, records, time.monotonic() - began)
+
+
+def _fatal(problem: Problem, generation: int, evaluations: Sequence[Evaluation]) -> str | None:
+    """Say which failure ends the calibration, None: none does."""
+    for particle, evaluation in enumerate(evaluations):
+        if evaluation.reason is not None and problem.failures.ends_job(evaluation.reason):
+            return fatal_message(generation, particle, evaluation.reason, evaluation.message)
+    return None
 
 
 def generation_record(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -71,3 +72,17 @@ def fresh_redis_url(redis_server: RedisServer) -> str:
 def free_port() -> int:
     """A TCP port of 127.0.0.1 on which nothing listens."""
     return servers.free_port()
+
+
+@pytest.fixture
+def misbehaving_models(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The forward models of tests/models are installed, here and in processes that are started meanwhile."""
+    from solver.forward.registry import forget
+
+    folder = str(Path(__file__).parent / "models")
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.setenv("PYTHONPATH", folder, prepend=os.pathsep)
+    forget()
+    yield
+    monkeypatch.undo()
+    forget()

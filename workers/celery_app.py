@@ -19,7 +19,7 @@ from redis.retry import Retry
 from workers.errors import BrokerUnavailableError, SettingsError
 from workers.settings import Settings, mask_url
 
-__all__ = ["QUEUE", "SERVE_TASK", "CeleryDoorbell", "create_celery", "run_celery_worker"]
+__all__ = ["QUEUE", "SERVE_TASK", "CeleryDoorbell", "create_celery", "queue_name", "run_celery_worker"]
 
 log = logging.getLogger(__name__)
 
@@ -65,6 +65,11 @@ def create_celery(settings: Settings) -> Celery:
     return app
 
 
+def queue_name(kind: str) -> str:
+    """Return the queue on which workers of this kind of forward model listen; empty: all workers."""
+    return f"{QUEUE}.{kind}" if kind else QUEUE
+
+
 class CeleryDoorbell:
     """Rings through Redis. While Redis is down it says so once and leaves the rest to the sweep."""
 
@@ -97,14 +102,14 @@ class CeleryDoorbell:
         except (redis.RedisError, OSError, ValueError) as error:
             raise BrokerUnavailableError(f"broker {mask_url(self.url)}: {' '.join(str(error).split())}") from error
 
-    def ring(self, job_id: str, times: int = 1) -> None:
-        """Send ``times`` messages."""
+    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:
+        """Send ``times`` messages to the queue of a kind of forward model."""
         if time.monotonic() < self._silent_until:
             return
         try:
             self._redis.ping()  # fails at once, where Celery would try again for many seconds
             for _ in range(times):
-                self.app.send_task(SERVE_TASK, (job_id,), ignore_result=True, retry=False)
+                self.app.send_task(SERVE_TASK, (job_id,), queue=queue_name(kind), ignore_result=True, retry=False)
         except (OperationalError, redis.RedisError, OSError) as error:
             self._silent_until = time.monotonic() + SILENT_SECONDS
             if not self._down:
@@ -137,10 +142,12 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     StoreUnavailableError, BrokerUnavailableError
         When the database or the broker does not answer at the start.
     """
-    from workers.embedded import ONE_THREAD
+    from workers.runner.runner import ONE_THREAD
     from workers.store import Store
 
     os.environ.update(ONE_THREAD)
+    from solver.forward.registry import kinds
+
     doorbell = CeleryDoorbell(settings)
     doorbell.check()
     doorbell.close()
@@ -150,6 +157,7 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     worker: CeleryWorker = app.Worker(
         hostname=f"geoswarm-{os.getpid()}@%h",
         concurrency=concurrency,
+        queues=[QUEUE, *map(queue_name, settings.kinds or kinds())],
         pool_cls="prefork",
         optimization="fair",
         without_gossip=True,

@@ -10,8 +10,8 @@ __all__ = ["Doorbell", "MuteDoorbell"]
 class Doorbell(Protocol):
     """How workers are woken."""
 
-    def ring(self, job_id: str, times: int = 1) -> None:
-        """Wake up to ``times`` workers for a job; never raises."""
+    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:
+        """Wake up to ``times`` workers that run this kind of forward model (empty: any) for a job; never raises."""
 
     def health(self) -> str:
         """Return ``ok``, ``embedded``, or why the doorbell does not work."""
@@ -23,7 +23,7 @@ class Doorbell(Protocol):
 class MuteDoorbell:
     """Rings nobody: workers find the work when they look, or through a sweep."""
 
-    def ring(self, job_id: str, times: int = 1) -> None:
+    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:
         """Do nothing."""
 
     def health(self) -> str:

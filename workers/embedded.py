@@ -19,17 +19,16 @@ from dataclasses import dataclass
 from workers.coordinator.runtime import Runtime
 from workers.errors import StoreUnavailableError
 from workers.identity import Identity
+from workers.runner.runner import ONE_THREAD
+from workers.runner.wire import anonymous_file
 from workers.settings import Settings
 from workers.store.evaluations import overdue
 from workers.store.workers import forget_worker
 from workers.sweep import Sweeper
 
-__all__ = ["ONE_THREAD", "PipeDoorbell", "Supervisor"]
+__all__ = ["PipeDoorbell", "Supervisor"]
 
 log = logging.getLogger(__name__)
-
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-"""Environment of a worker process: one numerical thread, as there is one worker a core."""
 
 # The child takes over the parent's import path, as it may not be installed but run from its sources. What it needs
 # comes over its standard input, which then stays open: its end tells that the parent has died.
@@ -57,7 +56,7 @@ class PipeDoorbell:
         os.set_blocking(self.read_end, False)
         os.set_blocking(self.write_end, False)
 
-    def ring(self, job_id: str, times: int = 1) -> None:  # noqa: ARG002  the protocol of all doorbells
+    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:  # noqa: ARG002  the protocol of all doorbells
         """Wake up to ``times`` workers; they look themselves what there is to do, whatever the job."""
         with contextlib.suppress(BlockingIOError, BrokenPipeError):
             room = self.capacity - self._waiting()
@@ -104,6 +103,7 @@ class Supervisor:
         self.sweeper = sweeper
         self.settings: Settings = runtime.settings
         self._stopping = threading.Event()
+        self._slots = anonymous_file()
         self._children: list[_Child] = []
         self._thread = threading.Thread(target=self._watch, name="geoswarm-supervisor", daemon=True)
 
@@ -134,13 +134,15 @@ class Supervisor:
                 child.process.wait()
             self._bury(child, clean=child.process.returncode == 0)
         self._children = []
+        os.close(self._slots)
 
     def _spawn(self) -> _Child:
         ends = (self.doorbell.read_end, self.doorbell.write_end)
+        slots = self._slots
         process = subprocess.Popen(
             [sys.executable, "-c", BOOTSTRAP],
             stdin=subprocess.PIPE,
-            pass_fds=ends,
+            pass_fds=(*ends, slots),
             env={**os.environ, **ONE_THREAD},
             process_group=0,  # Ctrl-C in a terminal reaches this process alone, which then ends its workers in order
         )
@@ -150,6 +152,7 @@ class Supervisor:
             "settings": self.settings.model_dump(),
             "worker_id": identity.id,
             "doorbell": ends,
+            "slots": slots,
             "log_level": logging.getLogger().getEffectiveLevel(),
         }
         with contextlib.suppress(BrokenPipeError):  # died at once: the watch sees it

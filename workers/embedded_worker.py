@@ -13,9 +13,12 @@ from typing import Any
 from workers.embedded import PipeDoorbell
 from workers.errors import StoreUnavailableError
 from workers.identity import Identity, this_machine
+from workers.logs import start_logging
 from workers.settings import Settings
+from workers.slots import Slots
 from workers.store import Store
 from workers.sweep import Sweeper, with_signals
+from workers.tracing import start_tracing
 from workers.warm import warm_up
 from workers.worker import Worker
 
@@ -26,14 +29,15 @@ log = logging.getLogger(__name__)
 
 def main(given: Mapping[str, Any]) -> None:
     """Work until the parent asks for the end, or dies."""
-    logging.basicConfig(level=given["log_level"])
+    start_logging(given["log_level"])
+    start_tracing("worker")
     settings = Settings(**given["settings"])
     read_end, write_end = given["doorbell"]
     doorbell = PipeDoorbell(settings.workers, (read_end, write_end))
     identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")
     try:
         store = Store(settings)
-        worker = Worker(store, doorbell, settings, identity)
+        worker = Worker(store, doorbell, settings, identity, Slots(settings.slots, given["slots"]))
         worker.start()
     except StoreUnavailableError as error:
         log.warning("worker %s cannot start: %s", identity.id, error)
@@ -42,7 +46,8 @@ def main(given: Mapping[str, Any]) -> None:
     threading.Thread(target=_follow_parent, args=(worker, settings.grace_seconds), daemon=True).start()
     sweeper = Sweeper(worker.runtime, doorbell)
     sweeper.start()
-    warm_up()
+    if not settings.isolate:
+        warm_up()
     _work(worker, doorbell, settings)
     sweeper.stop()
     worker.close()

@@ -7,6 +7,9 @@
     ├── JobNotFoundError            no job has this id
     ├── InvalidTransitionError      the job's state does not admit the request
     ├── IdempotencyConflictError    the key was used before, with another problem
+    ├── NothingToRetryError         no failed evaluation of the job can be run again
+    ├── KeyNotFoundError            no API key has this id
+    ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
     ├── StoreUnavailableError       the database does not answer, or cannot be used
     └── BrokerUnavailableError      the broker does not answer
@@ -24,6 +27,9 @@ __all__ = [
     "InvalidCursorError",
     "InvalidTransitionError",
     "JobNotFoundError",
+    "KeyNotFoundError",
+    "NothingToRetryError",
+    "QuotaExceededError",
     "SettingsError",
     "StoreUnavailableError",
     "WorkersError",
@@ -46,6 +52,18 @@ class JobNotFoundError(WorkersError):
         super().__init__(f"there is no job {job_id!r}")
 
 
+class KeyNotFoundError(WorkersError):
+    """No API key has this id."""
+
+    def __init__(self, key_id: str) -> None:
+        self.key_id = key_id
+        super().__init__(f"there is no API key {key_id!r}; 'geoswarm keys list' shows the ids")
+
+
+class QuotaExceededError(WorkersError):
+    """The owner of the API key has as much as is granted; the message says of what."""
+
+
 class InvalidTransitionError(WorkersError):
     """The job's state does not admit the request."""
 
@@ -54,6 +72,14 @@ class InvalidTransitionError(WorkersError):
         self.state = state
         self.accepted = tuple(accepted)
         super().__init__(f"cannot {action} a job that is {state}; accepted states: {', '.join(accepted)}")
+
+
+class NothingToRetryError(WorkersError):
+    """No failed evaluation of the job can be run again."""
+
+    def __init__(self, job_id: str) -> None:
+        self.job_id = job_id
+        super().__init__(f"job {job_id} has no failed evaluation to run again")
 
 
 class IdempotencyConflictError(WorkersError):

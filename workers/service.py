@@ -5,35 +5,41 @@ from __future__ import annotations
 import base64
 import binascii
 import builtins
+import copy
 import hashlib
 import json
 import re
 import secrets
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
 from solver.calibration import choose_seed
-from solver.problem import Problem
-from workers.coordinator.machine import ENDED_STATES, CancelRequested, PauseRequested, ResumeRequested
+from solver.errors import ProblemError
+from solver.problem import Problem, parse_problem
+from workers.access import LOCAL, Principal
+from workers.coordinator.machine import CancelRequested, PauseRequested, ResumeRequested
 from workers.coordinator.runtime import Runtime
 from workers.doorbell import Doorbell
 from workers.errors import (
     IdempotencyConflictError,
     InvalidCursorError,
-    InvalidTransitionError,
     JobNotFoundError,
-    StoreUnavailableError,
 )
+from workers.measures import Measures, measure
+from workers.probe import Probe
+from workers.quotas import check_quotas
+from workers.retention import delete_job
 from workers.settings import Settings
+from workers.shelf import Shelf
 from workers.store import Store, jobs
-from workers.store.codec import clean_text, pack_json, unpack_json
-from workers.store.evaluations import Filters, get_evaluation, list_evaluations
-from workers.store.views import evaluation_view, event_view, generation_view, job_view, worker_view
-from workers.store.workers import busy_workers, list_workers
-from workers.views import EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
+from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
+from workers.store.evaluations import get_evaluation, list_attempts
+from workers.store.listing import Filters, list_evaluations
+from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
+from workers.store.workers import current_work, list_workers
+from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
     from workers.statistics import StatisticsDesk
@@ -49,21 +55,31 @@ class JobService:
     """Submits, shows and steers jobs. Safe to use from several threads.
 
     Every method may raise :class:`workers.errors.StoreUnavailableError`, those with a ``job_id``
-    :class:`workers.errors.JobNotFoundError`.
+    :class:`workers.errors.JobNotFoundError`: also for a job that :attr:`principal` may not see. That is decided in
+    :meth:`_row` and :meth:`_frame`, through which every method reaches its job.
     """
 
     def __init__(self, store: Store, doorbell: Doorbell, settings: Settings | None = None) -> None:
         self.store = store
         self.doorbell = doorbell
         self.settings = Settings(database_url=store.url) if settings is None else settings
+        self.principal = LOCAL
+        self._probe = Probe(store)
+        self._shelf = Shelf()  # every copy uses the same, after it has asked :meth:`_row`
         self._runtime = Runtime(store, self.settings)
 
-    @cached_property
+    @property
     def statistics(self) -> StatisticsDesk:
-        """Reports and statistics of jobs; loaded when they are first asked for."""
+        """Reports and statistics of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
         from workers.statistics import StatisticsDesk
 
-        return StatisticsDesk(self.store)
+        return StatisticsDesk(self.store, self._row, self._shelf)
+
+    def on_behalf_of(self, principal: Principal) -> JobService:
+        """Return this service as somebody may use it: other owners' jobs are not there."""
+        bound = copy.copy(self)
+        bound.principal = principal
+        return bound
 
     def submit(self, problem: Problem, *, idempotency_key: str | None = None) -> tuple[JobView, bool]:
         """Store a job and wake workers; return it and whether it is new.
@@ -72,38 +88,46 @@ class JobService:
         ------
         IdempotencyConflictError
             When the key was used before, with another problem.
+        QuotaExceededError
         """
-        document = problem.document()
-        text = pack_json(document)
-        canonical = json.dumps(document, sort_keys=True, allow_nan=False)
+        owner = self.principal.owner
+        # Each owner has keys of their own: nobody may find another's job by guessing one.
+        stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
+        text = pack_json(problem.document())
         values: dict[str, Any] = {
             "id": secrets.token_hex(8),
             "name": clean_text(problem.name),
             "forward_model": problem.forward_model.kind,
+            "priority": problem.priority,
             "method": problem.method.kind,
             "problem": text,
             "seed": choose_seed(problem.seed),
             "free_parameters": pack_json(list(problem.free_names)),
             "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
             "max_evaluations": problem.planned_evaluations,
-            "idempotency_key": idempotency_key,
-            "body_hash": hashlib.sha256(canonical.encode()).hexdigest(),
+            "idempotency_key": stored_key,
+            "owner": owner,
+            "body_hash": _body_hash(problem),
         }
 
         def work(connection: Connection) -> tuple[JobView, bool]:
-            if jobs.insert_job(connection, values):
-                return self._get(connection, values["id"]), True
-            # The key was used before, or this very insertion was committed but its answer lost.
-            same = None if idempotency_key is None else jobs.find_by_idempotency_key(connection, idempotency_key)
+            same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
+            if same is None:
+                if owner is not None and self.principal.role != "admin":
+                    check_quotas(connection, owner, values["max_evaluations"], self.settings)
+                if jobs.insert_job(connection, values):
+                    return self._get(connection, values["id"]), True
+                # The key was used just now, or this very insertion was committed but its answer lost.
+                same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None or idempotency_key is None:
                 return self._get(connection, values["id"]), True
-            if same.body_hash != values["body_hash"]:
+            if same.body_hash != values["body_hash"] and not self._equals(connection, same.id, values["body_hash"]):
                 raise IdempotencyConflictError(idempotency_key, same.id)
             return self._get(connection, same.id), same.id == values["id"]
 
         view, new = self.store.write(work)
         if new:
-            self.doorbell.ring(view.id)
+            self.doorbell.ring(view.id, kind=view.forward_model)
         return view, new
 
     def get(self, job_id: str) -> JobView:
@@ -118,8 +142,7 @@ class JobService:
             return jobs.get_problem(connection, job_id)
 
         row = self.store.read(work)
-        document: dict[str, Any] = unpack_json(row.problem)
-        return document
+        return unpack_problem(row.problem)
 
     def list(self, *, state: str | None = None, limit: int = 50, cursor: str | None = None) -> Page[JobView]:
         """Return jobs, newest first.
@@ -130,7 +153,8 @@ class JobService:
         """
         before = None if cursor is None else _decode_cursor(cursor, float, str)
         limit = _clip(limit)
-        rows = self.store.read(lambda c: jobs.list_jobs(c, state=state, before=before, limit=limit + 1))
+        owner = None if self.principal.role == "admin" else self.principal.owner or ""
+        rows = self.store.read(lambda c: jobs.list_jobs(c, state=state, before=before, limit=limit + 1, owner=owner))
         views = [job_view(row, self._gap) for row in rows[:limit]]
         following = _encode_cursor(rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
         return Page(views, following)
@@ -146,7 +170,7 @@ class JobService:
         return self._request(job_id, CancelRequested())
 
     def pause(self, job_id: str) -> JobView:
-        """Stop handing out evaluations; what runs is finished and kept.
+        """Stop within two seconds: what finishes in the next one is kept, the rest is killed, to be run again later.
 
         Raises
         ------
@@ -165,8 +189,37 @@ class JobService:
         """
         return self._request(job_id, ResumeRequested())
 
+    def retry_failed(self, job_id: str) -> tuple[JobView, int]:
+        """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
+
+        What the search was told stays as it was; see :mod:`workers.coordinator.retry`.
+
+        Raises
+        ------
+        InvalidTransitionError
+            When it is queued or running.
+        NothingToRetryError
+            When no evaluation has failed.
+        """
+        kind = self.get(job_id).forward_model
+        number = self._runtime.retry_failed(job_id)
+        self.doorbell.ring(job_id, number, kind=kind)
+        return self.get(job_id), number
+
+    def attempts(self, job_id: str, generation: int, particle: int) -> builtins.list[AttemptView]:
+        """Return the tries at one evaluation, the one under way or counted last; empty: there is no such evaluation."""
+
+        def work(connection: Connection) -> builtins.list[AttemptView]:
+            self._row(connection, job_id)
+            return attempt_views(
+                get_evaluation(connection, job_id, generation, particle),
+                list_attempts(connection, job_id, generation, particle),
+            )
+
+        return self.store.read(work)
+
     def delete(self, job_id: str) -> None:
-        """Remove a job that has ended, with all that belongs to it.
+        """Remove a job that has ended, with all that belongs to it, for good.
 
         Raises
         ------
@@ -174,16 +227,8 @@ class JobService:
             When it has not ended.
         """
 
-        def work(connection: Connection) -> None:
-            self._row(connection, job_id)
-            locked = jobs.lock_job(connection, job_id)
-            if locked is None:
-                raise JobNotFoundError(job_id)
-            if locked.row.state not in ENDED_STATES:
-                raise InvalidTransitionError("delete", locked.row.state, ENDED_STATES)
-            jobs.delete_job(connection, job_id)
-
-        self.store.write(work)
+        self.get(job_id)
+        delete_job(self.store, job_id)
 
     def best(self, job_id: str) -> EvaluationView | None:
         """Return the best evaluation so far with its responses; None while none has succeeded."""
@@ -277,25 +322,33 @@ class JobService:
 
         return self.store.read(work)
 
+    def news(self, after: Mapping[str, int], *, limit: int = 500) -> builtins.list[tuple[str, EventView]]:
+        """Return events of several jobs, each above the id given for it, with their jobs; knows no owners."""
+        rows = self.store.read(lambda connection: jobs.list_news(connection, after, limit=limit))
+        return [(row.job_id, event_view(row)) for row in rows]
+
+    def existing(self, job_ids: Collection[str]) -> set[str]:
+        """Return those of the ids that are jobs; knows no owners."""
+        return self.store.read(lambda connection: jobs.which_exist(connection, job_ids))
+
     def workers(self) -> builtins.list[WorkerView]:
         """Return the known worker processes, those lost within the last hour included."""
 
         def work(connection: Connection) -> builtins.list[WorkerView]:
-            busy = busy_workers(connection)
+            busy = current_work(connection)
             rows = list_workers(connection, self.settings.lease_seconds)
-            return [worker_view(row, busy.get(row.id)) for row in rows]
+            seen = {id: self.principal.sees(work.owner) for id, work in busy.items()}
+            return [worker_view(row, busy.get(row.id), visible=seen.get(row.id, True)) for row in rows]
 
         return self.store.read(work)
 
+    def measures(self) -> Measures:
+        """Return what operators watch, over all owners: numbers only."""
+        return self.store.read(lambda connection: measure(connection, self.settings.lease_seconds))
+
     def health(self) -> dict[str, str]:
         """Return ``database`` and ``broker``: ``ok``, ``embedded``, or why not; never raises."""
-        try:
-            self.store.ping()
-        except StoreUnavailableError as error:
-            database = str(error)
-        else:
-            database = "ok"
-        return {"database": database, "broker": self.doorbell.health()}
+        return {"database": self._probe.database(), "broker": self.doorbell.health()}
 
     @property
     def _gap(self) -> float:
@@ -303,9 +356,18 @@ class JobService:
 
     def _row(self, connection: Connection, job_id: str) -> Any:
         row = jobs.get_job(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
-        if row is None:
+        if row is None or not self.principal.sees(row.owner):
             raise JobNotFoundError(job_id)
         return row
+
+    @staticmethod
+    def _equals(connection: Connection, job_id: str, body_hash: str) -> bool:
+        """Whether a stored problem is the same with the defaults of this version, which may have more of them."""
+        row = jobs.get_problem(connection, job_id)
+        try:
+            return row is not None and _body_hash(parse_problem(unpack_problem(row.problem))) == body_hash
+        except ProblemError:  # no longer accepted
+            return False
 
     def _get(self, connection: Connection, job_id: str) -> JobView:
         return job_view(self._row(connection, job_id), self._gap)
@@ -313,15 +375,19 @@ class JobService:
     def _frame(self, connection: Connection, job_id: str) -> tuple[builtins.list[str], dict[str, builtins.list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
         row = jobs.get_frame(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
-        if row is None:
+        if row is None or not self.principal.sees(row.owner):
             raise JobNotFoundError(job_id)
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 
     def _request(self, job_id: str, event: CancelRequested | PauseRequested | ResumeRequested) -> JobView:
-        self.get(job_id)
+        kind = self.get(job_id).forward_model
         if self._runtime.request(job_id, event):
-            self.doorbell.ring(job_id)
+            self.doorbell.ring(job_id, kind=kind)
         return self.get(job_id)
+
+
+def _body_hash(problem: Problem) -> str:
+    return hashlib.sha256(json.dumps(problem.document(), sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
 def _clip(limit: int) -> int:

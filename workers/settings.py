@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 from sqlalchemy.engine import URL, make_url
@@ -17,6 +17,10 @@ ENVIRONMENT = {
     "GEOSWARM_DATABASE_URL": "database_url",
     "GEOSWARM_BROKER_URL": "broker_url",
     "GEOSWARM_WORKERS": "workers",
+    "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
+    "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
+    "GEOSWARM_QUOTA_JOBS": "quota_jobs",
+    "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
 }
 DRIVERS = {
     "sqlite": "sqlite",
@@ -60,12 +64,28 @@ class Settings(BaseModel):
         Evaluations that typically take less [s] go out in chunks, others one by one.
     burst_seconds
         Generations that take less in total [s] are run several at a time inside one worker; 0 turns that off.
-    max_attempts
-        Tries at an evaluation whose worker is lost before it counts as failed.
+    watch_seconds
+        How often a worker looks whether what it runs is still wanted [s].
+    pause_seconds
+        How long an evaluation may still take when its job is paused [s]; then it is killed, to be run again.
+    overdue_seconds, overdue_factor
+        An evaluation that runs longer than both this time [s] and this multiple of the typical time is also given to
+        a worker that has nothing else to do.
+    isolate
+        Evaluate in a process of its own, which can be killed; False is for debugging: nothing is limited.
+    evaluation_seconds, evaluation_memory_mb
+        Limits [s], [MiB] that no problem may exceed; None: what the problem says.
+    kinds
+        Kinds of forward model that these workers run; empty: all.
+    slots
+        How many evaluations of a kind may run at once in these workers, as far as that is fewer than there are
+        workers (licences).
     connect_seconds
         How long to wait for a database or broker that does not answer [s].
     grace_seconds
         How long a stopping engine waits for an evaluation that is being calculated [s].
+    quota_jobs, quota_evaluations
+        Jobs that have not ended, and stored or planned evaluations, that one owner of API keys may have.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
@@ -73,17 +93,27 @@ class Settings(BaseModel):
     database_url: str = "sqlite:///geoswarm.db"
     broker_url: str | None = None
     workers: int = Field(default_factory=lambda: os.cpu_count() or 1, ge=0, le=1024)
-    lease_seconds: float = Field(15.0, gt=0)
-    heartbeat_seconds: float = Field(4.0, gt=0)
+    lease_seconds: float = Field(10.0, gt=0)
+    heartbeat_seconds: float = Field(2.5, gt=0)
     sweep_seconds: float = Field(2.0, gt=0)
     poll_seconds: float = Field(0.5, gt=0)
     slice_seconds: float = Field(1.0, gt=0)
     chunk_seconds: float = Field(0.25, gt=0)
     cheap_seconds: float = Field(0.05, ge=0)
     burst_seconds: float = Field(0.02, ge=0)
-    max_attempts: int = Field(3, ge=1)
+    watch_seconds: float = Field(0.5, gt=0)
+    pause_seconds: float = Field(1.0, ge=0)
+    overdue_seconds: float = Field(30.0, gt=0)
+    overdue_factor: float = Field(4.0, ge=1)
+    isolate: bool = True
+    evaluation_seconds: float | None = Field(None, gt=0)
+    evaluation_memory_mb: float | None = Field(None, ge=16)
+    kinds: tuple[str, ...] = ()
+    slots: dict[str, Annotated[int, Field(ge=1)]] = {}
     connect_seconds: float = Field(3.0, gt=0)
     grace_seconds: float = Field(3.0, ge=0)
+    quota_jobs: int = Field(100, ge=0)
+    quota_evaluations: int = Field(10_000_000, ge=0)
 
     @field_validator("database_url")
     @classmethod
@@ -117,7 +147,7 @@ class Settings(BaseModel):
 
     @classmethod
     def from_environment(cls, **overrides: Any) -> Settings:
-        """Read GEOSWARM_DATABASE_URL, GEOSWARM_BROKER_URL and GEOSWARM_WORKERS; overrides that are not None win.
+        """Read the variables of :data:`ENVIRONMENT`; overrides that are not None win.
 
         Raises
         ------

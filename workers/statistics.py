@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import threading
-from collections import Counter, OrderedDict
-from collections.abc import Callable, Hashable, Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from sqlalchemy import Connection
@@ -17,17 +16,17 @@ from solver.local import GenerationRecord
 from solver.problem import Problem, parse_problem
 from solver.report import BestFit, Report, RunRecord, linearise_stored, reweighted_document
 from workers.errors import JobNotFoundError
+from workers.shelf import Shelf
 from workers.store import Store, jobs
-from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_responses
-from workers.store.evaluations import Filters, get_evaluation, list_evaluations
+from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_problem, unpack_responses
+from workers.store.evaluations import get_evaluation
+from workers.store.listing import Filters, list_evaluations
 
 __all__ = ["StatisticsDesk", "StoredJob"]
 
-Made = TypeVar("Made")
+FindRow = Callable[[Connection, str], Any]
 
 _ROWS = 2000
-_KEPT = 16
-"""Jobs, reports and rendered files that are kept in memory, the latest used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,17 +39,26 @@ class StoredJob:
 
 
 class StatisticsDesk:
-    """Makes reports of jobs, keeps the latest, and shares them among threads.
+    """Makes reports of jobs, keeps the latest on a shelf, and shares them among threads.
 
     What is kept belongs to one state of a job (its state and the number of its finished evaluations), so a running job
     is always shown as it is.
+
+    Parameters
+    ----------
+    store
+        Where the evaluations are.
+    find
+        Returns the row of a job, or raises :class:`workers.errors.JobNotFoundError`, also for a job that the one who
+        asks may not see. It is asked before anything is taken from the shelf.
+    shelf
+        What was made already, for everybody.
     """
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: Store, find: FindRow, shelf: Shelf) -> None:
         self._store = store
-        self._lock = threading.Lock()
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
-        self._at_work: dict[Hashable, threading.Lock] = {}
+        self._find = find
+        self._shelf = shelf
 
     def stored(self, job_id: str) -> StoredJob:
         """Read a job with its evaluations.
@@ -59,7 +67,9 @@ class StatisticsDesk:
         ------
         JobNotFoundError
         """
-        return self._once((*self._key(job_id), "stored"), lambda: self._store.read(lambda c: _read(c, job_id)))
+        return self._shelf.once(
+            (*self._key(job_id), "stored"), lambda: self._store.read(lambda c: _read(c, self._find(c, job_id)))
+        )
 
     def report(self, job_id: str, *, threshold: float | None = None) -> Report:
         """Make the report of a job.
@@ -73,20 +83,20 @@ class StatisticsDesk:
         key = (*self._key(job_id), "report", threshold)
 
         def make() -> Report:
-            found = self._once(
+            found = self._shelf.once(
                 (*self._key(job_id), "linearisation"),
                 lambda: linearise_stored(job.problem, job.samples, job.record.seed),
             )
             return Report(job.problem, job.record, job.samples, threshold=threshold, linearisation=found)
 
-        return self._once(key, make)
+        return self._shelf.once(key, make)
 
     def rendered(
         self, job_id: str, form: str, make: Callable[[Report], bytes], *, threshold: float | None = None
     ) -> bytes:
         """Render a report in a form (``html``, ``fit.svg``, ...), once for each state of the job."""
         report = self.report(job_id, threshold=threshold)
-        return self._once((*self._key(job_id), form, threshold), lambda: make(report))
+        return self._shelf.once((*self._key(job_id), form, threshold), lambda: make(report))
 
     def reweighted(
         self,
@@ -118,38 +128,16 @@ class StatisticsDesk:
         return reweighted_document(job.problem, after)
 
     def _key(self, job_id: str) -> tuple[str, str, int]:
-        row = self._store.read(lambda connection: jobs.get_job(connection, job_id))
-        if row is None:
-            raise JobNotFoundError(job_id)
+        row = self._store.read(lambda connection: self._find(connection, job_id))
         return job_id, row.state, row.evaluations
 
-    def _once(self, key: Hashable, make: Callable[[], Made]) -> Made:
-        """Return what was made for a key, or make it while other threads that want it wait."""
-        with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                found: Made = self._kept[key]
-                return found
-            working = self._at_work.setdefault(key, threading.Lock())
-        with working:
-            with self._lock:
-                if key in self._kept:
-                    again: Made = self._kept[key]
-                    return again
-            made = make()
-            with self._lock:
-                self._kept[key] = made
-                self._at_work.pop(key, None)
-                while len(self._kept) > _KEPT:
-                    self._kept.popitem(last=False)
-        return made
 
-
-def _read(connection: Connection, job_id: str) -> StoredJob:
-    row, stored = jobs.get_job(connection, job_id), jobs.get_problem(connection, job_id)
-    if row is None or stored is None:
+def _read(connection: Connection, row: Any) -> StoredJob:
+    job_id: str = row.id
+    stored = jobs.get_problem(connection, job_id)
+    if stored is None:
         raise JobNotFoundError(job_id)
-    problem = parse_problem(unpack_json(stored.problem))
+    problem = parse_problem(unpack_problem(stored.problem))
     samples, failures = _samples(connection, job_id, problem)
     record = RunRecord(
         id=job_id,

@@ -16,8 +16,10 @@ from workers.errors import StoreUnavailableError
 from workers.identity import is_dead
 from workers.settings import Settings
 from workers.store import Store
+from workers.store.database import Record
 from workers.store.evaluations import overdue
-from workers.store.jobs import account_running_time, claimable_jobs, clocks_overdue, mark_rung
+from workers.store.jobs import account_running_time, clocks_overdue, get_job
+from workers.store.line import claimable_jobs, mark_rung
 from workers.store.workers import (
     any_lost_before,
     busy_workers,
@@ -26,6 +28,7 @@ from workers.store.workers import (
     mark_lost,
     overdue_workers,
 )
+from workers.tally import tally
 
 __all__ = ["Sweeper", "run_sweep"]
 
@@ -62,6 +65,7 @@ class Sweeper:
         if store.read(lambda c: any_lost_before(c, REMEMBER_LOST_SECONDS)):
             store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
         self._ring()
+        tally.flush(store)
 
     def release(self, job_id: str, generation: int, lost_workers: list[str]) -> None:
         """Free the overdue evaluations of one generation, and those of lost workers, and ring for the job."""
@@ -74,7 +78,10 @@ class Sweeper:
                 generation,
                 extra={"job": job_id, "generation": generation},
             )
-            self.doorbell.ring(job_id, expired)
+            tally.add("lease_expirations", "", expired)
+            row = self.runtime.store.read(lambda c: get_job(c, job_id))
+            if row is not None:
+                self.doorbell.ring(job_id, expired, kind=row.forward_model)
 
     def start(self) -> None:
         """Sweep every ``sweep_seconds`` in a thread."""
@@ -107,21 +114,24 @@ class Sweeper:
         if lost:
             log.warning("workers lost: %s", ", ".join(lost))
             store.write(lambda c: mark_lost(c, lost))
+            tally.add("sweep_actions", "worker_given_up", len(lost))
         return lost
 
     def _ring(self) -> None:
         store, settings = self.runtime.store, self.runtime.settings
 
-        def forgotten(connection: Connection) -> list[str]:
+        def forgotten(connection: Connection) -> list[Record]:
             idle = count_live(connection, settings.lease_seconds) - len(busy_workers(connection))
             # With nobody idle a ring would only lie in the queue: who becomes idle is rung for in the next sweep.
-            return claimable_jobs(connection, idle, not_rung_for=0.9 * settings.sweep_seconds) if idle > 0 else []
+            late = (settings.overdue_seconds, settings.overdue_factor)
+            since = 0.9 * settings.sweep_seconds
+            return claimable_jobs(connection, idle, overdue=late, not_rung_for=since) if idle > 0 else []
 
-        job_ids = store.read(forgotten)
-        if job_ids:
-            store.write(lambda c: mark_rung(c, job_ids))
-            for job_id in job_ids:
-                self.doorbell.ring(job_id)
+        rows = store.read(forgotten)
+        if rows:
+            store.write(lambda c: mark_rung(c, [row.id for row in rows]))
+            for row in rows:
+                self.doorbell.ring(row.id, kind=row.forward_model)
 
 
 def run_sweep(settings: Settings) -> None:

@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import logging
+import mmap
+import os
+import threading
+import time
+from dataclasses import dataclass, field
 from typing import Any
 
 from celery import current_app, shared_task
-from celery.signals import worker_init, worker_process_init, worker_process_shutdown
+from celery.signals import worker_init, worker_process_init, worker_process_shutdown, worker_shutting_down
 
 from workers.celery_app import SERVE_TASK, CeleryDoorbell
+from workers.errors import StoreUnavailableError
 from workers.identity import Identity
+from workers.runner.wire import anonymous_file
 from workers.settings import Settings
+from workers.slots import Slots
 from workers.store import Store
 from workers.sweep import Sweeper
 from workers.warm import warm_up
 from workers.worker import Worker
 
 __all__ = ["serve"]
+
+log = logging.getLogger(__name__)
+
+ENDING_SECONDS = 0.2
 
 
 @dataclass(slots=True)
@@ -27,14 +39,46 @@ class _Process:
     doorbell: CeleryDoorbell
     worker: Worker
     sweeper: Sweeper
+    working: threading.Lock = field(default_factory=threading.Lock)
+
+    def work(self) -> None:
+        """Serve the most urgent jobs for a time slice; the caller holds ``working``."""
+        worker = self.worker
+        until = time.monotonic() + worker.settings.slice_seconds
+        try:
+            while not worker.stopping.is_set() and (urgent := worker.most_urgent()) is not None:
+                if time.monotonic() > until:
+                    self.doorbell.ring(urgent.id, kind=urgent.forward_model)  # one ring was used, one for what is left
+                    return
+                worker.serve(urgent.id)
+        except StoreUnavailableError as error:
+            log.warning("worker %s: %s", worker.identity.id, error)
+
+    def close(self) -> None:
+        """End the worker and close what it holds."""
+        self.sweeper.stop()
+        self.worker.close()
+        self.doorbell.close()
+        self.store.close()
 
 
 _process: _Process | None = None
 
+# Made before the fork, so that all pool processes share them: whether the worker is to end, and the slots of the group.
+_ending = mmap.mmap(-1, 1)
+_slots = anonymous_file()
+
 
 @worker_init.connect  # type: ignore[untyped-decorator]
 def _warm_up(**_: Any) -> None:
-    warm_up()  # before the fork: every pool process, restarted ones too, begins with the forward models loaded
+    settings: Settings = current_app.geoswarm_settings
+    if not settings.isolate:
+        warm_up()  # before the fork: every pool process, restarted ones too, begins with the forward models loaded
+
+
+@worker_shutting_down.connect  # type: ignore[untyped-decorator]
+def _announce_end(**_: Any) -> None:
+    _ending[0] = 1
 
 
 @worker_process_init.connect  # type: ignore[untyped-decorator]
@@ -43,11 +87,41 @@ def _open(**_: Any) -> None:
     settings: Settings = current_app.geoswarm_settings
     store = Store(settings)
     doorbell = CeleryDoorbell(settings)
-    worker = Worker(store, doorbell, settings, Identity.new("celery"))
+    worker = Worker(store, doorbell, settings, Identity.new("celery"), Slots(settings.slots, _slots))
     worker.start()
     sweeper = Sweeper(worker.runtime, doorbell)
     sweeper.start()
-    _process = _Process(store, doorbell, worker, sweeper)
+    process = _Process(store, doorbell, worker, sweeper)
+    for follow in (_follow_end, _look_around):
+        threading.Thread(target=follow, args=(process,), name=f"geoswarm{follow.__name__}", daemon=True).start()
+    _process = process
+
+
+def _follow_end(process: _Process) -> None:
+    """Ask the worker to end when its Celery worker does, and end with one that was killed.
+
+    What runs has some seconds to finish, then it is given back.
+    """
+    worker, parent = process.worker, os.getppid()
+    while not _ending[0] and os.getppid() == parent:
+        if worker.stopping.wait(ENDING_SECONDS):
+            return
+    worker.stopping.set()
+    if os.getppid() != parent:
+        with process.working:
+            process.close()
+        os._exit(1)
+
+
+def _look_around(process: _Process) -> None:
+    """Look for work that nobody rings for: Redis may be down, or Celery may no longer listen after it was."""
+    worker = process.worker
+    while not worker.stopping.wait(worker.settings.sweep_seconds):
+        if process.working.acquire(blocking=False):
+            try:
+                process.work()
+            finally:
+                process.working.release()
 
 
 @worker_process_shutdown.connect  # type: ignore[untyped-decorator]
@@ -55,16 +129,17 @@ def _close(**_: Any) -> None:
     global _process
     if _process is not None:
         process, _process = _process, None
-        process.sweeper.stop()
-        process.worker.close()
-        process.doorbell.close()
-        process.store.close()
+        process.worker.stopping.set()
+        with process.working:
+            process.close()
 
 
 @shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]
-def serve(job_id: str) -> None:
-    """Answer a ring: this job may have work."""
+def serve(job_id: str) -> None:  # noqa: ARG001  who looks at the queue shall see whom a message is about
+    """Answer a ring: there may be work, not necessarily for the job that rang, as others may be more urgent."""
     if _process is None:
         _open()  # the database did not answer when this process began
-    if _process is not None:
-        _process.worker.serve(job_id)
+    if _process is None:
+        return
+    with _process.working:
+        _process.work()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Generic, TypeVar
 
-__all__ = ["EvaluationView", "EventView", "GenerationView", "JobView", "Page", "WorkerView"]
+__all__ = ["AttemptView", "EvaluationView", "EventView", "GenerationView", "JobView", "Page", "WorkerView"]
 
 Item = TypeVar("Item")
 
@@ -35,6 +35,10 @@ class JobView:
         Running time [s]: not queued, not paused, no engine down; None before the start.
     max_evaluations
         Number of evaluations after which the job ends at the latest, None when nothing limits it.
+    priority
+        Jobs of a higher one get more of the workers.
+    retrying
+        Its failed evaluations are run again.
     """
 
     id: str
@@ -56,6 +60,8 @@ class JobView:
     seed: int
     free_parameters: list[str]
     max_evaluations: int | None
+    priority: int = 0
+    retrying: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +76,8 @@ class EvaluationView:
         Values of the free parameters by name.
     misfits, responses
         f'_g and ``{series: {"x": [...], "y": [...]}}`` in base units; responses None when not asked for or not there.
-    reason, message
-        Why it failed.
+    reason, message, log
+        Why it failed, and the end of what the forward model wrote.
     attempts
         Number of tries so far, the counted one included.
     seconds
@@ -92,6 +98,35 @@ class EvaluationView:
     started_at: datetime | None
     finished_at: datetime | None
     seconds: float | None
+    log: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AttemptView:
+    """One try at an evaluation.
+
+    Parameters
+    ----------
+    number
+        Counted from 1 as they were begun.
+    outcome
+        running, finished, the reason of its failure, late (another had counted), overdue (given to another as well),
+        superseded (the one it was given to as well, after the first had finished),
+        or stopped (killed because its job was paused, or its worker was to end).
+    counted
+        Whether it gave the evaluation's result.
+    message, log
+        What happened, and the end of what the forward model wrote.
+    """
+
+    number: int
+    worker: str | None
+    outcome: str
+    counted: bool
+    message: str | None
+    log: str | None
+    started_at: datetime | None
+    finished_at: datetime | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +155,14 @@ class EventView:
 
 @dataclass(frozen=True, slots=True)
 class WorkerView:
-    """One worker process; ``state`` is idle, busy or lost, ``engine`` embedded or celery."""
+    """One worker process; ``state`` is idle, busy or lost, ``engine`` embedded or celery.
+
+    Parameters
+    ----------
+    job, generation, evaluations, busy_since
+        What it runs: job, generation, number of evaluations that it has claimed, and since when; None: nothing.
+        Of a job that the viewer may not see, job and generation are None.
+    """
 
     id: str
     host: str
@@ -130,3 +172,6 @@ class WorkerView:
     job: str | None
     started_at: datetime
     seen_at: datetime
+    generation: int | None = None
+    evaluations: int | None = None
+    busy_since: datetime | None = None

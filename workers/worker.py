@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import logging
-import threading
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from solver.calibration import Calibration, Evaluation, Progress
 from solver.errors import InfeasibleSpaceError
@@ -16,12 +16,19 @@ from workers.coordinator.runtime import Runtime
 from workers.coordinator.work import Claim, Exchange, HandIn, Leap, Result, joined
 from workers.doorbell import Doorbell
 from workers.errors import StoreUnavailableError, WorkersError
+from workers.heart import Heart
 from workers.identity import Identity
+from workers.runner.runner import Evaluator, InlineEvaluator, Limits, NeverMind, Runner
 from workers.settings import Settings
+from workers.slots import Slots
 from workers.store import Store
-from workers.store.codec import unpack_json
-from workers.store.jobs import claimable_jobs, get_problem
-from workers.store.workers import count_live, forget_worker, see_worker
+from workers.store.codec import unpack_problem
+from workers.store.database import Record
+from workers.store.jobs import get_problem
+from workers.store.line import claimable_jobs
+from workers.store.workers import count_live, forget_worker
+from workers.tally import tally
+from workers.tracing import record_span, span
 
 __all__ = ["Worker"]
 
@@ -31,6 +38,16 @@ CACHED_CALIBRATIONS = 32
 LONGEST_WAIT_SECONDS = 2.0
 
 
+@dataclass(slots=True)
+class _Part:
+    """Results of a claim that are ready while one of its evaluations takes its time; handed in when ``due``."""
+
+    claim: Claim
+    results: Sequence[Result]
+    due: float
+    handed_in: int = 0
+
+
 class Worker:
     """One worker of this process. :meth:`serve` belongs to one thread; a heartbeat runs beside it.
 
@@ -38,47 +55,73 @@ class Worker:
     ----------
     doorbell
         Wakes the other workers.
+    slots
+        Shared with the other workers of this group; None: every kind of forward model may use them all.
     """
 
-    def __init__(self, store: Store, doorbell: Doorbell, settings: Settings, identity: Identity) -> None:
+    def __init__(
+        self, store: Store, doorbell: Doorbell, settings: Settings, identity: Identity, slots: Slots | None = None
+    ) -> None:
         self.store = store
         self.doorbell = doorbell
         self.settings = settings
         self.identity = identity
         self.runtime = Runtime(store, settings)
-        self.stopping = threading.Event()
-        self._claim: Claim | None = None  # read by the heartbeat
+        self.heart = Heart(store, self.runtime, settings, identity)
+        self.stopping = self.heart.stopping
+        self.slots = Slots.none() if slots is None else slots
+        self._evaluator: Evaluator = Runner() if settings.isolate else InlineEvaluator()
         self._live_workers = 1
         self._calibrations: OrderedDict[str, Calibration] = OrderedDict()
-        self._heartbeat = threading.Thread(target=self._beat, name="geoswarm-heartbeat", daemon=True)
 
     def start(self) -> None:
-        """Enter the list of workers and begin the heartbeat.
+        """Enter the list of workers, begin the heartbeat, and make ready to evaluate.
 
         Raises
         ------
         StoreUnavailableError
         """
-        self._see()
-        self._heartbeat.start()
+        self.heart.start()
+        self._evaluator.start()
 
     def close(self) -> None:
-        """End the heartbeat and leave the list of workers."""
-        self.stopping.set()
-        self._heartbeat.join()
+        """End the heartbeat and the evaluation process, and leave the list of workers."""
+        self.heart.stop()
+        self._evaluator.close()
         try:
+            tally.flush(self.store)
             self.store.write(lambda connection: forget_worker(connection, self.identity.id))
         except StoreUnavailableError as error:
             log.warning("worker %s could not sign off: %s", self.identity.id, error)
 
     def next_job(self) -> str | None:
-        """Return the job that has waited longest for a worker, None when there is nothing to do.
+        """Return the most urgent job that this worker can do something for, None when there is nothing to do.
 
         Raises
         ------
         StoreUnavailableError
         """
-        return next(iter(self.store.read(lambda connection: claimable_jobs(connection, 1))), None)
+        urgent = self.most_urgent()
+        return None if urgent is None else urgent.id
+
+    def most_urgent(self) -> Record | None:
+        """Return ``id`` and ``forward_model`` of the same job.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        settings = self.settings
+        rows = self.store.read(
+            lambda connection: claimable_jobs(
+                connection,
+                1,
+                kinds=settings.kinds,
+                without=self.slots.full(),
+                overdue=(settings.overdue_seconds, settings.overdue_factor),
+            )
+        )
+        return rows[0] if rows else None
 
     def serve(self, job_id: str) -> None:
         """Work on a job until nothing of it is to be had or the time slice ends; never raises.
@@ -89,15 +132,19 @@ class Worker:
         try:
             calibration = self._calibration(job_id)
             if calibration is not None:
-                self._work(job_id, calibration)
+                with self.slots.hold(_kind(calibration)) as free:
+                    if free:
+                        self._work(job_id, calibration)
         except StoreUnavailableError as error:
             # Whatever was claimed comes back through its lease.
             log.warning("worker %s: %s", self.identity.id, error, extra=extra)
+            # Jobs may be listed by a database that takes nothing in (disk full): do not ask it without a pause.
+            self.stopping.wait(self.settings.poll_seconds)
         except Exception as error:
             log.exception("job %s cannot be worked on", job_id, extra=extra)
             self._give_up(job_id, f"{type(error).__name__}: {error}")
         finally:
-            self._claim = None
+            self.heart.claim = None
 
     def _work(self, job_id: str, calibration: Calibration) -> None:
         until = time.monotonic() + self.settings.slice_seconds
@@ -111,12 +158,14 @@ class Worker:
             self.runtime.start(job_id, progress)
             answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
         while answer.claim is not None:
-            self._claim = answer.claim
-            hand_in = self._run(answer.claim, calibration)
+            self.heart.claim = answer.claim
+            claim = answer.claim
+            with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
+                hand_in = self._run(claim, calibration)
             answer = self._exchange(job_id, calibration, hand_in, until)
-            self._claim = answer.claim
+            self.heart.claim = answer.claim
         if answer.left:
-            self.doorbell.ring(job_id)
+            self.doorbell.ring(job_id, kind=_kind(calibration))
 
     def _exchange(
         self, job_id: str, calibration: Calibration, hand_in: HandIn, until: float, *, taken_up: bool = False
@@ -140,36 +189,86 @@ class Worker:
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
             else:
                 if answer.rings:
-                    self.doorbell.ring(job_id, answer.rings)
+                    self.doorbell.ring(job_id, answer.rings, kind=_kind(calibration))
                 return answer
 
     def _run(self, claim: Claim, calibration: Calibration) -> HandIn:
         """Run a claim, or several generations when it is cheap enough; what takes long is cut and handed in early."""
         began = time.monotonic()
+        failures = calibration.problem.failures
         leaps: list[Leap] = []
         job, generation, positions = claim.job, claim.generation, claim.positions
         particles: Sequence[int] = claim.particles
         attempts: Sequence[int] = claim.attempts
         while True:
             results: list[Result] = []
-            for particle, attempt, position in zip(particles, attempts, positions, strict=True):
-                at = time.monotonic() - began
-                if (results or leaps) and (at > self.settings.chunk_seconds or self.stopping.is_set()):
-                    return HandIn(claim, leaps, generation, results)
-                evaluation = calibration.evaluate(position)
-                finished = claim.now + (time.monotonic() - began)
-                results.append(Result(particle, attempt, evaluation, claim.now + at, finished))
-            if job is None:
-                return HandIn(claim, leaps, generation, results)
+            killed: int | None = None
+            part = _Part(claim, results, began + self.settings.chunk_seconds) if job is None else None
+            budget = max(self.settings.chunk_seconds - (time.monotonic() - began), 0.0)
+            outcomes = self._evaluator.run(
+                claim.job_id,
+                calibration,
+                positions,
+                self._limits(calibration),
+                budget=budget,
+                unwanted=lambda part=part: self._look(part, calibration),  # type: ignore[misc]
+            )
+            try:
+                for outcome in outcomes:
+                    number = len(results)
+                    particle, evaluation = particles[number], outcome.evaluation
+                    self._note(claim.job_id, generation, particle, evaluation)
+                    times = (claim.now + (outcome.began - began), claim.now + (outcome.ended - began))
+                    results.append(Result(particle, attempts[number], evaluation, *times, outcome.log))
+            except NeverMind as end:
+                killed = particles[end.index]
+            reasons = {r.evaluation.reason for r in results if r.evaluation.reason is not None}
+            decide = any(failures.retries(reason) or failures.ends_job(reason) for reason in reasons)
+            if job is None or decide or len(results) < len(positions):
+                return HandIn(claim, leaps, generation, results, killed)
             elapsed = time.monotonic() - began
             event = GenerationJoined(generation, joined(_in_order(results)), claim.run_seconds + elapsed)
             transition = apply(job, event, calibration)
             leaps.append(Leap(generation, results, transition, claim.now + elapsed))
             job = transition.job
-            if job.state != "running" or job.progress is None or elapsed > self.settings.chunk_seconds:
+            tired = elapsed > self.settings.chunk_seconds or self.heart.unwanted() is not None
+            if tired or job.state != "running" or job.progress is None:
                 return HandIn(claim, leaps, job.generation, ())
             generation, positions = job.generation, job.progress.positions
             particles, attempts = range(len(positions)), [1] * len(positions)
+
+    def _look(self, part: _Part | None, calibration: Calibration) -> float | None:
+        """While a run takes its time: hand in what its neighbours have, and see whether it is still wanted."""
+        if part is not None and len(part.results) > part.handed_in and time.monotonic() > part.due:
+            part.handed_in = len(part.results)
+            claim = part.claim
+            hand_in = HandIn(claim, (), claim.generation, tuple(part.results), partial=True)
+            try:
+                answer = self.runtime.exchange(
+                    claim.job_id, self.identity.id, calibration, hand_in, live_workers=self._live_workers, want=False
+                )
+            except StoreUnavailableError as error:
+                log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
+            else:
+                if answer.rings or answer.left:
+                    self.doorbell.ring(claim.job_id, max(answer.rings, 1), kind=_kind(calibration))
+        return self.heart.unwanted()
+
+    def _limits(self, calibration: Calibration) -> Limits:
+        """Return the limits of the problem, and of these workers where they are tighter."""
+        asked, settings = calibration.problem.limits, self.settings
+        return Limits(
+            _least(asked.seconds_per_evaluation, settings.evaluation_seconds),
+            _least(asked.memory_mb, settings.evaluation_memory_mb),
+        )
+
+    def _note(self, job_id: str, generation: int, particle: int, evaluation: Evaluation) -> None:
+        """Count a run, and log it when it failed."""
+        tally.run(evaluation.reason or "finished", evaluation.seconds)
+        record_span("evaluation", evaluation.seconds, job=job_id, generation=generation, evaluation=particle)
+        if evaluation.reason is not None:
+            context = {"job": job_id, "generation": generation, "evaluation": particle, "worker": self.identity.id}
+            log.info("run failed: %s", evaluation.message, extra=context | {"reason": evaluation.reason})
 
     def _calibration(self, job_id: str) -> Calibration | None:
         """Return the job made ready, from the cache of this process if possible; None: there is no such job."""
@@ -179,7 +278,7 @@ class Worker:
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
-        calibration = Calibration(parse_problem(unpack_json(row.problem)), row.seed)
+        calibration = Calibration(parse_problem(unpack_problem(row.problem)), row.seed)
         self._calibrations[job_id] = calibration
         if len(self._calibrations) > CACHED_CALIBRATIONS:
             self._calibrations.popitem(last=False)
@@ -191,19 +290,6 @@ class Worker:
         except WorkersError as error:
             log.warning("job %s could not be ended: %s", job_id, error, extra={"job": job_id})
 
-    def _beat(self) -> None:
-        while not self.stopping.wait(self.settings.heartbeat_seconds):
-            claim = self._claim
-            try:
-                self._see()
-                if claim is not None:
-                    self.runtime.renew(claim, self.identity.id)
-            except StoreUnavailableError as error:
-                log.warning("heartbeat of worker %s: %s", self.identity.id, error)
-
-    def _see(self) -> None:
-        self.store.write(lambda connection: see_worker(connection, self.identity))
-
     def _count_live(self) -> None:
         lease = self.settings.lease_seconds
         self._live_workers = max(1, self.store.read(lambda connection: count_live(connection, lease)))
@@ -211,3 +297,12 @@ class Worker:
 
 def _in_order(results: Sequence[Result]) -> list[Evaluation]:
     return [result.evaluation for result in sorted(results, key=lambda result: result.particle)]
+
+
+def _least(first: float | None, second: float | None) -> float | None:
+    given = [value for value in (first, second) if value is not None]
+    return min(given) if given else None
+
+
+def _kind(calibration: Calibration) -> str:
+    return calibration.problem.forward_model.kind

@@ -1,12 +1,12 @@
-"""The routes of /api/v1 and /health, one module a resource."""
+"""The routes of /api/v1, /health and /metrics, one module a resource."""
 
 from __future__ import annotations
 
 from fastapi import APIRouter
 
-from api.routes import events, forward_models, health, jobs, problems, results, statistics, workers
+from api.routes import events, forward_models, health, jobs, metrics, problems, results, statistics, workers
 
-__all__ = ["API_PREFIX", "api_router", "health_router"]
+__all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 
 API_PREFIX = "/api/v1"
 
@@ -14,3 +14,4 @@ api_router = APIRouter(prefix=API_PREFIX)
 for module in (jobs, results, statistics, events, problems, forward_models, workers):
     api_router.include_router(module.router)
 health_router = health.router
+metrics_router = metrics.router

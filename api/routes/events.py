@@ -7,10 +7,11 @@ from collections.abc import AsyncIterator
 from contextlib import aclosing
 from typing import Annotated
 
+import anyio.to_thread
 from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import StreamingResponse
 
-from api.dependencies import Feed, JobId, problems_of
+from api.dependencies import Feed, JobId, Service, problems_of
 from api.errors import DetailError
 from api.feed import EventFeed
 from workers.views import EventView
@@ -35,6 +36,7 @@ MAX_EVENT_ID = 2**63 - 1
 async def events(
     job_id: JobId,
     feed: Feed,
+    service: Service,
     after: Annotated[int | None, Query(ge=0, le=MAX_EVENT_ID, description="id of the last event received")] = None,
     last_event_id: Annotated[str | None, Header(description="sent by clients that reconnect; wins over after")] = None,
 ) -> Response:
@@ -43,6 +45,7 @@ async def events(
     Comments keep a silent connection alive. The stream ends after the event that ends the job.
     """
     start = _start(after, last_event_id)
+    await anyio.to_thread.run_sync(service.get, job_id)  # the feed itself knows no owners
     if not await feed.read(job_id, start) and await feed.has_ended(job_id):
         return Response(status_code=204)
     return StreamingResponse(

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Header, Query, Request, Response
 
 from api.bodies import ProblemDocument
 from api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from api.schemas import Job, JobPage, JobState
+from api.schemas import Job, JobPage, JobState, Retry
 from solver.problem import parse_problem
 
 __all__ = ["router"]
@@ -30,7 +30,7 @@ PROBLEM_BODY = {
     status_code=201,
     responses={
         200: {"model": Job, "description": "The job that the same request has created before"},
-        **problems_of(400, 409, 413, 415, 422),
+        **problems_of(400, 408, 409, 413, 415, 422),
     },
     openapi_extra={"requestBody": PROBLEM_BODY},
 )
@@ -90,6 +90,16 @@ def pause(job_id: JobId, service: Service) -> Job:
 def resume(job_id: JobId, service: Service) -> Job:
     """Go on with a paused job."""
     return Job.model_validate(service.resume(job_id))
+
+
+@router.post("/{job_id}/retry-failed", responses=problems_of(404, 409))
+def retry_failed(job_id: JobId, service: Service) -> Retry:
+    """Run the failed evaluations of a paused or ended job again, and only them.
+
+    What the search was told of finished generations stays as it was: positions do not change, the best evaluation may.
+    """
+    view, number = service.retry_failed(job_id)
+    return Retry(evaluations=number, job=Job.model_validate(view))
 
 
 @router.delete("/{job_id}", status_code=204, response_class=Response, responses=problems_of(404, 409))

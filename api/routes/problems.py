@@ -21,7 +21,7 @@ __all__ = ["router"]
 router = APIRouter(prefix="/problems", tags=["problems"])
 
 
-@router.post("/check", responses=problems_of(400, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY})
+@router.post("/check", responses=problems_of(400, 408, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY})
 async def check(document: ProblemDocument, request: Request) -> CheckResult:
     """Validate a problem, make one test run and estimate the cost. Nothing is stored."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)

@@ -9,12 +9,21 @@ from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from api.dependencies import Cursor, JobId, Limit, Service, problems_of
 from api.errors import DetailError
-from api.schemas import Best, Evaluation, EvaluationPage, EvaluationState, Generation, GenerationList
+from api.schemas import (
+    Attempt,
+    AttemptList,
+    Best,
+    Evaluation,
+    EvaluationPage,
+    EvaluationState,
+    Generation,
+    GenerationList,
+)
 from api.schemas import Response as ResponseValues
 from solver.problem import parse_problem
 from workers.views import EvaluationView
@@ -111,6 +120,18 @@ def evaluations(
         media_type="text/csv; charset=utf-8; header=present",
         headers={"Content-Disposition": f'attachment; filename="evaluations-{job_id}.csv"'},
     )
+
+
+@router.get("/evaluations/{generation}/{particle}/attempts", responses=problems_of(404, 422))
+def attempts(
+    job_id: JobId,
+    service: Service,
+    generation: Annotated[int, Path(ge=0, le=2**31 - 1)],
+    particle: Annotated[int, Path(ge=0, le=2**31 - 1)],
+) -> AttemptList:
+    """Show every try at one evaluation: by whom, when, and how it ended."""
+    views = service.attempts(job_id, generation, particle)
+    return AttemptList(items=[Attempt.model_validate(view) for view in views])
 
 
 def csv_header(names: Sequence[str], series: Sequence[str]) -> list[str]:

@@ -28,6 +28,7 @@ class CommandEntry:
 
 _PROBLEM, _SERVICE, _JOBS = "One problem, in this process", "The service", "Jobs of a running service"
 _RESULTS = "What a job, or a run in a folder, tells"
+_OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
     "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
@@ -47,6 +48,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "cancel": CommandEntry("geoswarm.cli.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
     "pause": CommandEntry("geoswarm.cli.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
+    "retry-failed": CommandEntry("geoswarm.cli.why", _JOBS, "Run the failed evaluations of a job again."),
     "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
     "report": CommandEntry(
@@ -62,6 +64,8 @@ COMMANDS: dict[str, CommandEntry] = {
         _RESULTS,
         "Calculate the objectives that stored responses have under other weights; no forward run.",
     ),
+    "keys": CommandEntry("geoswarm.cli.keys", _OPERATION, "Create, list and revoke API keys."),
+    "prune": CommandEntry("geoswarm.cli.prune", _OPERATION, "Delete old jobs for good."),
 }
 
 
@@ -77,7 +81,7 @@ class LazyGroup(click.Group):
         entry = COMMANDS.get(cmd_name)
         if entry is None:
             return None
-        command: click.Command = getattr(import_module(entry.module), f"{cmd_name}_command")
+        command: click.Command = getattr(import_module(entry.module), f"{cmd_name.replace('-', '_')}_command")
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's

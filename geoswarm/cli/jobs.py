@@ -76,25 +76,42 @@ def list_command(
 
 @click.command("show")
 @job_argument
+@click.option("--failures", is_flag=True, help="Why evaluations failed: parameters, message, end of the output.")
+@click.option("--attempts", metavar="GENERATION/PARTICLE", help="Every try at one evaluation.")
 @json_option
 @connection_options
-def show_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, url: str, api_key: str | None) -> None:
     """Show a job with its best parameters.
 
-    With --json also 'best': the best evaluation with misfits and responses in base units, or null.
+    With --json also 'best': the best evaluation with misfits and responses in base units, or null; with --failures
+    'failures': how many for which 'reasons', and the first 20 as 'items'; with --attempts 'attempts'.
     """
+    from geoswarm.cli.why import attempts_of, failures_of, show_attempts, show_failures
     from geoswarm.client import NotFoundError
 
+    more: dict[str, Any] = {}
     with connect(url, api_key) as client:
         found = find_job(client, job)
+        if attempts is not None:
+            tries = attempts_of(client, found, attempts)
+            more["attempts"] = [jsonable(attempt) for attempt in tries]
+        if failures:
+            reasons, failed = failures_of(client, found)
+            more["failures"] = {"reasons": dict(reasons), "items": [jsonable(evaluation) for evaluation in failed]}
         try:
             best = client.best(found.id)
         except NotFoundError:
             best = None
     if as_json:
-        echo_json(jsonable(found) | {"best": best and jsonable(best)})
+        echo_json(jsonable(found) | {"best": best and jsonable(best)} | more)
         return
     show_job(found)
+    if attempts is not None:
+        show_attempts(tries)
+    if failures:
+        show_failures(reasons, failed)
+    if more:
+        return
     if best is not None and len(best.misfits) > 1:
         rows = [(series, number(misfit)) for series, misfit in best.misfits.items()]
         echo_table(None, ("series", "misfit"), rows, right=(1,))
@@ -174,7 +191,10 @@ def resume_command(job: str, as_json: bool, url: str, api_key: str | None) -> No
 @json_option
 @connection_options
 def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
-    """List the workers of a service."""
+    """List the workers of a service.
+
+    Who runs what, and since when. An id begins with host and process number.
+    """
     with connect(url, api_key) as client:
         workers = client.workers()
     if as_json:
@@ -184,7 +204,18 @@ def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
         click.echo("No workers. Start some with 'geoswarm worker', or serve without --broker.")
         return
     rows = [
-        (w.id, w.host, str(w.pid), w.engine, w.state, w.job or "-", _age(w.started_at), _age(w.seen_at))
+        (
+            w.id,
+            w.engine,
+            w.state,
+            w.job or "-",
+            "-" if w.generation is None else str(w.generation),
+            "-" if w.evaluations is None else str(w.evaluations),
+            "-" if w.busy_since is None else _age(w.busy_since),
+            _age(w.started_at),
+            _age(w.seen_at),
+        )
         for w in workers
     ]
-    echo_table(None, ("id", "host", "pid", "engine", "state", "job", "up for", "last seen"), rows, right=(2, 6, 7))
+    columns = ("id", "engine", "state", "job", "generation", "evaluations", "busy for", "up for", "last seen")
+    echo_table(None, columns, rows, right=(4, 5, 6, 7, 8))

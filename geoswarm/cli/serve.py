@@ -2,31 +2,98 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
 import click
 
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import api_key_option, broker_option, database_option
 from geoswarm.cli.output import note
 
-__all__ = ["LOOPBACK", "refuse_open_door", "serve_command", "sweep_command", "worker_command"]
+if TYPE_CHECKING:
+    from workers.settings import Settings
 
-LOOPBACK = ("127.0.0.1", "::1", "localhost")
+__all__ = ["refuse_open_door", "serve_command", "sweep_command", "worker_command"]
+
+Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
 
-log_level_option = click.option(
+def logging_options(function: Decorated) -> Decorated:
+    """Add ``--log-level`` and ``--log-format`` to a command."""
+    decorated: Decorated = _level_option(_format_option(function))
+    return decorated
+
+
+_level_option = click.option(
     "--log-level",
     type=click.Choice(("debug", "info", "warning", "error")),
     default="warning",
     show_default=True,
     help="What to write to stderr.",
 )
+_format_option = click.option(
+    "--log-format",
+    type=click.Choice(("text", "json")),
+    envvar="GEOSWARM_LOG_FORMAT",
+    show_envvar=True,
+    default="text",
+    show_default=True,
+    help="Lines for readers, or one JSON object a line.",
+)
 
 
-def start_logging(level: str) -> None:
-    """Write log records to stderr, one a line."""
-    import logging
+def prepare(part: str, level: str, form: str, settings: Settings) -> None:
+    """Begin with logs and traces, and refuse secrets that everybody knows."""
+    from workers.logs import start_logging
+    from workers.secrets import refuse_known_secrets
+    from workers.tracing import start_tracing
 
-    logging.basicConfig(level=level.upper(), format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    start_logging(level, "json" if form == "json" else "text")
+    refuse_known_secrets(settings)
+    start_tracing(part)
+
+
+def group_options(function: Decorated) -> Decorated:
+    """Add ``--kinds`` and ``--slots`` to a command that runs workers."""
+    decorated: Decorated = _kinds_option(_slots_option(function))
+    return decorated
+
+
+_kinds_option = click.option(
+    "--kinds",
+    metavar="KIND,...",
+    help="Kinds of forward model that the workers run; all when not given.",
+)
+_slots_option = click.option(
+    "--slots",
+    metavar="KIND=NUMBER,...",
+    help="How many evaluations of a kind may run at once here (licences), if fewer than there are workers.",
+)
+
+
+def group_settings(kinds: str | None, slots: str | None) -> dict[str, Any]:
+    """Return the settings that ``--kinds`` and ``--slots`` stand for; None: not given.
+
+    Raises
+    ------
+    BadInputError
+        When a number of slots cannot be read, or a kind is not installed here.
+    """
+    from solver.forward.registry import kinds as installed
+
+    chosen = None if kinds is None else tuple(kind.strip() for kind in kinds.split(",") if kind.strip())
+    limits: dict[str, int] | None = None
+    for part in (slots or "").split(","):
+        if part.strip():
+            kind, _, count = (text.strip() for text in part.partition("="))
+            if not count.isdecimal() or int(count) < 1:
+                raise BadInputError(f"--slots {part.strip()!r}: write KIND=NUMBER, for example oedometer=2")
+            limits = {**(limits or {}), kind: int(count)}
+    for kind in (*(chosen or ()), *(limits or ())):
+        if kind not in installed():
+            raise BadInputError(f"no forward model {kind!r} is installed here; known: {', '.join(installed())}")
+    return {"kinds": chosen, "slots": limits}
 
 
 @click.command("serve")
@@ -42,7 +109,8 @@ def start_logging(level: str) -> None:
 @database_option
 @broker_option
 @api_key_option
-@log_level_option
+@group_options
+@logging_options
 def serve_command(
     host: str,
     port: int,
@@ -50,25 +118,37 @@ def serve_command(
     database: str | None,
     broker: str | None,
     api_key: str | None,
+    kinds: str | None,
+    slots: str | None,
     log_level: str,
+    log_format: str,
 ) -> None:
     """Serve jobs over HTTP, with workers of its own or remote ones.
 
     Without a broker, forward runs are done by worker processes that this command starts and watches (embedded
     engine). With one, start 'geoswarm worker' on any number of machines. Without a database URL, jobs are kept in
     geoswarm.db in the working folder.
+
+    On this machine alone and without a broker no API key is needed; otherwise make one with 'geoswarm keys create
+    --owner NAME --role admin' on the same database, or give GEOSWARM_API_KEY.
     """
-    start_logging(log_level)
     from api import ApiSettings, bind, serve
     from workers.engine import open_engine
+    from workers.keys import KeyRing
     from workers.settings import Settings
 
-    settings = Settings.from_environment(database_url=database, broker_url=broker, workers=workers)
-    refuse_open_door(host, api_key)
+    group = group_settings(kinds, slots)
+    settings = Settings.from_environment(database_url=database, broker_url=broker, workers=workers, **group)
+    prepare("serve", log_level, log_format, settings)
     api_settings = ApiSettings.from_environment(api_key=api_key)
+    if not settings.broker_url:  # with one, an unreachable broker is told first
+        refuse_open_door(host, api_key, settings)
     listener = bind(host, port)  # before the engine: a port in use must not start workers
     try:
         with open_engine(settings) as engine:
+            refuse_open_door(host, api_key, settings)
+            keys = KeyRing(engine.service.store).used()
+            api_settings = api_settings.model_copy(update={"require_key": keys})
             engine_name = "remote workers" if settings.broker_url else f"{settings.workers} worker processes"
             serve(
                 engine.service,
@@ -81,19 +161,37 @@ def serve_command(
     note("Stopped.")
 
 
-def refuse_open_door(host: str, api_key: str | None) -> None:
-    """Refuse to listen for other machines without a key.
+def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None:
+    """Refuse to serve others than this machine's user without a key, or with one that everybody knows.
 
     Raises
     ------
     BadInputError
-        When ``host`` is no loopback address and there is no API key.
+        When ``host`` is no loopback address, or a broker lets other machines in, and there is no key.
+    SettingsError
+        When the key could be guessed.
     """
-    if host not in LOOPBACK and not host.startswith("127.") and not api_key:
+    from workers.keys import KeyRing
+    from workers.secrets import is_loopback, refuse_weak_key
+    from workers.store import Store
+
+    if api_key:
+        refuse_weak_key(api_key)
+        return
+    if is_loopback(host) and not settings.broker_url:
+        return
+    store = Store(settings)
+    try:
+        keys = KeyRing(store).used()
+    finally:
+        store.close()
+    if not keys:
+        why = "a service with a broker" if is_loopback(host) else f"--host {host} lets other machines in, so it"
         raise BadInputError(
-            f"--host {host} lets other machines in, but there is no API key. Set one first:\n"
-            '  export GEOSWARM_API_KEY="$(openssl rand -hex 24)"\n'
-            "and give the same key to 'geoswarm submit' and the other commands, or keep --host 127.0.0.1"
+            f"{why} needs an API key, and there is none. Make the first one in its database:\n"
+            "  geoswarm keys create --owner NAME --role admin\n"
+            "or give one to this command and the others:\n"
+            '  export GEOSWARM_API_KEY="$(openssl rand -hex 24)"'
         )
 
 
@@ -101,23 +199,33 @@ def refuse_open_door(host: str, api_key: str | None) -> None:
 @click.option("--concurrency", type=click.IntRange(min=1), help="Processes; one a processor core when not given.")
 @database_option
 @broker_option
-@log_level_option
-def worker_command(concurrency: int | None, database: str | None, broker: str | None, log_level: str) -> None:
+@group_options
+@logging_options
+def worker_command(
+    concurrency: int | None,
+    database: str | None,
+    broker: str | None,
+    kinds: str | None,
+    slots: str | None,
+    log_level: str,
+    log_format: str,
+) -> None:
     """Run forward calculations for a service with a broker.
 
     Give the same database and broker as to 'geoswarm serve'. Ctrl-C or SIGTERM stops it; what it was calculating is
     given to other workers.
     """
-    start_logging(log_level)
     from workers.celery_app import run_celery_worker
     from workers.settings import Settings
 
-    settings = Settings.from_environment(database_url=database, broker_url=broker)
+    group = group_settings(kinds, slots)
+    settings = Settings.from_environment(database_url=database, broker_url=broker, **group)
     if settings.broker_url is None:
         raise BadInputError(
             "a worker needs the broker of its service: --broker redis://HOST:6379/0 or GEOSWARM_BROKER_URL "
             "(without a broker 'geoswarm serve' runs the workers itself)"
         )
+    prepare("worker", log_level, log_format, settings)
     note(f"geoswarm worker with {concurrency or settings.workers} processes; Ctrl-C stops it.")
     run_celery_worker(settings, concurrency or settings.workers)
 
@@ -125,16 +233,16 @@ def worker_command(concurrency: int | None, database: str | None, broker: str | 
 @click.command("sweep")
 @database_option
 @broker_option
-@log_level_option
-def sweep_command(database: str | None, broker: str | None, log_level: str) -> None:
+@logging_options
+def sweep_command(database: str | None, broker: str | None, log_level: str, log_format: str) -> None:
     """Look after jobs: re-dispatch what is overdue.
 
     Every service and worker does this, too. A sweep of its own keeps jobs going while no service runs.
     """
-    start_logging(log_level)
     from workers.settings import Settings
     from workers.sweep import run_sweep
 
     settings = Settings.from_environment(database_url=database, broker_url=broker)
+    prepare("sweep", log_level, log_format, settings)
     note("geoswarm sweep; Ctrl-C stops it.")
     run_sweep(settings)

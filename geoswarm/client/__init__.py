@@ -27,6 +27,7 @@ from geoswarm.client.errors import (
     WaitTimeoutError,
 )
 from geoswarm.client.models import (
+    Attempt,
     Best,
     CheckResult,
     Curve,
@@ -41,6 +42,7 @@ from geoswarm.client.models import (
     Page,
     Parameter,
     Report,
+    Retry,
     Series,
     TestRun,
     Worker,
@@ -50,6 +52,7 @@ from geoswarm.client.sync import Client
 __all__ = [
     "AsyncClient",
     "Client",
+    "Attempt",
     "Best",
     "CheckResult",
     "Curve",
@@ -64,6 +67,7 @@ __all__ = [
     "Page",
     "Parameter",
     "Report",
+    "Retry",
     "Series",
     "TestRun",
     "Worker",

@@ -18,6 +18,7 @@ from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutErr
 from geoswarm.client.files import partial_file
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
 from geoswarm.client.models import (
+    Attempt,
     Best,
     CheckResult,
     Evaluation,
@@ -30,6 +31,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Report,
+    Retry,
     Worker,
 )
 
@@ -141,6 +143,14 @@ class AsyncClient:
     async def resume(self, job_id: str) -> Job:
         """Go on with a paused job."""
         return await self._send(calls.change(job_id, "resume"))
+
+    async def retry_failed(self, job_id: str) -> Retry:
+        """Run the failed evaluations of a paused or ended job again, and only them."""
+        return await self._send(calls.retry_failed(job_id))
+
+    async def attempts(self, job_id: str, generation: int, particle: int) -> tuple[Attempt, ...]:
+        """Show every try at one evaluation: by whom, when, and how it ended."""
+        return await self._send(calls.attempts(job_id, generation, particle))
 
     async def delete(self, job_id: str) -> None:
         """Delete an ended job with everything that belongs to it."""

@@ -27,6 +27,7 @@ from geoswarm.client.errors import (
     UnauthorizedError,
 )
 from geoswarm.client.models import (
+    Attempt,
     Best,
     CheckResult,
     Evaluation,
@@ -38,6 +39,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Report,
+    Retry,
     Worker,
 )
 
@@ -45,6 +47,7 @@ __all__ = [
     "DEFAULT_URL",
     "Call",
     "Problem",
+    "attempts",
     "best",
     "change",
     "check",
@@ -68,6 +71,7 @@ __all__ = [
     "report_pdf",
     "reweight",
     "statistics",
+    "retry_failed",
     "submit",
     "workers",
 ]
@@ -208,6 +212,17 @@ def problem(job_id: str) -> Call[dict[str, Any]]:
 def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
     """Cancel, pause or resume."""
     return Call("POST", f"{_job_path(job_id)}/{action}", _reader(Job))
+
+
+def retry_failed(job_id: str) -> Call[Retry]:
+    """Run failed evaluations again."""
+    return Call("POST", f"{_job_path(job_id)}/retry-failed", _reader(Retry))
+
+
+def attempts(job_id: str, generation: int, particle: int) -> Call[tuple[Attempt, ...]]:
+    """Show the tries at an evaluation."""
+    path = f"{_job_path(job_id)}/evaluations/{generation:d}/{particle:d}/attempts"
+    return Call("GET", path, _reader(tuple[Attempt, ...], "items"))
 
 
 def delete(job_id: str) -> Call[None]:

@@ -7,7 +7,7 @@
     ├── WaitTimeoutError            the job did not end in the given time; it goes on
     ├── JobFailedError              the job that was waited for has failed
     └── HttpError                   the service refused: status, title, detail, issues
-        ├── UnauthorizedError       401, 403: the API key is missing or wrong, or the host is refused
+        ├── UnauthorizedError       401, 403: the API key is missing, wrong or not enough, or the host is refused
         ├── NotFoundError           404
         ├── ConflictError           409: not possible in the job's state, or the idempotency key was used before
         ├── InvalidProblemError     422: what was sent is wrong; ``issues`` lists every mistake
@@ -116,7 +116,7 @@ class HttpError(GeoswarmError):
 
 
 class UnauthorizedError(HttpError):
-    """The API key is missing or wrong, or the service does not answer under this host name."""
+    """The API key is missing or wrong, its role or quota does not suffice, or the host name is not answered."""
 
 
 class NotFoundError(HttpError):

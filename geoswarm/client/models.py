@@ -12,6 +12,7 @@ from typing import Any, Generic, TypeVar
 
 __all__ = [
     "ENDED_STATES",
+    "Attempt",
     "Best",
     "CheckResult",
     "Curve",
@@ -26,6 +27,7 @@ __all__ = [
     "Page",
     "Parameter",
     "Report",
+    "Retry",
     "Series",
     "TestRun",
     "Worker",
@@ -59,6 +61,8 @@ class Job:
     seed: int
     free_parameters: list[str]
     max_evaluations: int | None
+    priority: int = 0
+    retrying: bool = False
 
     @property
     def ended(self) -> bool:
@@ -144,6 +148,29 @@ class Evaluation:
     started_at: datetime | None
     finished_at: datetime | None
     seconds: float | None
+    log: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One try at an evaluation; ``outcome``: running, finished, the kind of failure, late, overdue or stopped."""
+
+    number: int
+    worker: str | None
+    outcome: str
+    counted: bool
+    message: str | None
+    log: str | None
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+@dataclass(frozen=True, slots=True)
+class Retry:
+    """Failed evaluations that are run again: their number, and the job."""
+
+    evaluations: int
+    job: Job
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +225,9 @@ class Worker:
     job: str | None
     started_at: datetime
     seen_at: datetime
+    generation: int | None = None
+    evaluations: int | None = None
+    busy_since: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True)

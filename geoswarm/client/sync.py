@@ -17,6 +17,7 @@ from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutErr
 from geoswarm.client.files import partial_file
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
 from geoswarm.client.models import (
+    Attempt,
     Best,
     CheckResult,
     Evaluation,
@@ -29,6 +30,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Report,
+    Retry,
     Worker,
 )
 
@@ -137,6 +139,14 @@ class Client:
     def resume(self, job_id: str) -> Job:
         """Go on with a paused job."""
         return self._send(calls.change(job_id, "resume"))
+
+    def retry_failed(self, job_id: str) -> Retry:
+        """Run the failed evaluations of a paused or ended job again, and only them."""
+        return self._send(calls.retry_failed(job_id))
+
+    def attempts(self, job_id: str, generation: int, particle: int) -> tuple[Attempt, ...]:
+        """Show every try at one evaluation: by whom, when, and how it ended."""
+        return self._send(calls.attempts(job_id, generation, particle))
 
     def delete(self, job_id: str) -> None:
         """Delete an ended job with everything that belongs to it."""

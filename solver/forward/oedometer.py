@@ -12,7 +12,7 @@ from solver.arrays import FloatArray
 from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from solver.element_test.axial import lateral_limits
 from solver.errors import InfeasibleError
-from solver.forward.staged_load import StagedLoadModel, StagedLoadSpec
+from solver.forward.staged_load import MAX_STRESS, StagedLoadModel, StagedLoadSpec
 
 __all__ = ["OedometerModel", "OedometerSpec"]
 
@@ -26,7 +26,7 @@ class OedometerSpec(StagedLoadSpec):
     """
 
     kind: Literal["oedometer"] = "oedometer"
-    initial_stress: float = Field(gt=0.0, description="Vertical stress before the first stage, kPa.")
+    initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Vertical stress before the first stage, kPa.")
     K0: float | None = Field(
         None, gt=0.0, description="Initial ratio of horizontal to vertical stress; K0nc unless given."
     )

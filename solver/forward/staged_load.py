@@ -26,7 +26,16 @@ from solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
 from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 from solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
 
-__all__ = ["LoadStage", "StagedLoadModel", "StagedLoadSpec"]
+__all__ = ["MAX_LENGTH", "MAX_STRESS", "LoadStage", "StagedLoadModel", "StagedLoadSpec"]
+
+# Far beyond any test; what lies beyond them is a mistake in units, or meant to overflow something.
+MAX_LENGTH = 1.0e3
+"""Largest dimension of a specimen, m."""
+MAX_STRESS = 1.0e7
+"""Largest stress, kPa."""
+MAX_DURATION = 1.0e7
+"""Longest stage, day."""
+MAX_STAGES = 1000
 
 _SAME_TIME = 1.0e-9
 """Relative difference (and, in days, absolute one) below which a time is that of a change of stage."""
@@ -39,8 +48,8 @@ class LoadStage(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    stress: float = Field(gt=0.0, description="Applied stress, kPa, compression positive.")
-    duration: float = Field(gt=0.0, description="Duration, day.")
+    stress: float = Field(gt=0.0, le=MAX_STRESS, description="Applied stress, kPa, compression positive.")
+    duration: float = Field(gt=0.0, le=MAX_DURATION, description="Duration, day.")
 
 
 def _only_material_point(value: Any) -> Any:
@@ -56,9 +65,11 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
     discretization: Annotated[Literal["material_point"], BeforeValidator(_only_material_point)] = Field(
         "material_point", description="How the specimen is represented."
     )
-    height: float = Field(gt=0.0, description="Height of the specimen at the beginning, m.")
-    initial_stress: float = Field(gt=0.0, description="Stress before the first stage, kPa.")
-    stages: tuple[LoadStage, ...] = Field(min_length=1, description="Loads in the order of their application.")
+    height: float = Field(gt=0.0, le=MAX_LENGTH, description="Height of the specimen at the beginning, m.")
+    initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Stress before the first stage, kPa.")
+    stages: tuple[LoadStage, ...] = Field(
+        min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
+    )
     zero_at_stage: int = Field(
         1, ge=1, description="Stage before whose application time, displacement and strain are zero."
     )

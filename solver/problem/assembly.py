@@ -29,6 +29,7 @@ from solver.problem.parameters import (
 )
 from solver.problem.problem import Problem
 from solver.problem.reading import plain_document, read_problem_file
+from solver.problem.running import Failures, Limits
 from solver.problem.sections import (
     METHODS,
     PARAMETER_FORMS,
@@ -108,7 +109,9 @@ class _Assembly:
         method = self._method()
         stopping = self._validated(Stopping, self.document.get("stopping", {}), "stopping")
         self._check_stopping(method, stopping)
-        if self.issues or not (settings and spec and model and method and stopping):
+        limits = self._validated(Limits, self.document.get("limits", {}), "limits")
+        failures = self._validated(Failures, self.document.get("failures", {}), "failures")
+        if self.issues or not (settings and spec and model and method and stopping and limits and failures):
             raise ProblemError(self._sorted_issues())
         problem = Problem(
             name=settings.name,
@@ -121,6 +124,9 @@ class _Assembly:
             stopping=stopping,
             seed=settings.seed,
             weighting=settings.weighting,
+            limits=limits,
+            failures=failures,
+            priority=settings.priority,
         )
         unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem)
         if unsatisfiable:

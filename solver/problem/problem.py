@@ -18,6 +18,7 @@ from solver.problem.parameters import (
     link_order,
     outside_limits,
 )
+from solver.problem.running import Failures, Limits
 from solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
 from solver.problem.weighting import Weighting
 
@@ -49,6 +50,8 @@ class Problem:
         Fixes all random numbers; None: to be chosen.
     weighting
         Scheme that took part in the weights of the observations.
+    limits, failures, priority
+        What one evaluation may use, what its failure means, and the job's rank among others.
     """
 
     name: str
@@ -61,6 +64,9 @@ class Problem:
     stopping: Stopping
     seed: int | None
     weighting: Weighting | None = None
+    limits: Limits = field(default_factory=Limits)
+    failures: Failures = field(default_factory=Failures)
+    priority: int = 0
     free: tuple[FreeParameter, ...] = field(init=False)
     free_names: tuple[str, ...] = field(init=False)
     _template: dict[str, float] = field(init=False, repr=False)
@@ -144,7 +150,13 @@ class Problem:
         }
         if self.weighting is not None:
             document["weighting"] = self.weighting
-        return document if self.seed is None else document | {"seed": self.seed}
+        if self.seed is not None:
+            document["seed"] = self.seed
+        for name in ("limits", "failures"):  # left out when there is nothing in them: older programs read it, too
+            section = getattr(self, name).model_dump(mode="json", exclude_defaults=True)
+            if section:
+                document[name] = section
+        return document | {"priority": self.priority} if self.priority else document
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Problem) and other.document() == self.document()

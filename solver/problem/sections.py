@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from pydantic_core import PydanticCustomError
 
 from solver.forward.registry import AnyForwardModelSpec
+from solver.problem.running import Failures, Limits
 from solver.problem.weighting import Weighting
 
 __all__ = [
@@ -227,6 +228,7 @@ class Settings(_Section):
     seed: int | None = Field(
         None, ge=0, le=_LARGEST_SEED, description="fixes all random numbers; chosen and reported if absent"
     )
+    priority: int = Field(0, ge=-10, le=10, description="in the service: jobs of a higher one get more of the workers")
 
 
 class ProblemFile(Settings):
@@ -237,3 +239,5 @@ class ProblemFile(Settings):
     observations: list[ObservationSection] = Field(min_length=1, max_length=1000, description="what was measured")
     method: MethodSection = Field(default=ParticleSwarmMethod(), description="how to search")
     stopping: Stopping = Field(default=Stopping(), description="when to stop; a particle swarm needs one criterion")
+    limits: Limits = Field(default=Limits(), description="what one evaluation may use, in the service")
+    failures: Failures = Field(default=Failures(), description="what happens when an evaluation fails")

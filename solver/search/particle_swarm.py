@@ -133,7 +133,7 @@ class ParticleSwarm:
         swarm._velocity = np.array(snapshot["velocity"])
         swarm._best_position = np.array(snapshot["best_position"])
         swarm._best_objective = np.array([np.inf if f is None else f for f in snapshot["best_objective"]])
-        state = snapshot["proposer"]
+        state = snapshot.get("proposer")  # absent in what earlier versions stored
         swarm._proposer = _proposer(space, settings, seed, None if state is None else ProposerState.from_json(state))
         return swarm
 

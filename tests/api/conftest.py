@@ -41,7 +41,7 @@ def line_problem(**changes: Any) -> dict[str, Any]:
 
 @pytest.fixture
 def settings(tmp_path: Path) -> Settings:
-    return Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
+    return Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1, slice_seconds=60)
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import httpx
@@ -124,10 +124,10 @@ class CountingService(JobService):
         self.reads = 0
         self.threads: set[int] = set()
 
-    def events(self, job_id: str, *, after: int = 0, limit: int = 500) -> Any:
+    def news(self, after: Mapping[str, int], *, limit: int = 500) -> Any:
         self.reads += 1
         self.threads.add(threading.get_ident())
-        return super().events(job_id, after=after, limit=limit)
+        return super().news(after, limit=limit)
 
 
 def test_many_listeners_share_one_poller_and_leave_nothing_behind(service: JobService) -> None:

@@ -89,7 +89,7 @@ def test_own_services_wait_for_healthy_servers() -> None:
             assert how["condition"] != "service_healthy" or "healthcheck" in services[needed], name
 
 
-@pytest.mark.parametrize("service", ["api", *FOREIGN])
+@pytest.mark.parametrize("service", [*OWN, *FOREIGN])
 def test_health_checks_are_bounded(service: str) -> None:
     check = compose()["services"][service]["healthcheck"]
     assert check["test"][0] == "CMD"

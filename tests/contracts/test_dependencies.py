@@ -11,6 +11,7 @@ REQUIREMENT = re.compile(r"(?P<name>[A-Za-z0-9._-]+)(\[[\w,]+\])?(?P<bounds>.+)"
 HEADINGS = {
     "dependencies": "Base",
     "server": "Extra `server`",
+    "tracing": "Extra `tracing`",
     "plots": "Extra `plots`",
     "statistics": "Extra `statistics`",
     "bench": "Extra `bench`",

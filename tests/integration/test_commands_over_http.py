@@ -6,6 +6,7 @@ Each history must equal that of the in-process run bit for bit.
 from __future__ import annotations
 
 import os
+import secrets
 import signal
 import subprocess
 import sys
@@ -28,6 +29,8 @@ from tests.servers import RedisServer, free_port
 PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
 # Runs to its last evaluation, so that there is time to disturb it.
 WHOLE: dict[str, Any] = load_problem(PROBLEM).document() | {"stopping": {"max_evaluations": 1590}}
+
+KEY = secrets.token_hex(16)
 
 # Learns from stored responses, so these must come back from the database bit for bit.
 ACCELERATED: dict[str, Any] = WHOLE | {
@@ -78,7 +81,11 @@ def over_http(client: Client, job_id: str) -> Bits:
 @contextmanager
 def geoswarm(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
     """Run a command until the end of the block; then it must end by itself when asked to."""
-    process = subprocess.Popen([sys.executable, "-m", "geoswarm", *arguments], stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "geoswarm", *arguments],
+        stdout=subprocess.DEVNULL,
+        env=os.environ | {"GEOSWARM_API_KEY": KEY},
+    )
     try:
         yield process
     finally:
@@ -103,7 +110,7 @@ def served(*arguments: str) -> Iterator[Client]:
         except httpx.TransportError:
             return False
 
-    with geoswarm("serve", "--port", str(port), *arguments), Client(url) as client:
+    with geoswarm("serve", "--port", str(port), *arguments), Client(url, api_key=KEY) as client:
         wait_for(ready, "a service that is ready")
         yield client
 

@@ -23,7 +23,7 @@ class RecordingDoorbell:
     def __init__(self) -> None:
         self.rings: list[str] = []
 
-    def ring(self, job_id: str, times: int = 1) -> None:
+    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:  # noqa: ARG002
         self.rings += [job_id] * times
 
     def health(self) -> str:
@@ -51,6 +51,7 @@ def settings(database_url: str) -> Settings:
         lease_seconds=1.0,
         heartbeat_seconds=0.2,
         sweep_seconds=0.1,
+        isolate=False,
         slice_seconds=60,
     )
 

@@ -11,6 +11,9 @@ from workers.coordinator.machine import Job, Joined, Transition
 
 __all__ = ["Claim", "Exchange", "HandIn", "Leap", "Result", "Sizing", "joined"]
 
+HANDING_OUT_SECONDS = 0.0002  # what it costs to hand out an evaluation and to take in its result
+LONG_BURST = 10.0  # times burst_seconds, for runs that cost less than that
+
 
 @dataclass(frozen=True, slots=True)
 class Claim:
@@ -40,13 +43,14 @@ class Claim:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Outcome of one try; times are the database's [s]."""
+    """Outcome of one try; times are the database's [s]; ``log``: the end of what a failed one has written."""
 
     particle: int
     attempt: int
     evaluation: Evaluation
     started_at: float
     finished_at: float
+    log: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +65,17 @@ class Leap:
 
 @dataclass(frozen=True, slots=True)
 class HandIn:
-    """What a worker returns for a claim: whole generations in order, then results of the last one begun."""
+    """What a worker returns for a claim: whole generations in order, then results of the last one begun.
+
+    ``killed``: it was at one more particle, which was killed on request. ``partial``: it goes on with the rest.
+    """
 
     claim: Claim | None = None
     leaps: Sequence[Leap] = ()
     generation: int = -1
     results: Sequence[Result] = ()
+    killed: int | None = None
+    partial: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +118,10 @@ class Sizing:
 
     def burst(self, typical_seconds: float | None, particles: int) -> bool:
         """Whether whole generations are to stay in one worker."""
-        return typical_seconds is not None and typical_seconds * particles < self.burst_seconds
+        if typical_seconds is None:
+            return False
+        longest = self.burst_seconds * (LONG_BURST if typical_seconds < HANDING_OUT_SECONDS else 1.0)
+        return typical_seconds * particles < longest
 
     def chunk(self, typical_seconds: float | None, particles: int, live_workers: int) -> int:
         """Return the number of evaluations that go out together."""

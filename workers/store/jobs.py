@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, and_, case, delete, exists, insert, or_, select, tuple_, update
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    and_,
+    case,
+    delete,
+    exists,
+    insert,
+    or_,
+    select,
+    tuple_,
+    update,
+)
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
@@ -22,9 +34,10 @@ from workers.store.tables import evaluations, events, generations, jobs
 __all__ = [
     "LockedJob",
     "account_running_time",
-    "claimable_jobs",
     "clocks_overdue",
+    "delete_evaluations",
     "delete_job",
+    "ended_before",
     "find_by_idempotency_key",
     "get_job",
     "get_frame",
@@ -33,14 +46,16 @@ __all__ = [
     "list_events",
     "list_generations",
     "list_jobs",
+    "list_news",
     "lock_job",
-    "mark_rung",
-    "note_served",
+    "publish_state",
     "save_job",
+    "which_exist",
 ]
 
 # Everything but the problem document, which nothing but a worker's first look at the job needs.
 COLUMNS = [column for column in jobs.columns if column.name != "problem"]
+JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
 VIEW_COLUMNS = [column for column in COLUMNS if column.name not in LARGE]
 
@@ -157,6 +172,14 @@ def save_job(
         raise RuntimeError(f"job {locked.id} changed while its row was locked")
 
 
+def publish_state(
+    connection: Connection, locked: LockedJob, state: str, stop_reasons: Sequence[str], error: str | None
+) -> None:
+    """Tell who watches that a job has another state."""
+    data = pack_json({"state": state, "stop_reasons": list(stop_reasons), "error": error})
+    connection.execute(insert(events).values(job_id=locked.id, kind="state", data=data, created_at=locked.now))
+
+
 def _insert_generations(
     connection: Connection, locked: LockedJob, records: Sequence[GenerationRecord], times: Sequence[float]
 ) -> None:
@@ -215,8 +238,9 @@ def get_problem(connection: Connection, job_id: str) -> Record | None:
 
 
 def get_frame(connection: Connection, job_id: str) -> Record | None:
-    """Return ``free_parameters`` and ``grids`` of a job, as they are stored."""
-    return connection.execute(select(jobs.c.free_parameters, jobs.c.grids).where(jobs.c.id == job_id)).one_or_none()
+    """Return ``owner``, and ``free_parameters`` and ``grids`` of a job as they are stored."""
+    statement = select(jobs.c.owner, jobs.c.free_parameters, jobs.c.grids).where(jobs.c.id == job_id)
+    return connection.execute(statement).one_or_none()
 
 
 def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
@@ -225,10 +249,17 @@ def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
 
 
 def list_jobs(
-    connection: Connection, *, state: str | None, before: tuple[float, str] | None, limit: int
+    connection: Connection,
+    *,
+    state: str | None,
+    before: tuple[float, str] | None,
+    limit: int,
+    owner: str | None = None,
 ) -> Sequence[Record]:
-    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order."""
+    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order; ``owner`` None: of all."""
     statement = select(*VIEW_COLUMNS, database_now().label("now"))
+    if owner is not None:
+        statement = statement.where(jobs.c.owner == owner)
     if state is not None:
         statement = statement.where(jobs.c.state == state)
     if before is not None:
@@ -248,35 +279,49 @@ def list_events(connection: Connection, job_id: str, *, after: int, limit: int) 
     return connection.execute(select(events).where(condition).order_by(events.c.id).limit(limit)).all()
 
 
+def list_news(connection: Connection, after: Mapping[str, int], *, limit: int) -> Sequence[Record]:
+    """Return events of several jobs, each above the id given for it, in order.
+
+    Ids of one job's events grow in the order of their commits, as its row is locked; ids of different jobs need not.
+    """
+    found: list[Record] = []
+    watched = list(after.items())
+    for start in range(0, len(watched), JOBS_A_QUERY):
+        part = watched[start : start + JOBS_A_QUERY]
+        news = or_(*(and_(events.c.job_id == job_id, events.c.id > last) for job_id, last in part))
+        found += connection.execute(select(events).where(news).order_by(events.c.id).limit(limit)).all()
+    return found
+
+
+def which_exist(connection: Connection, job_ids: Collection[str]) -> set[str]:
+    """Return those of the ids that are jobs."""
+    return set(connection.scalars(select(jobs.c.id).where(jobs.c.id.in_(job_ids))))
+
+
+def delete_evaluations(connection: Connection, job_id: str, most: int) -> int:
+    """Remove evaluations of a job, the last ones first; return how many there were to remove, at most ``most``."""
+    rows = connection.execute(
+        select(evaluations.c.generation)
+        .where(evaluations.c.job_id == job_id)
+        .order_by(evaluations.c.generation.desc(), evaluations.c.particle.desc())
+        .limit(most)
+    ).all()
+    if rows:
+        condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation >= rows[-1].generation)
+        connection.execute(delete(evaluations).where(condition))
+    return len(rows)
+
+
 def delete_job(connection: Connection, job_id: str) -> None:
     """Remove a job and everything that belongs to it."""
     connection.execute(delete(jobs).where(jobs.c.id == job_id))
 
 
-def claimable_jobs(connection: Connection, limit: int, *, not_rung_for: float | None = None) -> list[str]:
-    """Return jobs that a worker could do something for, those first that have waited longest.
-
-    These are queued ones and running ones whose generation has an evaluation to claim, or none that is open at all
-    (complete, but nobody advanced it). ``not_rung_for``: leave out those for which a sweep rang in these seconds.
-    """
-    here = and_(evaluations.c.job_id == jobs.c.id, evaluations.c.generation == jobs.c.generation)
-    claimable = exists().where(here, evaluations.c.state == "pending").correlate(jobs)
-    running = exists().where(here, evaluations.c.state == "running").correlate(jobs)
-    condition = or_(jobs.c.state == "queued", and_(jobs.c.state == "running", or_(claimable, ~running)))
-    if not_rung_for is not None:
-        condition = and_(condition, or_(jobs.c.rung_at.is_(None), jobs.c.rung_at < database_now() - not_rung_for))
-    order = (jobs.c.served_at.is_not(None), jobs.c.served_at, jobs.c.created_at)
-    return list(connection.scalars(select(jobs.c.id).where(condition).order_by(*order).limit(limit)))
-
-
-def note_served(connection: Connection, job_id: str) -> None:
-    """Note that a worker turns to this job now: it goes to the end of the line."""
-    connection.execute(update(jobs).where(jobs.c.id == job_id).values(served_at=database_now()))
-
-
-def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:
-    """Note that a sweep rings for these jobs now, so that other sweeps need not."""
-    connection.execute(update(jobs).where(jobs.c.id.in_(job_ids)).values(rung_at=database_now()))
+def ended_before(connection: Connection, seconds: float, states: Collection[str]) -> Sequence[Record]:
+    """Return ``id``, ``name``, ``state`` and ``evaluations`` of jobs that ended longer than this ago [s]."""
+    condition = and_(jobs.c.state.in_(states), jobs.c.finished_at < database_now() - seconds)
+    columns = (jobs.c.id, jobs.c.name, jobs.c.state, jobs.c.evaluations)
+    return connection.execute(select(*columns).where(condition).order_by(jobs.c.finished_at)).all()
 
 
 def clocks_overdue(connection: Connection, seconds: float) -> bool:

@@ -21,7 +21,17 @@ from sqlalchemy import (
     text,
 )
 
-__all__ = ["attempts", "evaluations", "events", "generations", "jobs", "metadata", "workers"]
+__all__ = [
+    "api_keys",
+    "attempts",
+    "counters",
+    "evaluations",
+    "events",
+    "generations",
+    "jobs",
+    "metadata",
+    "workers",
+]
 
 metadata = MetaData(
     naming_convention={
@@ -80,8 +90,12 @@ jobs = Table(
     Column("typical_seconds", Double),  # median forward calculation of the last finished generation
     Column("served_at", Double),  # a worker last took it up
     Column("rung_at", Double),  # a sweep last rang for it
+    Column("priority", Integer, nullable=False, server_default="0"),
+    Column("retry_to", String(16)),  # its failures are run again; what it is then: see workers.coordinator.retry
+    Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     Index("ix_jobs_created_at_id", "created_at", "id"),
     Index("ix_jobs_state_served_at", "state", "served_at"),
+    Index("ix_jobs_owner_created_at_id", "owner", "created_at", "id"),
 )
 
 generations = Table(
@@ -96,6 +110,7 @@ generations = Table(
     Column("parameters", Text),
     Column("created_at", Double, nullable=False),
     Column("finished_at", Double, nullable=False),
+    Index("ix_generations_best", "job_id", "number", "best_objective"),  # tells where good evaluations are
 )
 
 evaluations = Table(
@@ -111,7 +126,9 @@ evaluations = Table(
     Column("responses", LargeBinary),
     Column("reason", String(32)),
     Column("message", Text),
+    Column("log", Text),  # end of what a failed forward model wrote
     Column("attempts", Integer, nullable=False),
+    Column("duplicates", Integer),  # how often it was given to another worker because it was overdue
     Column("worker", String(80)),
     Column("lease_expires_at", Double),
     Column("started_at", Double),
@@ -123,6 +140,21 @@ evaluations = Table(
         "lease_expires_at",
         postgresql_where=text("state = 'running'"),
         sqlite_where=text("state = 'running'"),
+    ),
+    Index(
+        "ix_evaluations_failed",
+        "job_id",
+        "generation",
+        "particle",
+        postgresql_where=text("state = 'failed'"),
+        sqlite_where=text("state = 'failed'"),
+    ),
+    Index(
+        "ix_evaluations_reopened",
+        "job_id",
+        "generation",
+        postgresql_where=text("state = 'pending' AND reason IS NOT NULL"),
+        sqlite_where=text("state = 'pending' AND reason IS NOT NULL"),
     ),
 )
 
@@ -139,10 +171,11 @@ attempts = Table(
     Column("finished_at", Double, nullable=False),
     Column("outcome", String(32), nullable=False),
     Column("message", Text),
+    Column("log", Text),
     Index("ix_attempts_evaluation", "job_id", "generation", "particle"),
     sqlite_autoincrement=True,
 )
-"""Tries that did not count (worker lost, result too late); the counted try is the evaluation's own row."""
+"""Tries that did not count: failed but tried again, too late, stopped. The counted one is the evaluation's own row."""
 
 events = Table(
     "events",
@@ -168,3 +201,26 @@ workers = Table(
     Column("seen_at", Double, nullable=False),
     Column("lost_at", Double),
 )
+
+api_keys = Table(
+    "api_keys",
+    metadata,
+    Column("id", String(16), primary_key=True),  # part of the key itself, so that it is found without its secret
+    Column("hash", String(64), nullable=False),  # SHA-256 of the whole key, which has 256 random bits
+    Column("owner", String(80), nullable=False),
+    Column("role", String(16), nullable=False),
+    Column("label", Text, nullable=False),
+    Column("created_at", Double, nullable=False),
+    Column("expires_at", Double),
+    Column("revoked_at", Double),
+    Column("used_at", Double),
+)
+
+counters = Table(
+    "counters",
+    metadata,
+    Column("name", String(40), primary_key=True),
+    Column("label", String(40), primary_key=True),
+    Column("value", Double, nullable=False),
+)
+"""What all processes of an installation have counted since it was made, for the metrics."""

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
 from workers.store.database import Record
-from workers.views import EvaluationView, EventView, GenerationView, JobView, WorkerView
+from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, WorkerView
 
-__all__ = ["evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
+__all__ = ["attempt_views", "evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
 
 
 def job_view(row: Record, gap: float) -> JobView:
@@ -36,6 +36,8 @@ def job_view(row: Record, gap: float) -> JobView:
         seed=row.seed,
         free_parameters=unpack_json(row.free_parameters),
         max_evaluations=row.max_evaluations,
+        priority=row.priority,
+        retrying=row.retry_to is not None,
     )
 
 
@@ -62,7 +64,41 @@ def evaluation_view(
         started_at=to_optional_datetime(row.started_at),
         finished_at=to_optional_datetime(row.finished_at),
         seconds=row.seconds,
+        log=row.log,
     )
+
+
+def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[AttemptView]:
+    """Show the tries at an evaluation in order, the one under way or counted last."""
+    views = [
+        AttemptView(
+            number=row.number,
+            worker=row.worker,
+            outcome=row.outcome,
+            counted=False,
+            message=row.message,
+            log=row.log,
+            started_at=to_optional_datetime(row.started_at),
+            finished_at=to_optional_datetime(row.finished_at),
+        )
+        for row in tries
+    ]
+    if evaluation is not None and evaluation.state != "pending":
+        failed = evaluation.state == "failed"
+        others = {row.number for row in tries}  # one given to two workers may be counted by its first number
+        numbers = (number for number in range(evaluation.attempts, 0, -1) if number not in others)
+        last = AttemptView(
+            number=next(numbers, evaluation.attempts),
+            worker=evaluation.worker,
+            outcome=evaluation.reason if failed else evaluation.state,
+            counted=evaluation.state != "running",
+            message=evaluation.message if failed else None,
+            log=evaluation.log if failed else None,
+            started_at=to_optional_datetime(evaluation.started_at),
+            finished_at=to_optional_datetime(evaluation.finished_at),
+        )
+        views.append(last)
+    return views
 
 
 def generation_view(row: Record) -> GenerationView:
@@ -84,16 +120,18 @@ def event_view(row: Record) -> EventView:
     return EventView(row.id, row.kind, unpack_json(row.data), to_datetime(row.created_at))
 
 
-def worker_view(row: Record, job: str | None) -> WorkerView:
-    """Show a worker that works on ``job``, None: on nothing."""
-    state = "lost" if row.lost else "idle" if job is None else "busy"
+def worker_view(row: Record, work: Record | None, *, visible: bool = True) -> WorkerView:
+    """Show a worker and what it has claimed, None: nothing; ``visible``: the viewer may see that job."""
     return WorkerView(
         id=row.id,
         host=row.host,
         pid=row.pid,
         engine=row.engine,
-        state=state,
-        job=job,
+        state="lost" if row.lost else "idle" if work is None else "busy",
+        job=work.job_id if work is not None and visible else None,
         started_at=to_datetime(row.started_at),
         seen_at=to_datetime(row.seen_at),
+        generation=work.generation if work is not None and visible else None,
+        evaluations=None if work is None else work.claimed,
+        busy_since=None if work is None else to_optional_datetime(work.since),
     )

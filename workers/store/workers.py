@@ -9,12 +9,13 @@ from sqlalchemy import Connection, and_, case, delete, exists, func, insert, or_
 from workers.identity import Identity
 from workers.store.clock import database_now
 from workers.store.database import Record
-from workers.store.tables import evaluations, workers
+from workers.store.tables import evaluations, jobs, workers
 
 __all__ = [
     "any_lost_before",
     "busy_workers",
     "count_live",
+    "current_work",
     "forget_worker",
     "forget_workers_lost_before",
     "list_workers",
@@ -63,6 +64,24 @@ def busy_workers(connection: Connection) -> dict[str, str]:
     """Return the job of every worker that holds an evaluation."""
     statement = select(evaluations.c.worker, evaluations.c.job_id).where(evaluations.c.state == "running").distinct()
     return {row[0]: row[1] for row in connection.execute(statement) if row[0] is not None}
+
+
+def current_work(connection: Connection) -> dict[str, Record]:
+    """Return what every busy worker has: job_id, its owner, generation, number ``claimed``, ``since``."""
+    statement = (
+        select(
+            evaluations.c.worker,
+            evaluations.c.job_id,
+            jobs.c.owner,
+            evaluations.c.generation,
+            func.count().label("claimed"),
+            func.min(evaluations.c.started_at).label("since"),
+        )
+        .join(jobs, jobs.c.id == evaluations.c.job_id)
+        .where(evaluations.c.state == "running")
+        .group_by(evaluations.c.worker, evaluations.c.job_id, jobs.c.owner, evaluations.c.generation)
+    )
+    return {row.worker: row for row in connection.execute(statement) if row.worker is not None}
 
 
 def overdue_workers(connection: Connection, lease: float) -> Sequence[Record]:

@@ -14,10 +14,13 @@ from geoswarm.cli.commands import COMMANDS, cli
 
 WANTED = (
     *("check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
-    *("list", "show", "cancel", "pause", "resume", "export", "demo", "workers"),
-    *("report", "statistics", "reweight", "paper"),
+    *("list", "show", "cancel", "pause", "resume", "retry-failed", "export", "demo", "workers"),
+    *("report", "statistics", "reweight", "paper", "keys", "prune"),
 )
-READING = ("check", "evaluate", "run", "submit", "watch", "list", "show", "workers", "statistics", "reweight", "paper")
+READING = (
+    *("check", "evaluate", "run", "submit", "watch", "list", "show", "retry-failed", "workers"),
+    *("statistics", "reweight", "paper", "prune"),
+)
 
 
 def command(name: str) -> click.Command:

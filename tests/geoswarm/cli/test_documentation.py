@@ -31,7 +31,7 @@ def documented(name: str) -> str:
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))
 def test_every_option_is_documented_and_no_other(name: str) -> None:
-    everywhere = {"--url", "--api-key", "--log-level"}  # told once for all commands that have them
+    everywhere = {"--url", "--api-key", "--log-level", "--log-format"}  # told once for all commands that have them
     written = set(re.findall(r"--[a-z-]+", documented(name)))
     assert options(name) - everywhere == written - everywhere
     for option in everywhere & options(name):

@@ -1,0 +1,113 @@
+"""``geoswarm keys``: API keys, in the database itself, so that the first one needs none."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from geoswarm.cli.jobs import jsonable
+from geoswarm.cli.options import database_option, json_option
+from geoswarm.cli.output import echo_facts, echo_json, echo_table, note
+from geoswarm.cli.spans import SPAN
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from workers.store import Store
+
+__all__ = ["keys_command"]
+
+
+@click.group("keys")
+def keys_command() -> None:
+    """Create, list and revoke API keys.
+
+    Works on the database of a service, which may run meanwhile. Roles: 'read' sees the owner's jobs, 'submit' also
+    submits and steers them, 'admin' sees and steers all jobs.
+    """
+
+
+@keys_command.command("create")
+@click.option("--owner", required=True, help="Whose jobs the key opens; several keys may have one owner.")
+@click.option(
+    "--role", type=click.Choice(("read", "submit", "admin")), default="submit", show_default=True, help="What it may."
+)
+@click.option("--label", default="", help="What it is for, to recognise it in the list.")
+@click.option(
+    "--expires", type=SPAN, metavar="SPAN", help="How long it is valid, e.g. 90d or 12h; for ever if not given."
+)
+@json_option
+@database_option
+def create_command(
+    owner: str, role: str, label: str, expires: float | None, as_json: bool, database: str | None
+) -> None:
+    """Make a key and print it, once: only its hash is kept."""
+    from workers.keys import KeyRing
+
+    store = _store(database)
+    try:
+        key, view = KeyRing(store).create(owner, role, label=label, valid_seconds=expires)  # type: ignore[arg-type]
+    finally:
+        store.close()
+    if as_json:
+        echo_json({"key": key} | jsonable(view))
+        return
+    click.echo(key)
+    note("Keep it now: it is not shown again. A service that was started without keys asks for one after a restart.")
+
+
+@keys_command.command("list")
+@json_option
+@database_option
+def list_keys_command(as_json: bool, database: str | None) -> None:
+    """List the keys: everything but the keys themselves."""
+    from workers.keys import KeyRing
+
+    store = _store(database)
+    try:
+        views = KeyRing(store).list()
+    finally:
+        store.close()
+    if as_json:
+        echo_json({"items": [jsonable(view) for view in views]})
+        return
+    if not views:
+        click.echo("No keys. Make one with 'geoswarm keys create --owner NAME --role admin'.")
+        return
+    rows = [
+        (v.id, v.owner, v.role, v.state, _day(v.created_at), _day(v.expires_at), _day(v.used_at), v.label)
+        for v in views
+    ]
+    echo_table(None, ("id", "owner", "role", "state", "created", "expires", "last used", "label"), rows)
+
+
+@keys_command.command("revoke")
+@click.argument("key_id", metavar="ID")
+@json_option
+@database_option
+def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
+    """Make a key invalid, at once and for ever."""
+    from workers.keys import KEY_PATTERN, KeyRing
+
+    whole = KEY_PATTERN.fullmatch(key_id)
+    store = _store(database)
+    try:
+        view = KeyRing(store).revoke(whole["id"] if whole else key_id)
+    finally:
+        store.close()
+    if as_json:
+        echo_json(jsonable(view))
+        return
+    echo_facts(None, {"id": view.id, "owner": view.owner, "state": view.state})
+
+
+def _store(database: str | None) -> Store:
+    from workers.settings import Settings
+    from workers.store import Store
+
+    return Store(Settings.from_environment(database_url=database))
+
+
+def _day(moment: datetime | None) -> str:
+    return "-" if moment is None else f"{moment:%Y-%m-%d %H:%M}"

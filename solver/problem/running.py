@@ -1,0 +1,58 @@
+"""The sections of a problem file that say how its evaluations are run: limits of each, and what a failure means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from solver.errors import FailureReason
+
+__all__ = ["DEFAULT_RETRIES", "Failures", "Limits", "Policy", "fatal_message"]
+
+Policy: TypeAlias = Literal["penalise", "fail"]
+
+DEFAULT_RETRIES: Mapping[FailureReason, int] = {"worker_lost": 2}
+"""Further tries by reason where the problem says nothing: only what is not the calculation's own doing."""
+
+
+class Limits(BaseModel):
+    """What one evaluation may use. Who exceeds it is killed, with all processes that it has started."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    seconds_per_evaluation: float | None = Field(None, gt=0, description="wall time of one evaluation in seconds")
+    memory_mb: float | None = Field(
+        None, ge=16, description="memory of one evaluation with all processes that it starts, in MiB"
+    )
+
+
+class Failures(BaseModel):
+    """What happens when an evaluation fails: further tries first, then the policy."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    retry: dict[FailureReason, Annotated[int, Field(ge=0, le=1000)]] = Field(
+        default={}, description="further tries by reason; worker_lost 2 and all others 0 if absent"
+    )
+    policy: Policy | dict[FailureReason, Policy] = Field(
+        "penalise",
+        description="penalise: the search takes it for infinitely bad and goes on; fail: the job ends as failed;"
+        " for all reasons, or by reason",
+    )
+
+    def retries(self, reason: str) -> int:
+        """Return the number of further tries at an evaluation that failed for this reason."""
+        return {**DEFAULT_RETRIES, **self.retry}.get(reason, 0)  # type: ignore[call-overload, no-any-return]
+
+    def ends_job(self, reason: str) -> bool:
+        """Whether a failure for this reason, with no try left, ends the job."""
+        policy = self.policy if isinstance(self.policy, str) else self.policy.get(reason)  # type: ignore[call-overload]
+        return bool(policy == "fail")
+
+
+def fatal_message(generation: int, particle: int, reason: str, message: str | None) -> str:
+    """Say which failed evaluation ended a job."""
+    text = f"evaluation {particle} of generation {generation} failed ({reason}), which ends the job (failures.policy)"
+    return f"{text}: {message}" if message else text

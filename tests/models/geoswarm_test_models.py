@@ -1,0 +1,124 @@
+"""A forward model that misbehaves in every way that a real one may; installed for tests through its entry point.
+
+``y = slope * x`` for each of the prepared points. What it does on the way is its ``behaviour``, for values of ``slope``
+above ``above`` only, and only while the file ``cured`` does not exist.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.errors import DivergedError
+from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+
+Behaviour = Literal["sleep", "compute", "for_ever", "fork", "eat", "exit", "leave", "crash", "diverge", "chatter"]
+
+
+class MisbehavingSpec(ForwardModelSpec):
+    """Misbehaves on request."""
+
+    kind: Literal["misbehaving"] = "misbehaving"
+    behaviour: Behaviour = "sleep"
+    seconds: float = 0.0
+    above: float = 0.0
+    cured: str = ""
+    notes: str = ""
+
+    def build(self) -> MisbehavingModel:
+        """Build it."""
+        return MisbehavingModel(self)
+
+
+class MisbehavingModel:
+    """y = slope * x, after some misbehaviour."""
+
+    open_parameters = False
+    parameters = (ParameterInfo("slope", "slope", "", "slope"),)
+    series = (SeriesInfo("y", "a line", "x", "dimensionless", "y", "dimensionless"),)
+
+    def __init__(self, spec: MisbehavingSpec) -> None:
+        self.spec = spec
+
+    def grid(self, series: str) -> FloatArray:  # noqa: ARG002
+        return np.arange(3.0)
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:  # noqa: ARG002
+        return None
+
+    def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+        def run(values: Mapping[str, float]) -> dict[str, FloatArray]:
+            cured = self.spec.cured and Path(self.spec.cured).exists()
+            if values["slope"] > self.spec.above and not cured:
+                self._misbehave()
+            return {name: values["slope"] * x for name, x in points.items()}
+
+        return run
+
+    def _misbehave(self) -> None:
+        match self.spec.behaviour:
+            case "sleep":
+                time.sleep(self.spec.seconds)
+            case "compute":
+                self._compute()
+            case "for_ever":
+                self._note(os.getpid())
+                while True:
+                    time.sleep(1.0)
+            case "fork":
+                self._run_away()
+            case "eat":
+                self._note(os.getpid())
+                eaten = []
+                while True:
+                    eaten.append(np.ones(2**20))
+                    time.sleep(0.002)
+            case "exit":
+                sys.exit(3)
+            case "leave":
+                os._exit(3)
+            case "crash":
+                os.kill(os.getpid(), signal.SIGSEGV)
+            case "diverge":
+                os.write(2, b"iteration 17: residual 1e+30\n")
+                raise DivergedError("no equilibrium in stage 2")
+            case "chatter":
+                while True:
+                    os.write(1, b"still iterating\n" * 4096)
+
+    def _compute(self) -> None:
+        """Use the processor for ``seconds``, whatever the clock says."""
+        until = time.process_time() + self.spec.seconds
+        total = 0.0
+        while time.process_time() < until:
+            total += float(np.sqrt(np.arange(1000.0)).sum())
+
+    def _run_away(self) -> None:
+        """Start a process that ignores what it can, one in a session of its own, and one whose parent has left."""
+        for signal_number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            signal.signal(signal_number, signal.SIG_IGN)
+        for new_session, leave in ((False, False), (True, False), (True, True)):
+            if os.fork() == 0:
+                if new_session:
+                    os.setsid()
+                if leave and os.fork() != 0:
+                    os._exit(0)
+                self._note(os.getpid())
+                while True:
+                    time.sleep(1.0)
+        self._note(os.getpid())
+        while True:
+            time.sleep(1.0)
+
+    def _note(self, pid: int) -> None:
+        if self.spec.notes:
+            with open(self.spec.notes, "a") as notes:  # noqa: PTH123
+                notes.write(f"{pid}\n")

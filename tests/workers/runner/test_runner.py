@@ -1,0 +1,170 @@
+"""Evaluation processes: results, limits, and the end of whole process trees."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.calibration import Calibration
+from solver.problem import parse_problem
+from tests.integration.engines import process_exists, wait_for
+from tests.workers.problems import calibration, line
+from workers.runner.processes import descendants
+from workers.runner.runner import Limits, NeverMind, Runner
+
+pytestmark = pytest.mark.usefixtures("misbehaving_models")
+
+
+@pytest.fixture
+def runner(misbehaving_models: None) -> Iterator[Runner]:  # noqa: ARG001
+    made = Runner()
+    made.start()
+    yield made
+    made.close()
+
+
+def misbehaving(**section: Any) -> Calibration:
+    document = {
+        "forward_model": {"kind": "misbehaving", **section},
+        "parameters": {"slope": {"lower": -5, "upper": 5}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
+        "method": {"kind": "monte_carlo", "samples": 4},
+        "seed": 1,
+    }
+    return Calibration(parse_problem(document), 1)
+
+
+def positions(*slopes: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+    return np.array(slopes)[:, None]
+
+
+def noted(path: Path) -> list[int]:
+    return [int(text) for text in path.read_text().split()] if path.exists() else []
+
+
+def test_the_same_bits_as_inline_with_one_request_or_many(runner: Runner) -> None:
+    made = calibration(line())
+    asked = made.start().positions
+    expected = [made.evaluate(position) for position in asked]
+    for chunk in (1, 4, len(asked)):
+        found = [
+            outcome.evaluation
+            for start in range(0, len(asked), chunk)
+            for outcome in runner.run("job", made, asked[start : start + chunk], Limits())
+        ]
+        assert [f.objective for f in found] == [e.objective for e in expected]
+        assert [f.misfits for f in found] == [e.misfits for e in expected]
+        assert [f.responses["y"].tolist() for f in found] == [e.responses["y"].tolist() for e in expected]
+        assert [f.parameters.tolist() for f in found] == asked[: len(found)].tolist()
+
+
+def test_more_jobs_than_the_process_remembers(runner: Runner) -> None:
+    made = calibration(line())
+    asked = made.start().positions[:1]
+    objectives = {next(runner.run(f"job{i % 12}", made, asked, Limits())).evaluation.objective for i in range(30)}
+    assert objectives == {made.evaluate(asked[0]).objective}
+
+
+def test_a_failed_evaluation_brings_the_end_of_its_output(runner: Runner) -> None:
+    outcomes = list(runner.run("job", misbehaving(behaviour="diverge"), positions(-1, 1, -2), Limits()))
+    assert [o.evaluation.reason for o in outcomes] == [None, "diverged", None]
+    assert [o.log for o in outcomes] == [None, "iteration 17: residual 1e+30\n", None]
+
+
+@pytest.mark.parametrize("behaviour", ["for_ever", "fork", "chatter"])
+def test_what_never_ends_is_killed_as_a_whole_and_the_others_go_on(
+    runner: Runner, tmp_path: Path, behaviour: str
+) -> None:
+    notes = tmp_path / "pids"
+    made = misbehaving(behaviour=behaviour, notes=str(notes))
+    list(runner.run("job", made, positions(-1), Limits()))
+    began = time.monotonic()
+    outcomes = list(runner.run("job", made, positions(-1, -2, 1, -3), Limits(seconds=1.0)))
+    took = time.monotonic() - began
+    assert [o.evaluation.reason for o in outcomes] == [None, None, "timeout", None]
+    assert outcomes[2].evaluation.message == ("ran for longer than limits.seconds_per_evaluation = 1 s and was killed")
+    assert 1.0 < took < 3.0
+    assert len(noted(notes)) == {"for_ever": 1, "fork": 4, "chatter": 0}[behaviour]
+    assert not any(process_exists(pid) for pid in noted(notes))
+    if behaviour == "chatter":
+        assert outcomes[2].log is not None
+        assert outcomes[2].log.endswith("still iterating\n")
+        assert len(outcomes[2].log) <= 8192
+
+
+def test_what_eats_memory_is_killed(runner: Runner, tmp_path: Path) -> None:
+    made = misbehaving(behaviour="eat", notes=str(tmp_path / "pids"))
+    began = time.monotonic()
+    bad, good = runner.run("job", made, positions(1, -1), Limits(memory_mb=200))
+    assert time.monotonic() - began < 5.0
+    assert (bad.evaluation.reason, good.evaluation.reason) == ("killed_memory", None)
+    assert bad.evaluation.message is not None
+    assert "more than limits.memory_mb = 200" in bad.evaluation.message
+    assert not any(process_exists(pid) for pid in noted(tmp_path / "pids"))
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "reason", "message"),
+    [
+        ("crash", "worker_lost", "the evaluation process was ended by SIGSEGV"),
+        ("leave", "worker_lost", "the evaluation process ended by itself with exit code 3"),
+        ("exit", "bad_output", "the forward model ended the program (sys.exit(3))"),
+    ],
+)
+def test_a_process_that_ends_is_one_failed_evaluation(
+    runner: Runner, behaviour: str, reason: str, message: str
+) -> None:
+    outcomes = list(runner.run("job", misbehaving(behaviour=behaviour), positions(-1, 1, -2), Limits()))
+    assert [o.evaluation.reason for o in outcomes] == [None, reason, None]
+    assert outcomes[1].evaluation.message == message
+
+
+def test_an_unwanted_evaluation_is_killed_after_its_grace(runner: Runner) -> None:
+    made = misbehaving(behaviour="for_ever")
+    list(runner.run("job", made, positions(-1), Limits()))  # the process is ready
+    began = time.monotonic()
+    outcomes = runner.run(
+        "job", made, positions(-1, 1), Limits(), unwanted=lambda: 0.3 if time.monotonic() - began > 0.5 else None
+    )
+    with pytest.raises(NeverMind) as caught:
+        list(outcomes)
+    assert caught.value.index == 1
+    assert 0.7 < time.monotonic() - began < 2.5
+
+
+def test_no_evaluation_is_begun_after_the_budget(runner: Runner) -> None:
+    made = misbehaving(behaviour="sleep", seconds=0.1)
+    outcomes = list(runner.run("job", made, positions(1, 2, 3, 4), Limits(), budget=0.15))
+    assert len(outcomes) == 2
+    assert len(list(runner.run("job", made, positions(1, 2, 3, 4), Limits(), budget=0.0))) == 1
+
+
+def test_a_killed_evaluation_process_or_nurse_is_replaced(runner: Runner) -> None:
+    made = misbehaving()
+    asked = positions(-1, -2)
+    list(runner.run("job", made, asked, Limits()))
+    assert runner._nurse is not None
+    nurse = runner._nurse.pid
+    os.kill(descendants(nurse)[0], signal.SIGKILL)
+    assert [o.evaluation.reason for o in runner.run("job", made, asked, Limits())] == [None, None]
+    os.kill(nurse, signal.SIGKILL)
+    wait_for(lambda: not process_exists(nurse), "the end of the nurse")
+    assert [o.evaluation.reason for o in runner.run("job", made, asked, Limits())] == [None, None]
+    assert runner._nurse.pid != nurse
+
+
+def test_closing_leaves_nothing_behind() -> None:
+    runner = Runner()
+    list(runner.run("job", misbehaving(), positions(-1), Limits()))
+    assert runner._nurse is not None
+    pids = [runner._nurse.pid, *descendants(runner._nurse.pid)]
+    assert len(pids) == 2
+    runner.close()
+    assert not any(process_exists(pid) for pid in pids)

@@ -1,0 +1,122 @@
+"""Whose jobs somebody sees, and how many there may be."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from solver.problem import Problem, parse_problem
+from tests.api.conftest import line_problem
+from tests.workers.conftest import MakeWorker
+from workers.access import Principal
+from workers.errors import IdempotencyConflictError, JobNotFoundError, QuotaExceededError
+from workers.service import JobService
+
+ALICE, BOB, ADMIN = Principal("alice", "submit", "a"), Principal("bob", "submit", "b"), Principal("root", "admin", "r")
+
+
+def problem(**changes: Any) -> Problem:
+    return parse_problem(line_problem(**changes))
+
+
+def limited(service: JobService, principal: Principal, **quotas: int) -> JobService:
+    bound = service.on_behalf_of(principal)
+    bound.settings = service.settings.model_copy(update=quotas)
+    return bound
+
+
+def test_owners_see_their_own_jobs_and_administrators_all(service: JobService) -> None:
+    own, _ = service.on_behalf_of(ALICE).submit(problem(name="a"))
+    service.on_behalf_of(BOB).submit(problem(name="b"))
+    service.submit(problem(name="nobody"))
+    names = {who: [job.name for job in service.on_behalf_of(who).list().items] for who in (ALICE, BOB, ADMIN)}
+    assert names == {ALICE: ["a"], BOB: ["b"], ADMIN: ["nobody", "b", "a"]}
+    assert service.on_behalf_of(Principal(None, "read")).list().items == []
+    assert service.on_behalf_of(Principal("alice", "read")).get(own.id).name == "a"
+
+
+@pytest.mark.parametrize(
+    "method", ["get", "problem", "cancel", "pause", "resume", "delete", "best", "evaluations", "generations", "events"]
+)
+def test_the_job_of_somebody_else_is_not_there(service: JobService, method: str) -> None:
+    job, _ = service.on_behalf_of(ALICE).submit(problem())
+    with pytest.raises(JobNotFoundError, match="there is no job"):
+        getattr(service.on_behalf_of(BOB), method)(job.id)
+    with pytest.raises(JobNotFoundError):
+        service.on_behalf_of(BOB).iterate_evaluations(job.id)
+    assert service.get(job.id).state == "queued"
+
+
+def test_every_method_with_a_job_refuses_strangers(service: JobService) -> None:
+    """Also those that are added later."""
+    job, _ = service.on_behalf_of(ALICE).submit(problem())
+    stranger = service.on_behalf_of(BOB)
+    tried = 0
+    for name in dir(JobService):
+        method = getattr(stranger, name)
+        if name.startswith("_") or not callable(method) or "job_id" not in JobService.__dict__[name].__annotations__:
+            continue
+        tried += 1
+        with pytest.raises(JobNotFoundError):
+            method(job.id, **(dict.fromkeys(("generation", "particle"), 0) if name == "attempts" else {}))
+    assert tried >= 11
+
+
+def test_idempotency_keys_of_two_owners_do_not_meet(service: JobService) -> None:
+    first, _ = service.on_behalf_of(ALICE).submit(problem(), idempotency_key="k")
+    second, new = service.on_behalf_of(BOB).submit(problem(name="other"), idempotency_key="k")
+    assert new
+    assert second.id != first.id
+    again, new = service.on_behalf_of(ALICE).submit(problem(), idempotency_key="k")
+    assert (again.id, new) == (first.id, False)
+    with pytest.raises(IdempotencyConflictError, match="'k' was used"):
+        service.on_behalf_of(ALICE).submit(problem(name="other"), idempotency_key="k")
+
+
+def test_open_jobs_are_limited_for_each_owner(service: JobService) -> None:
+    alice = limited(service, ALICE, quota_jobs=2)
+    first, _ = alice.submit(problem())
+    alice.submit(problem(), idempotency_key="k")
+    with pytest.raises(QuotaExceededError, match="alice has 2 jobs that have not ended; at most 2"):
+        alice.submit(problem())
+    assert not alice.submit(problem(), idempotency_key="k")[1]  # nothing new, nothing refused
+    limited(service, BOB, quota_jobs=2).submit(problem())
+    limited(service, ADMIN, quota_jobs=0).submit(problem())
+    alice.cancel(first.id)
+    assert alice.submit(problem())[1]
+
+
+def test_stored_and_planned_evaluations_are_limited(service: JobService, make_worker: MakeWorker) -> None:
+    alice = limited(service, ALICE, quota_evaluations=150)
+    done, _ = alice.submit(problem())
+    alice.submit(problem())
+    with pytest.raises(QuotaExceededError, match="have or plan 120 evaluations and this one 60 more; at most 150"):
+        alice.submit(problem())
+    worker = make_worker()
+    worker.start()
+    worker.serve(done.id)
+    worker.close()
+    assert service.get(done.id).state == "finished"
+    with pytest.raises(QuotaExceededError, match="have or plan 120"):
+        alice.submit(problem())
+    alice.delete(done.id)
+    assert alice.submit(problem())[1]
+
+
+def test_workers_do_not_tell_what_they_do_for_others(service: JobService, make_worker: MakeWorker) -> None:
+    job, _ = service.on_behalf_of(ALICE).submit(problem())
+    worker = make_worker()
+    worker.start()
+    calibration = worker._calibration(job.id)
+    assert calibration is not None
+    worker.runtime.start(job.id, calibration.start())
+    from workers.coordinator.work import HandIn
+
+    worker.runtime.exchange(job.id, worker.identity.id, calibration, HandIn(), live_workers=1, want=True)
+    (own,) = service.on_behalf_of(ALICE).workers()
+    (other,) = service.on_behalf_of(BOB).workers()
+    assert (own.job, own.generation, own.evaluations, own.state) == (job.id, 0, 1, "busy")
+    assert own.busy_since is not None
+    assert (other.job, other.generation, other.evaluations, other.state) == (None, None, 1, "busy")
+    worker.close()

@@ -1,0 +1,108 @@
+"""Databases of every released schema come up to date with all that is in them, and their jobs go on."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Callable
+from pathlib import Path
+
+import psycopg
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from sqlalchemy import text
+
+from solver.local import calibrate
+from solver.problem import parse_problem
+from workers.access import Principal
+from workers.doorbell import MuteDoorbell
+from workers.errors import JobNotFoundError
+from workers.identity import Identity
+from workers.service import JobService
+from workers.settings import Settings
+from workers.store import Store
+from workers.store.migrate import HEAD
+from workers.store.tables import metadata
+from workers.sweep import Sweeper
+from workers.worker import Worker
+
+SCHEMAS = Path(__file__).parent / "schemas"
+RELEASED = sorted({path.name.partition(".")[0] for path in SCHEMAS.glob("*.sql")})
+
+
+def fill(database_url: str, revision: str) -> None:
+    """Make an old database: a finished job, one in mid-generation, and a queued one."""
+    if database_url.startswith("sqlite"):
+        with sqlite3.connect(database_url.removeprefix("sqlite:///")) as file:
+            file.executescript((SCHEMAS / f"{revision}.sqlite.sql").read_text(encoding="utf-8"))
+        file.close()
+        return
+    with psycopg.connect(database_url.replace("+psycopg", ""), autocommit=True) as connection:
+        connection.execute((SCHEMAS / f"{revision}.postgresql.sql").read_bytes())
+
+
+@pytest.fixture(params=RELEASED)
+def old_store(request: pytest.FixtureRequest, database_url: str, settings: Settings) -> Callable[[], Store]:
+    fill(database_url, request.param)
+    return lambda: Store(settings)
+
+
+def test_every_revision_but_the_newest_has_a_fixture() -> None:
+    versions = (Path(__file__).parents[2] / "workers" / "store" / "migrations" / "versions").glob("[0-9]*.py")
+    revisions = sorted(path.name[:4] for path in versions)
+    assert revisions[-1] == HEAD
+    assert RELEASED == ["0001"]  # released: a schema that was in a published version
+
+
+def test_an_old_database_comes_up_to_date(old_store: Callable[[], Store]) -> None:
+    store = old_store()
+    with store.engine.connect() as connection:
+        assert connection.scalar(text("SELECT version_num FROM alembic_version")) == HEAD
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        differences = [d for d in compare_metadata(context, metadata) if "alembic_version" not in str(d)]
+    store.close()
+    assert differences == []
+
+
+def test_what_was_there_stays_and_belongs_to_administrators(old_store: Callable[[], Store], settings: Settings) -> None:
+    store = old_store()
+    service = JobService(store, MuteDoorbell(), settings)
+    found = {job.name: job for job in service.list().items}
+    assert {name: job.state for name, job in found.items()} == {
+        "line": "finished",
+        "half": "running",
+        "queued": "queued",
+    }
+    done = found["line"]
+    assert done.objective == pytest.approx(2.1094814351302325, rel=1e-12)
+    assert len(service.evaluations(done.id, responses=True).items) == done.evaluations == 12
+    assert [event.kind for event in service.events(done.id)][-1] == "state"
+    again, new = service.submit(parse_problem(service.problem(done.id)), idempotency_key="first")
+    assert (again.id, new) == (done.id, False)
+    stranger = service.on_behalf_of(Principal("alice", "submit"))
+    assert stranger.list().items == []
+    with pytest.raises(JobNotFoundError):
+        stranger.get(done.id)
+    store.close()
+
+
+def test_an_unfinished_job_goes_on_and_equals_an_undisturbed_run(
+    old_store: Callable[[], Store], settings: Settings
+) -> None:
+    store = old_store()
+    service = JobService(store, MuteDoorbell(), settings)
+    worker = Worker(store, MuteDoorbell(), settings, Identity.new("embedded"))
+    worker.start()
+    Sweeper(worker.runtime, MuteDoorbell()).sweep()  # its former worker is gone
+    half = next(job for job in service.list().items if job.name == "half")
+    while service.get(half.id).state == "running":
+        worker.serve(half.id)
+    expected = calibrate(parse_problem(service.problem(half.id)), seed=half.seed)
+    evaluations = service.evaluations(half.id).items
+    assert [e.objective for e in evaluations] == [record.evaluation.objective for record in expected.history]
+    assert [list(e.parameters.values()) for e in evaluations] == [
+        record.evaluation.parameters.tolist() for record in expected.history
+    ]
+    assert service.get(half.id).objective == expected.objective
+    worker.close()
+    store.close()

@@ -1,0 +1,269 @@
+"""One exchange between a worker and the coordinator, inside its transaction."""
+
+from __future__ import annotations
+
+import itertools
+import statistics
+from collections.abc import MutableMapping, Sequence
+
+import numpy as np
+from sqlalchemy import Connection
+
+from solver.calibration import Calibration, RunLog
+from solver.search import Runs
+from workers.coordinator.evaluation import Claimed, Duplicated, settle
+from workers.coordinator.machine import DispatchGeneration, GenerationJoined, JobBroken, Joined, Transition, apply
+from workers.coordinator.retry import finish_retry, open_retries
+from workers.coordinator.tries import give_back, record_result
+from workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
+from workers.settings import Settings
+from workers.store.codec import unpack_array
+from workers.store.evaluations import Board, Cell, list_runs, load_board, write_new
+from workers.store.jobs import LockedJob, save_job
+from workers.store.line import note_served
+
+__all__ = ["Session"]
+
+ENOUGH_MEASURED = 3
+
+
+class Session:
+    """Takes in what a worker has, advances the job when its generation is complete, and hands out the next claim."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        logs: MutableMapping[Calibration, RunLog],
+        connection: Connection,
+        locked: LockedJob,
+        worker: str,
+        calibration: Calibration,
+        live_workers: int,
+    ) -> None:
+        self.settings = settings
+        self.sizing = Sizing(settings.cheap_seconds, settings.burst_seconds)
+        self.logs = logs
+        self.connection = connection
+        self.locked = locked
+        self.worker = worker
+        self.calibration = calibration
+        self.failures = calibration.problem.failures
+        self.live_workers = live_workers
+        self.state: str = locked.row.state
+        self.typical: float | None = locked.row.typical_seconds
+        self.job = None if locked.row.progress is None else locked.job()
+        self.fatal: str | None = None
+
+    def run(self, hand_in: HandIn, want: bool, taken_up: bool) -> Exchange:
+        """Do it; see :meth:`workers.coordinator.runtime.Runtime.exchange`."""
+        if self.state == "queued":
+            return Exchange(queued=True)
+        if self.locked.row.retry_to is not None:
+            return self._retry(hand_in, want, taken_up)
+        generation = self.locked.row.generation
+        board: Board | None = None
+        if generation >= 0 and (self.state == "running" or hand_in.generation == generation or hand_in.leaps):
+            board = load_board(self.connection, self.locked.id, generation)
+        dispatched = False
+        if hand_in.leaps:
+            board, dispatched = self._leap(board, hand_in)
+        elif hand_in.claim is not None:
+            self._take_in(board, hand_in, hand_in.generation, hand_in.results)
+        if self.fatal is not None and self.state == "running" and self.job is not None:
+            self._save([apply(self.job, JobBroken(self.fatal))], [])
+        if self.state == "running" and board is not None and board.complete:
+            board = self._advance(board)
+            dispatched = board is not None
+        if self.state != "running" or board is None:
+            if board is not None:
+                board.write(self.connection)
+            return Exchange()
+        return self._hand_out(board, want, dispatched, taken_up)
+
+    def _retry(self, hand_in: HandIn, want: bool, taken_up: bool) -> Exchange:
+        """Do the same for a job whose failures are run again: whatever generation they are of, none is advanced."""
+        if hand_in.claim is not None:
+            number, results = (
+                (hand_in.leaps[0].generation, hand_in.leaps[0].results)
+                if hand_in.leaps
+                else (hand_in.generation, hand_in.results)
+            )
+            self._take_in(None, hand_in, number, results)
+        if self.state != "running":
+            return Exchange()
+        generation, under_way = open_retries(self.connection, self.locked)
+        if generation is None:
+            if not under_way:
+                finish_retry(self.connection, self.locked, self.calibration.problem, gap=self.settings.lease_seconds)
+                return Exchange(left=self.locked.row.retry_to == "running")
+            return Exchange()
+        board = load_board(self.connection, self.locked.id, generation)
+        return self._hand_out(board, want, False, taken_up)
+
+    def _leap(self, board: Board | None, hand_in: HandIn) -> tuple[Board | None, bool]:
+        """Apply generations that the worker ran alone, if the job still stands where it did when they began."""
+        leaps = hand_in.leaps
+        valid = (
+            board is not None
+            and self.state == "running"
+            and board.generation == leaps[0].generation
+            and all(c.status.state == "running" and c.status.worker == self.worker for c in board.cells)
+        )
+        if not valid or board is None:
+            # Paused, cancelled, or taken over by others: the first generation is as good as any worker's result of
+            # it, the following ones will come out the same again.
+            self._take_in(board, hand_in, leaps[0].generation, leaps[0].results)
+            return board, False
+        self._record(board, leaps[0].results)
+        board.write(self.connection)
+        following = []
+        for before, leap in itertools.pairwise(leaps):
+            following.append(_dispatched(self.locked.id, before.transition))
+            self._record(following[-1], leap.results)
+        write_new(self.connection, following)
+        transitions = [leap.transition for leap in leaps]
+        final = transitions[-1]
+        next_board = None
+        if final.job.state == "running":
+            next_board = _dispatched(self.locked.id, final)
+            self._record(next_board, hand_in.results)
+            if self.fatal is not None:
+                transitions.append(apply(final.job, JobBroken(self.fatal)))
+        seconds = [r.evaluation.seconds for r in leaps[-1].results if r.evaluation.reason is None]
+        self.typical = statistics.median(seconds) if seconds else self.typical
+        self._save(transitions, [leap.finished_at for leap in leaps])
+        return next_board, next_board is not None
+
+    def _take_in(self, board: Board | None, hand_in: HandIn, generation: int, results: Sequence[Result]) -> None:
+        """Record results, and give back what was claimed with them but not finished."""
+        claim = hand_in.claim
+        if claim is None:
+            return
+        late = board is None or board.generation != generation
+        own = load_board(self.connection, self.locked.id, generation) if late or board is None else board
+        if not own.cells:
+            return  # of a generation that was begun in a burst which does not count
+        self._record(own, results)
+        handed_in = {result.particle for result in results}
+        for particle, attempt in zip(claim.particles, claim.attempts, strict=True):
+            if not hand_in.partial and particle not in handed_in and generation == claim.generation:
+                killed = particle == hand_in.killed
+                give_back(own, own.cells[particle], self.worker, attempt, self.locked.now, killed=killed)
+        if late:
+            own.write(self.connection)
+
+    def _record(self, board: Board, results: Sequence[Result]) -> None:
+        for result in results:
+            fatal = record_result(self.connection, board, result, self.worker, self.failures)
+            self.fatal = self.fatal or fatal
+
+    def _advance(self, board: Board) -> Board | None:
+        """Close a complete generation; return the next one's board, None when the job has ended."""
+        board.write(self.connection)
+        values = [cell.values for cell in board.cells]
+        results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
+        if self.job is None:
+            raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
+        seconds = self.locked.run_seconds(self.settings.lease_seconds)
+        runs = self._runs(board.generation) if self.calibration.accelerated else None
+        transition = apply(self.job, GenerationJoined(board.generation, results, seconds, runs), self.calibration)
+        succeeded = [v["seconds"] for v in values if v["reason"] is None]
+        self.typical = statistics.median(succeeded) if succeeded else self.typical
+        self._save([transition], [])
+        return _dispatched(self.locked.id, transition) if transition.job.state == "running" else None
+
+    def _runs(self, generation: int) -> Runs:
+        """All runs so far. Only earlier generations go into the log: this one is final when the commit succeeds."""
+        log = self.logs.setdefault(self.calibration, RunLog(self.calibration))
+        found = list_runs(self.connection, self.locked.id, log.generations, generation)
+        for number in range(log.generations, generation):
+            log.add(*found[number])
+        return log.runs(*found[generation])
+
+    def _save(self, transitions: Sequence[Transition], finished_at: Sequence[float]) -> None:
+        save_job(
+            self.connection,
+            self.locked,
+            transitions,
+            gap=self.settings.lease_seconds,
+            typical_seconds=self.typical,
+            finished_at=finished_at,
+        )
+        self.job = transitions[-1].job
+        self.state = self.job.state
+
+    def _hand_out(self, board: Board, want: bool, dispatched: bool, taken_up: bool) -> Exchange:
+        particles = len(board.cells)
+        if self.typical is None:  # generation 0 teaches what a run costs while it goes on
+            measured = [cell.values["seconds"] for cell in board.cells if cell.status.state == "finished"]
+            self.typical = statistics.median(measured) if len(measured) >= ENOUGH_MEASURED else None
+        chunk = self.sizing.chunk(self.typical, particles, self.live_workers)
+        claimed = self._choose(board, chunk) if want else []
+        left = sum(cell.status.state == "pending" for cell in board.cells)
+        if want and not claimed and not left:
+            claimed = self._duplicate(board)
+        claim = self._claim(board, claimed) if claimed else None
+        board.write(self.connection)
+        if taken_up:
+            note_served(self.connection, self.locked.id)
+        # Who dispatches wakes as many as there are chunks; who only comes to help wakes one more.
+        rings = min(-(-left // chunk), self.live_workers - 1) if dispatched else int(taken_up and left > 0)
+        return Exchange(claim, rings=max(rings, 0), left=left > 0)
+
+    def _choose(self, board: Board, chunk: int) -> list[Cell]:
+        chosen: list[Cell] = []
+        for cell in board.cells:
+            if len(chosen) == chunk:
+                break
+            before = cell.status
+            suspect = before.state == "pending" and before.attempts > 0
+            if suspect and chosen:
+                break  # it has failed or lost its worker before: alone, so that it takes no other with it
+            after, verdict = settle(before, Claimed(self.worker))
+            if verdict != "claimed":
+                continue
+            now = self.locked.now
+            cell.set(after, lease_expires_at=now + self.settings.lease_seconds, started_at=now)
+            chosen.append(cell)
+            if suspect:
+                break
+        return chosen
+
+    def _duplicate(self, board: Board) -> list[Cell]:
+        """Take up an evaluation that has been running for far too long elsewhere, once; the first result counts."""
+        now = self.locked.now
+        longest = max(self.settings.overdue_seconds, self.settings.overdue_factor * (self.typical or 0.0))
+        for cell in board.cells:
+            before, started_at = cell.status, cell.values["started_at"]
+            if cell.values["duplicates"] or started_at is None or now - started_at < longest:
+                continue
+            after, verdict = settle(before, Duplicated(self.worker))
+            if verdict == "duplicated":
+                board.note_try(cell, before.attempts, before.worker, "overdue", now)
+                cell.set(after, duplicates=1, lease_expires_at=now + self.settings.lease_seconds, started_at=now)
+                return [cell]
+        return []
+
+    def _claim(self, board: Board, cells: Sequence[Cell]) -> Claim:
+        # A search that learns from stored runs advances here, where they are stored.
+        whole = (
+            self.locked.row.retry_to is None
+            and not self.calibration.accelerated
+            and len(cells) == len(board.cells)
+            and self.sizing.burst(self.typical, len(cells))
+        )
+        return Claim(
+            job_id=self.locked.id,
+            generation=board.generation,
+            particles=tuple(cell.particle for cell in cells),
+            attempts=tuple(cell.status.attempts for cell in cells),
+            positions=np.array([unpack_array(cell.parameters) for cell in cells]),
+            now=self.locked.now,
+            run_seconds=self.locked.run_seconds(self.settings.lease_seconds),
+            job=self.job if whole else None,
+        )
+
+
+def _dispatched(job_id: str, transition: Transition) -> Board:
+    dispatch = next(i for i in transition.instructions if isinstance(i, DispatchGeneration))
+    return Board.dispatch(job_id, dispatch.generation, dispatch.positions)

@@ -1,0 +1,107 @@
+"""What a result, a lost worker or a claim given back does to one evaluation on its board."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sqlalchemy import Connection
+
+from solver.problem.running import Failures, fatal_message
+from workers.coordinator.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
+from workers.coordinator.work import Result
+from workers.store.codec import clean_text, pack_json, pack_responses
+from workers.store.database import Record
+from workers.store.evaluations import Board, Cell
+
+__all__ = ["expire_cell", "give_back", "record_result"]
+
+MESSAGE_LENGTH = 2000
+GIVEN_TO_ANOTHER = ("overdue", "superseded")
+STOPPED = "stopped"  # killed in mid-run because its job was paused or cancelled, or its worker was asked to end
+
+
+def record_result(connection: Connection, board: Board, result: Result, worker: str, failures: Failures) -> str | None:
+    """Enter what a worker hands in; return why that ends the job, None: it does not."""
+    cell = board.cells[result.particle]
+    if cell.status.attempts == 0:
+        cell.status, _ = settle(cell.status, Claimed(worker))  # begun in the worker that dispatched it
+    if cell.values.get("duplicates") and _taken_in(board.tries(connection, cell), cell, result, worker):
+        return None
+    evaluation = result.evaluation
+    reason = evaluation.reason
+    again = False
+    if reason is not None and not cell.status.done and failures.retries(reason):
+        tries = board.tries(connection, cell)
+        if any((row.number, row.worker, row.outcome) == (result.attempt, worker, reason) for row in tries):
+            return None  # handed in before; only the answer was lost
+        again = _further_try(tries, reason, failures)
+    before = cell.status
+    after, verdict = settle(before, ResultArrived(worker, result.attempt, reason is not None, again))
+    message = None if evaluation.message is None else clean_text(evaluation.message[:MESSAGE_LENGTH])
+    log = None if result.log is None else clean_text(result.log)
+    if verdict in ("late", "retried"):
+        outcome = reason if verdict == "retried" and reason is not None else "late"
+        columns = {"started_at": result.started_at, "message": message, "log": log}
+        board.forget_try(connection, cell, result.attempt, worker, GIVEN_TO_ANOTHER)
+        board.note_try(cell, result.attempt, worker, outcome, result.finished_at, **columns)
+        if after != before:
+            cell.set(after, lease_expires_at=None, started_at=None)
+        return None
+    if verdict != "counted":
+        return None
+    if before.state == "running" and before.attempts != result.attempt:  # it was given to another, and came first
+        board.forget_try(connection, cell, result.attempt, worker, GIVEN_TO_ANOTHER)
+        board.note_try(cell, before.attempts, before.worker, "superseded", result.finished_at)
+    cell.set(
+        after,
+        objective=evaluation.objective,
+        misfits=pack_json(evaluation.misfits) if evaluation.misfits else None,
+        responses=pack_responses(evaluation.responses) if evaluation.responses else None,
+        reason=reason,
+        message=message,
+        log=log,
+        lease_expires_at=None,
+        seconds=evaluation.seconds,
+        started_at=result.started_at,
+        finished_at=result.finished_at,
+    )
+    if reason is None or not failures.ends_job(reason):
+        return None
+    return fatal_message(board.generation, result.particle, reason, message)
+
+
+def expire_cell(connection: Connection, board: Board, cell: Cell, failures: Failures, now: float) -> str | None:
+    """Take a running evaluation from a lost worker; return why that ends the job, None: it does not."""
+    before = cell.status
+    tries = board.tries(connection, cell)
+    after, verdict = settle(before, LeaseExpired(_further_try(tries, "worker_lost", failures)))
+    if verdict == "given_up":
+        lost = 1 + sum(row.outcome == "worker_lost" for row in tries)
+        message = f"the worker was lost {lost} times, last {before.worker}"
+        cell.set(after, reason="worker_lost", message=message, finished_at=now, lease_expires_at=None)
+        if failures.ends_job("worker_lost"):
+            return fatal_message(board.generation, cell.particle, "worker_lost", message)
+    elif verdict == "redispatched":
+        board.note_try(cell, before.attempts, before.worker, "worker_lost", now)
+        cell.set(after, lease_expires_at=None, started_at=None)
+    return None
+
+
+def give_back(board: Board, cell: Cell, worker: str, attempt: int, now: float, *, killed: bool) -> None:
+    """Take an evaluation back from a worker that has not finished it."""
+    after, verdict = settle(cell.status, LeaseReleased(worker, attempt, killed))
+    if verdict == "released":
+        if killed:
+            board.note_try(cell, attempt, worker, STOPPED, now)
+        cell.set(after, lease_expires_at=None, started_at=None)
+
+
+def _further_try(tries: Sequence[Record], reason: str, failures: Failures) -> bool:
+    return [row.outcome for row in tries].count(reason) < failures.retries(reason)
+
+
+def _taken_in(tries: Sequence[Record], cell: Cell, result: Result, worker: str) -> bool:
+    """Whether this result of an evaluation that two workers had was handed in before."""
+    own = [row.outcome for row in tries if (row.number, row.worker) == (result.attempt, worker)]
+    counted = cell.status.done and cell.status.worker == worker and not own
+    return counted or any(outcome not in GIVEN_TO_ANOTHER for outcome in own)

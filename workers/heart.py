@@ -1,0 +1,94 @@
+"""Runs beside a worker: tells that it is alive, renews its leases, and looks whether what it runs is still wanted."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+
+from workers.coordinator.runtime import Runtime
+from workers.coordinator.work import Claim
+from workers.errors import StoreUnavailableError
+from workers.identity import Identity
+from workers.settings import Settings
+from workers.store import Store
+from workers.store.evaluations import still_wanted
+from workers.store.workers import see_worker
+from workers.tally import tally
+
+__all__ = ["Heart"]
+
+log = logging.getLogger(__name__)
+
+
+class Heart:
+    """Heartbeat and lookout of one worker, in a thread of its own."""
+
+    def __init__(self, store: Store, runtime: Runtime, settings: Settings, identity: Identity) -> None:
+        self.store = store
+        self.runtime = runtime
+        self.settings = settings
+        self.identity = identity
+        self.stopping = threading.Event()  # the worker is to end
+        self._ended = threading.Event()
+        self._claim: Claim | None = None
+        self._unwanted: tuple[Claim, float] | None = None
+        self._thread = threading.Thread(target=self._beat, name="geoswarm-heartbeat", daemon=True)
+
+    def start(self) -> None:
+        """Enter the list of workers and begin.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        self._see()
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread."""
+        self.stopping.set()
+        self._ended.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    @property
+    def claim(self) -> Claim | None:
+        """What the worker holds."""
+        return self._claim
+
+    @claim.setter
+    def claim(self, claim: Claim | None) -> None:
+        self._claim = claim
+
+    def unwanted(self) -> float | None:
+        """Return how long the evaluation under way may still take [s], None: it is wanted."""
+        found, claim = self._unwanted, self._claim
+        if found is not None and found[0] is claim:
+            return found[1]
+        return 0.6 * self.settings.grace_seconds if self.stopping.is_set() else None
+
+    def _beat(self) -> None:
+        beaten = time.monotonic()
+        while not self._ended.wait(self.settings.watch_seconds):
+            due = time.monotonic() - beaten >= self.settings.heartbeat_seconds
+            claim = self._claim
+            try:
+                if due:
+                    beaten = time.monotonic()
+                    self._see()
+                    tally.flush(self.store)
+                if claim is not None:
+                    self._look_after(claim, renew=due)
+            except StoreUnavailableError as error:
+                log.warning("heartbeat of worker %s: %s", self.identity.id, error)
+
+    def _look_after(self, claim: Claim, *, renew: bool) -> None:
+        if renew:
+            self.runtime.renew(claim, self.identity.id)
+        state = self.store.read(lambda c: still_wanted(c, claim.job_id, claim.generation, claim.particles))
+        if state != "running":
+            self._unwanted = (claim, self.settings.pause_seconds if state == "paused" else 0.0)
+
+    def _see(self) -> None:
+        self.store.write(lambda connection: see_worker(connection, self.identity))

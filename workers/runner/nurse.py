@@ -1,0 +1,107 @@
+"""The nurse: forks evaluation processes from a warm state, and sees that nothing outlives them.
+
+It is a process of its own between a worker and the evaluations. It is single-threaded, so that a fork is safe, and it
+adopts what its descendants leave behind, so that even a forward model whose children run away (new session, double
+fork) is killed as a whole. When its worker dies, in whatever way, its socket ends, and it kills everything and ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import select
+import signal
+import socket
+import struct
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = ["BOOTSTRAP", "FORK", "KILL", "STATUS", "main"]
+
+log = logging.getLogger(__name__)
+
+# What runs a nurse; it takes over the worker's import path, as the program may run from its sources.
+BOOTSTRAP = (
+    "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
+    "from workers.runner.nurse import main; main(given)"
+)
+FORK = b"f"
+KILL = b"k"
+STATUS = struct.Struct("=ii")
+"""Exit code of the evaluation process (below 0: the signal that ended it), and whether that is known."""
+
+REAP_SECONDS = 2.0
+
+
+def main(given: Mapping[str, Any]) -> None:
+    """Serve one worker over the socket whose descriptor is ``given``, until it closes."""
+    # What needs long to load is loaded here, once for all evaluation processes to come.
+    from solver.warm import warm
+    from workers.runner import child
+    from workers.runner.processes import adopt_orphans, kill_descendants, reap
+    from workers.warm import warm_up
+
+    adopt_orphans()
+    for number in (signal.SIGINT, signal.SIGTERM):  # its worker decides about its end
+        signal.signal(number, signal.SIG_IGN)
+    logging.basicConfig(level=logging.WARNING)
+    warm_up()
+    warm()
+    control = socket.socket(fileno=given["control"])
+    ended: dict[int, int] = {}
+    current = 0
+    while True:
+        ready, _, _ = select.select([control], [], [], REAP_SECONDS)
+        ended |= reap()
+        if not ready:
+            ended = {pid: status for pid, status in ended.items() if pid == current}
+            continue
+        try:
+            message, descriptors, _, _ = socket.recv_fds(control, 1, 3)
+        except ConnectionResetError:
+            message, descriptors = b"", []
+        if message == FORK:
+            current = os.fork()
+            if current == 0:
+                control.close()
+                _become_child(child.serve, *descriptors)
+            for descriptor in descriptors:
+                os.close(descriptor)
+            ended = {}
+            answer = STATUS.pack(0, 0)
+        else:
+            ended |= kill_descendants(os.getpid())
+            status = ended.get(current)
+            code = 0 if status is None else os.waitstatus_to_exitcode(status)
+            answer = STATUS.pack(code, int(status is not None))
+        if not message:
+            os._exit(0)
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            control.sendall(answer)
+
+
+def _become_child(serve: Any, connection: int, output: int, board: int) -> None:
+    """Turn this fork into an evaluation process; does not return."""
+    from workers.runner.processes import die_with_parent
+    from workers.runner.wire import Board
+
+    code = 1
+    try:
+        die_with_parent()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_DFL)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        for standard in (1, 2):
+            os.dup2(output, standard)
+        os.close(output)
+        shared = Board(board, new=False)
+        os.close(board)
+        serve(socket.socket(fileno=connection), shared)
+        code = 0
+    except BaseException:
+        log.exception("the evaluation process ends")
+    finally:
+        sys.stderr.flush()
+        os._exit(code)
