@@ -26,7 +26,7 @@ from workers.store.codec import unpack_problem
 from workers.store.database import Record
 from workers.store.jobs import get_problem
 from workers.store.line import claimable_jobs
-from workers.store.workers import count_live, forget_worker
+from workers.store.workers import busy_workers, count_live, forget_worker
 from workers.tally import tally
 from workers.tracing import record_span, span
 
@@ -152,7 +152,7 @@ class Worker:
         answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
         if answer.queued:
             try:
-                progress: Progress | InfeasibleSpaceError = calibration.start()
+                progress: Progress | InfeasibleSpaceError = calibration.start(self._free_slots())
             except InfeasibleSpaceError as error:
                 progress = error
             self.runtime.start(job_id, progress)
@@ -289,6 +289,11 @@ class Worker:
             self.runtime.give_up(job_id, message)
         except WorkersError as error:
             log.warning("job %s could not be ended: %s", job_id, error, extra={"job": job_id})
+
+    def _free_slots(self) -> int:
+        """Number of workers that hold no evaluation of another job."""
+        busy = self.store.read(lambda connection: len(busy_workers(connection)))
+        return max(1, self._live_workers - busy)
 
     def _count_live(self) -> None:
         lease = self.settings.lease_seconds

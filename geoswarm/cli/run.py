@@ -165,7 +165,8 @@ def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[st
         value = number(values[name], 5)
         bounds: tuple[str, str, str, str]
         if isinstance(parameter, FreeParameter):
-            bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), parameter.scale)
+            scale = f"{parameter.scale}, integer" if parameter.integer else parameter.scale
+            bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), scale)
         else:
             kind = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"
             bounds = ("", "", "", kind)

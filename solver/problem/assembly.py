@@ -50,7 +50,7 @@ Method: TypeAlias = ParticleSwarmMethod | MonteCarloMethod
 
 _MOST_PARAMETERS = 100
 _MOST_OBSERVATIONS = 1000
-_FORMS = "must be exactly one of free (lower, upper, scale, initial), fixed (value) or linked (expression)"
+_FORMS = "must be exactly one of free (lower, upper, scale, initial, integer), fixed (value) or linked (expression)"
 _SETTINGS = tuple(Settings.model_fields)
 
 
@@ -319,8 +319,10 @@ class _Assembly:
         if stopping.is_empty:
             criteria = ", ".join(Stopping.model_fields)
             self._report("stopping", f"a particle swarm needs at least one criterion: {criteria}")
-        elif stopping.max_evaluations is not None and stopping.max_evaluations < method.particles:
-            message = f"must be at least the number of particles ({method.particles}), not {stopping.max_evaluations}"
+        elif stopping.max_evaluations is not None and stopping.max_evaluations < (
+            least := 2 if method.particles == "auto" else method.particles
+        ):
+            message = f"must be at least the number of particles ({least}), not {stopping.max_evaluations}"
             self._report("stopping.max_evaluations", message)
 
 

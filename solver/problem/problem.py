@@ -177,4 +177,6 @@ def _section(parameter: Parameter) -> dict[str, Any]:
     if isinstance(parameter, LinkedParameter):
         return {"expression": parameter.expression.text}
     section: dict[str, Any] = {"lower": parameter.lower, "upper": parameter.upper, "scale": parameter.scale}
+    if parameter.integer:
+        section["integer"] = True
     return section if parameter.initial is None else section | {"initial": parameter.initial}

@@ -43,6 +43,7 @@ class FreeSection(_Section):
 
     lower: float = Field(description="lowest value, in the parameter's unit")
     upper: float = Field(description="highest value")
+    integer: bool = Field(False, description="takes whole numbers only, as do its bounds")
     scale: Scale = Field("linear", description="log: the search runs over the logarithm; both bounds above 0")
     initial: float | None = Field(None, description="estimate to start from; the first particle of the swarm")
 
@@ -114,7 +115,11 @@ class ParticleSwarmMethod(_Section):
     """Particle swarm: generations of particles, each evaluated in parallel."""
 
     kind: Literal["particle_swarm"] = "particle_swarm"
-    particles: int = Field(10, ge=2, le=1000, description="particles in a generation")
+    particles: Annotated[int, Field(ge=2, le=1000)] | Literal["auto"] = Field(
+        10,
+        description="particles in a generation; auto: chosen once, at the start, from the evaluations that can run at "
+        "once then (a multiple of them, at least 8)",
+    )
     form: Literal["constriction", "inertia_weight"] = Field("constriction", description="form of the velocity equation")
     inertia_weight: float | None = Field(
         None, ge=0, le=1, description="w; 0.7298 if absent; only with form inertia_weight"
@@ -136,12 +141,24 @@ class ParticleSwarmMethod(_Section):
         "response_surface",
         description="aims most particles at what all runs so far promise; none: the textbook swarm",
     )
+    polish: bool = Field(
+        False,
+        description="where an accelerated search would begin again elsewhere: polish the best by Levenberg-Marquardt "
+        "steps and end",
+    )
 
     @field_validator("inertia_weight")
     @classmethod
     def _only_with_its_form(cls, value: float | None, info: Any) -> float | None:
         if value is not None and info.data.get("form") == "constriction":
             raise PydanticCustomError("form", "only used with form: inertia_weight; leave it out or set form")
+        return value
+
+    @field_validator("polish")
+    @classmethod
+    def _only_accelerated(cls, value: bool, info: Any) -> bool:
+        if value and info.data.get("acceleration") == "none":
+            raise PydanticCustomError("polish", "needs the stored responses of acceleration: response_surface")
         return value
 
     @model_validator(mode="after")

@@ -21,6 +21,7 @@ REASONS = {
     "target_objective": "objective at or below the target",
     "stagnation_generations": "objective no longer lowered",
     "samples_completed": "all samples evaluated",
+    "polished": "best parameters polished",
 }
 """Stop reason -> words."""
 

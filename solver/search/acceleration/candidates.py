@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
+from solver.arrays import BoolArray, FloatArray, IntArray
 from solver.search.acceleration.covariance import CovarianceMoves
-from solver.search.acceleration.local_models import gauss_newton_point, quadratic_point
+from solver.search.acceleration.local_models import (
+    gauss_newton_point,
+    levenberg_point,
+    neighbour_distance,
+    quadratic_point,
+)
 from solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
 
-__all__ = ["Arms", "Knowledge"]
+__all__ = ["Arms", "Knowledge", "selection"]
 
-_BEST_POINTS, _SPREAD_POINTS = 100, 40  # that a surface is fitted to
+_BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fitted to
 _RANDOM_STARTS, _STARTS = 64, 14
 _CENTRES, _APART = 4, 0.08
 _SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
-_TRIES = 60
+_TRIES, _ASKED = 60, 20
+_CONTRACTION, _SHORTEST_PROBE = 0.3, 1e-5
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +43,8 @@ class Knowledge:
         All points so far, failed ones included, shape (N, d).
     admissible
         Whether a point of the unit box may be proposed.
+    snapped
+        The point of the unit box that is evaluated instead of a given one: integer parameters are rounded.
     """
 
     points: FloatArray
@@ -45,22 +53,28 @@ class Knowledge:
     open: BoolArray
     evaluated: FloatArray
     admissible: Callable[[FloatArray], bool]
+    snapped: Callable[[FloatArray], FloatArray]
 
-    def selected(self) -> Knowledge:
-        """Keep the best points and, evenly over the rest, a few that hold a surface down elsewhere."""
-        n = len(self.points)
-        if n <= _BEST_POINTS + _SPREAD_POINTS:
-            return self
-        rest = np.linspace(_BEST_POINTS, n - 1, _SPREAD_POINTS).round().astype(int)
-        chosen = np.unique(np.concatenate([np.arange(_BEST_POINTS), rest]))
-        return Knowledge(
-            self.points[chosen],
-            self.objectives[chosen],
-            self.residuals[chosen],
-            self.open[chosen],
-            self.evaluated,
-            self.admissible,
-        )
+
+def selection(open_: BoolArray) -> IntArray:
+    """Choose the runs that models are fitted to, as indices of all successful ones, best first: at most 140.
+
+    The best 60; the best 40 others outside finished basins (else a converged basin would fill the models alone); and,
+    evenly over the rest, 40 that hold a surface down elsewhere.
+
+    Parameters
+    ----------
+    open_
+        Whether a run is in no finished basin, shape (n,), best first.
+    """
+    n = open_.size
+    if n <= _BEST_POINTS + _OPEN_POINTS + _SPREAD_POINTS:
+        return np.arange(n)
+    others = np.arange(_BEST_POINTS, n)
+    first = others[np.argsort(~open_[_BEST_POINTS:], kind="stable")[:_OPEN_POINTS]]
+    rest = np.setdiff1d(others, first)
+    spread = rest[np.linspace(0, rest.size - 1, _SPREAD_POINTS).round().astype(np.int64)]
+    return np.unique(np.concatenate([np.arange(_BEST_POINTS), first, spread]))
 
 
 @dataclass
@@ -72,10 +86,12 @@ class Arms:
     covariance: CovarianceMoves | None
     taken: list[FloatArray] = field(default_factory=list)
     _minima: dict[float | None, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+    hold_out: float | None = None
     _searched: int = 0
+    _probed: int = 0
+    _directions: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def __post_init__(self) -> None:
-        self.knowledge = self.knowledge.selected()
         known = self.knowledge
         n, d = known.points.shape
         self._components = Components.of(known.residuals, d)
@@ -93,7 +109,8 @@ class Arms:
 
         ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without;
         ``gauss_newton:e:reach``, ``quadratic:e:reach`` of the local models; ``scalar_surface`` of log f;
-        ``covariance``; ``near`` one of the best; ``far`` from everything.
+        ``covariance``; ``near`` one of the best; ``far`` from everything; ``levenberg:damping`` and ``probe``
+        polish the best of all.
         """
         kind, _, detail = arm.partition(":")
         point: FloatArray | None
@@ -108,6 +125,11 @@ class Arms:
             point = self._covariance()
         elif kind == "near":
             point = self._near_point()
+        elif kind == "levenberg":
+            step = levenberg_point(self.knowledge.points, self._components.values, self._centres[0], float(detail))
+            point = self._new(step, 0.0)
+        elif kind == "probe":
+            point = self._probe()
         else:
             point = self._far_point()
         if point is not None:
@@ -124,22 +146,29 @@ class Arms:
                 break
         return centres
 
-    def _new(self, point: FloatArray, apart: float) -> bool:
+    def _new(self, candidate: FloatArray, apart: float) -> FloatArray | None:
+        """Return the point that would be evaluated, if it may be and lies apart from all others."""
         known = self.knowledge
+        point = known.snapped(candidate)
         near = [float(np.abs(known.evaluated - point).max(axis=1).min())]
         near += [float(np.abs(other - point).max()) for other in self.taken]
-        return min(near) > apart and known.admissible(point)
+        return point if min(near) > apart and known.admissible(point) else None
+
+    def _first_new(self, candidates: Iterable[FloatArray], apart: float) -> FloatArray | None:
+        return next((p for c in candidates if (p := self._new(c, apart)) is not None), None)
 
     def _surface_minimum(self, compression: float | None) -> FloatArray | None:
         known = self.knowledge
         if compression not in self._minima:
             surface = ResidualSurface(known.points, self._components, self._scale, compression)
+            if self.hold_out is None and np.isfinite(error := surface.hold_out_error):
+                self.hold_out = error
             drawn = self.random.random((_RANDOM_STARTS, known.points.shape[1]))
             promising = np.argsort(surface.objective(drawn), kind="stable")[:_STARTS]
             ends, values = minimise(surface, np.concatenate([self._bases, drawn[promising]]))
             order = np.argsort(values, kind="stable")
             self._minima[compression] = ends[order], values[order]
-        return next((p for p in self._minima[compression][0] if self._new(p, _SURFACE_APART)), None)
+        return self._first_new(self._minima[compression][0], _SURFACE_APART)
 
     def _local(self, kind: str, number: int, reach: float) -> FloatArray | None:
         known = self.knowledge
@@ -153,7 +182,7 @@ class Arms:
             if found is None:
                 return None
             point = found
-        return point if self._new(point, _LOCAL_APART) else None
+        return self._new(point, _LOCAL_APART)
 
     def _scalar_surface(self) -> FloatArray | None:
         """The best of many random points around the elite, by a surface of log f and by distance to known points."""
@@ -173,18 +202,14 @@ class Arms:
         score = weight * (values - values.min()) / max(float(np.ptp(values)), 1e-12)
         score += (1.0 - weight) * (1.0 - nearest / max(float(nearest.max()), 1e-12))
         order = np.argsort(score, kind="stable")[:_TRIES]
-        return next((points[i] for i in order if self._new(points[i], 1e-4)), None)
+        return self._first_new(points[order], 1e-4)
 
     def _covariance(self) -> FloatArray | None:
         if self.covariance is None:
             d = self.knowledge.points.shape[1]
             mean = self._bases[0] if self.random.random() < 0.5 else np.asarray(self.random.random(d))
             self.covariance = CovarianceMoves.begin(mean, 0.2)
-        for _ in range(20):
-            point = self.covariance.ask(self.random)
-            if self._new(point, 0.0):
-                return point
-        return None
+        return self._first_new((self.covariance.ask(self.random) for _ in range(_ASKED)), 0.0)
 
     def _near_point(self) -> FloatArray | None:
         """A point around one of the best, at a random distance of all orders: local models need it."""
@@ -193,15 +218,29 @@ class Arms:
             base = self._bases[random.integers(min(3, len(self._bases)))]
             width = 0.15 * 10.0 ** (-1.5 * random.random())
             point = np.asarray(np.clip(base + width * random.standard_normal(known.points.shape[1]), 0.0, 1.0))
-            if self._new(point, _LOCAL_APART):
-                return point
+            found = self._new(point, _LOCAL_APART)
+            if found is not None:
+                return found
         return None
+
+    def _probe(self) -> FloatArray | None:
+        """Go on from the best in a direction of its own: the next slopes there will be better."""
+        known, random = self.knowledge, self.random
+        d = known.points.shape[1]
+        centre = known.points[self._centres[0]]
+        if self._probed % d == 0:
+            self._directions = np.linalg.qr(random.standard_normal((d, d)))[0]
+        direction = self._directions[self._probed % d] * (1.0 if self._probed // d % 2 == 0 else -1.0)
+        self._probed += 1
+        length = _CONTRACTION * max(neighbour_distance(known.points, self._centres[0]), _SHORTEST_PROBE)
+        ends = (np.clip(centre + sign * length * direction, 0.0, 1.0) for sign in (1.0, -1.0))
+        return self._first_new(ends, 0.0)
 
     def _far_point(self) -> FloatArray | None:
         """The farthest from everything evaluated among random points."""
         points = self.random.random((_TRIES, self.knowledge.points.shape[1]))
         nearest = ((points[:, None, :] - self._occupied()[None]) ** 2).sum(axis=2).min(axis=1)
-        return next((points[i] for i in np.argsort(-nearest, kind="stable") if self._new(points[i], 0.0)), None)
+        return self._first_new(points[np.argsort(-nearest, kind="stable")], 0.0)
 
     def _occupied(self) -> FloatArray:
         # the selected points suffice here: what matters is the distance to the known regions

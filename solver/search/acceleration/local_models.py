@@ -7,7 +7,7 @@ from scipy.optimize import lsq_linear, minimize
 
 from solver.arrays import FloatArray
 
-__all__ = ["gauss_newton_point", "quadratic_point"]
+__all__ = ["gauss_newton_point", "levenberg_point", "neighbour_distance", "quadratic_point"]
 
 _LARGEST_RADIUS = 0.3
 
@@ -24,6 +24,39 @@ def gauss_newton_point(points: FloatArray, components: FloatArray, centre: int, 
     reach
         Half the width of the box as a fraction of the distance to the farthest neighbour used.
     """
+    slopes, farthest = _slopes(points, components, centre)
+    middle = points[centre]
+    half = reach * min(farthest, _LARGEST_RADIUS)
+    lower, upper = np.maximum(-half, -middle), np.minimum(half, 1.0 - middle)
+    lower, upper = np.minimum(lower, -1e-15), np.maximum(upper, 1e-15)
+    step: FloatArray = lsq_linear(slopes.T, -components[centre], (lower, upper), method="bvls", max_iter=50).x
+    return np.asarray(np.clip(middle + step, 0.0, 1.0))
+
+
+def levenberg_point(points: FloatArray, components: FloatArray, centre: int, damping: float) -> FloatArray:
+    """Levenberg-Marquardt step from an evaluation with the slopes of its neighbours; parameters as above.
+
+    ``damping`` multiplies the diagonal of the normal matrix (Marquardt 1963). A step leaves the neighbourhood at most
+    by its own size: beyond, the slopes are not known.
+    """
+    slopes, farthest = _slopes(points, components, centre)
+    middle, half = points[centre], min(2.0 * farthest, _LARGEST_RADIUS)
+    lower, upper = np.minimum(np.maximum(-half, -middle), -1e-15), np.maximum(np.minimum(half, 1.0 - middle), 1e-15)
+    damped = np.diag(np.sqrt(damping * (slopes * slopes).sum(axis=1)))
+    system = np.concatenate([slopes.T, damped])
+    wanted = np.concatenate([-components[centre], np.zeros(middle.size)])
+    step: FloatArray = lsq_linear(system, wanted, (lower, upper), method="bvls", max_iter=50).x
+    return np.asarray(np.clip(middle + step, 0.0, 1.0))
+
+
+def neighbour_distance(points: FloatArray, centre: int) -> float:
+    """Distance from an evaluation to the (d + 1)-th nearest: within it slopes in all directions can be known."""
+    distances = np.sqrt(((points - points[centre]) ** 2).sum(axis=1))
+    return float(np.sort(distances)[min(points.shape[1] + 1, len(points) - 1)])
+
+
+def _slopes(points: FloatArray, components: FloatArray, centre: int) -> tuple[FloatArray, float]:
+    """Slopes, shape (d, k), fitted to the nearest neighbours of an evaluation, and the distance to the farthest."""
     middle, d = points[centre], points.shape[1]
     distances = np.sqrt(((points - middle) ** 2).sum(axis=1))
     near = np.argsort(distances, kind="stable")[: max(2 * d + 2, 6)]
@@ -33,11 +66,7 @@ def gauss_newton_point(points: FloatArray, components: FloatArray, centre: int, 
     normal = (steps * weights[:, None]).T @ steps + 1e-9 * weights.max() * np.eye(d)
     change = components[near] - components[centre]
     slopes = np.linalg.solve(normal, (steps * weights[:, None]).T @ change) / farthest
-    half = reach * min(farthest, _LARGEST_RADIUS)
-    lower, upper = np.maximum(-half, -middle), np.minimum(half, 1.0 - middle)
-    lower, upper = np.minimum(lower, -1e-15), np.maximum(upper, 1e-15)
-    step: FloatArray = lsq_linear(slopes.T, -components[centre], (lower, upper), method="bvls", max_iter=50).x
-    return np.asarray(np.clip(middle + step, 0.0, 1.0))
+    return slopes, farthest
 
 
 def quadratic_point(points: FloatArray, objectives: FloatArray, centre: int, reach: float) -> FloatArray | None:

@@ -17,8 +17,9 @@ from threadpoolctl import ThreadpoolController
 
 from solver.arrays import FloatArray, IntArray
 from solver.search.acceleration.basins import Basins
-from solver.search.acceleration.candidates import Arms, Knowledge
+from solver.search.acceleration.candidates import Arms, Knowledge, selection
 from solver.search.acceleration.covariance import CovarianceMoves
+from solver.search.acceleration.polishing import Polishing, polish_pattern
 from solver.search.acceleration.runs import Runs
 from solver.search.randomness import proposer_generator
 from solver.search.space import SearchSpace
@@ -68,6 +69,7 @@ RESTARTED_PATTERN = (
 FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
+MISLEADING = 1.0  # decades of the objective by which a surface is off in the median
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -76,13 +78,16 @@ class ProposerState:
     """What the proposer remembers between generations, besides the history.
 
     ``share`` of the generation that it aims; ``aimed``: the arm of each aimed particle of the current one;
-    ``covariance``: state of the covariance-adapting moves.
+    ``covariance``: state of the covariance-adapting moves; ``polishing``: given when the end has begun; ``hold_out``:
+    how far the first surface of the generation was off at runs left out, see :class:`ResidualSurface`.
     """
 
     share: float = MOST_SHARE
     basins: Basins = field(default_factory=Basins)
     aimed: Mapping[int, str] = field(default_factory=dict)
     covariance: dict[str, Any] | None = None
+    polishing: Polishing | None = None
+    hold_out: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form that :meth:`from_json` restores exactly."""
@@ -91,13 +96,23 @@ class ProposerState:
             "basins": self.basins.to_json(),
             "aimed": [[particle, arm] for particle, arm in self.aimed.items()],
             "covariance": self.covariance,
+            "polishing": None if self.polishing is None else self.polishing.to_json(),
+            "hold_out": self.hold_out,
         }
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> ProposerState:
         """Invert :meth:`to_json`."""
         aimed = dict(data["aimed"])
-        return cls(data["share"], Basins.from_json(data["basins"]), aimed, data["covariance"])
+        polishing = data["polishing"]
+        return cls(
+            data["share"],
+            Basins.from_json(data["basins"]),
+            aimed,
+            data["covariance"],
+            None if polishing is None else Polishing(**polishing),
+            data["hold_out"],
+        )
 
 
 class Proposer:
@@ -109,14 +124,24 @@ class Proposer:
         Where, and what fixes the random numbers together with the generation.
     state
         Of an earlier proposer that this one goes on from.
+    polish
+        Where a basin is finished: polish the best of all and end, in place of a restart.
     """
 
-    def __init__(self, space: SearchSpace, seed: int, state: ProposerState | None = None) -> None:
+    def __init__(
+        self, space: SearchSpace, seed: int, state: ProposerState | None = None, *, polish: bool = False
+    ) -> None:
+        self._polish = polish
         self.state = state or ProposerState()
         self._space = space
         self._seed = seed
         self._lower = space.search_lower
         self._range = space.search_upper - space.search_lower
+
+    @property
+    def finished(self) -> bool:
+        """Whether the best is polished."""
+        return self.state.polishing is not None and self.state.polishing.done
 
     def first(self, drawn: FloatArray, keep: int) -> FloatArray:
         """Spread the first generation: each particle is the farthest of 40 random points from those before it.
@@ -149,7 +174,8 @@ class Proposer:
         worst_first
             Particles in the order in which they are aimed.
         runs
-            All evaluations so far; the last n of them are the generation before, in particle order.
+            All evaluations so far; the last n of them are the generation before, in particle order. Before the first
+            generation: those that earlier jobs offer.
         """
         # one thread: the order of summation in BLAS, and so the last bits, may depend on their number
         with _threadpools().limit(limits=1, user_api="blas"):
@@ -163,9 +189,19 @@ class Proposer:
             self.state = replace(self.state, aimed={})
             return {}
         every = self._unit(self._space.to_search(runs.positions))
-        known, residuals, values = every[order], runs.residuals[order], objectives[order]
+        before = self.state.basins
+        chosen = order[selection(before.outside(every[order]))]
+        known, values, residuals = every[chosen], objectives[chosen], runs.residuals(chosen)
         scalar = residuals.shape[1] == 1 and bool((residuals >= 0.0).all() or (residuals <= 0.0).all())
-        basins = self.state.basins.after(known, values, SCALAR_PATIENCE if scalar else PATIENCE)
+        patience = SCALAR_PATIENCE if scalar else PATIENCE
+        basins = before.after(every[order], objectives[order], patience)
+        polishing = self.state.polishing
+        if polishing is not None:
+            polishing = polishing.after(float(objectives[order[0]]))
+        elif self._polish and basins.restarts > before.restarts:
+            polishing = Polishing(float(objectives[order[0]]))
+        if polishing is not None:
+            basins = before  # it stays where it is
         failed = every[~runs.succeeded]
 
         def admissible(point: FloatArray) -> bool:
@@ -176,21 +212,26 @@ class Proposer:
                 and not self._repeats(self._search(point), runs)
             )
 
-        knowledge = Knowledge(known, values, residuals, basins.outside(known), every, admissible)
+        knowledge = Knowledge(known, values, residuals, basins.outside(known), every, admissible, self._snapped)
         arms = Arms(knowledge, proposer_generator(self._seed, generation), covariance)
-        share = self._share(basins)
+        share = 1.0 if polishing else self._share(basins, self.state.hold_out)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
-        pattern = SCALAR_PATTERN if scalar else self._vector_pattern(basins, generation)
+        if polishing:
+            pattern = polish_pattern(len(moved), scalar=scalar)
+        else:
+            pattern = SCALAR_PATTERN if scalar else self._vector_pattern(basins, generation)
         proposals = self._fill(arms, pattern, slots + len(repeated), generation)
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
         aimed = dict(zip(particles, proposals, strict=False))
         self.state = ProposerState(
-            share=share,
+            share=self.state.share if polishing else share,
             basins=basins,
             aimed={particle: arm for particle, (arm, _) in aimed.items()},
             covariance=None if arms.covariance is None else arms.covariance.state(),
+            polishing=polishing,
+            hold_out=arms.hold_out,
         )
         return {particle: point for particle, (_, point) in aimed.items()}
 
@@ -219,11 +260,17 @@ class Proposer:
             return VECTOR_PATTERN
         return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
 
-    def _share(self, basins: Basins) -> float:
-        """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step."""
+    def _share(self, basins: Basins, hold_out: float | None) -> float:
+        """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step.
+
+        The steps are longer where the surface predicts runs that are left out badly.
+        """
         if self.state.basins.best is None and basins.restarts == 0:
             return self.state.share  # the first generation tells nothing yet
-        return min(MOST_SHARE, 1.5 * self.state.share) if basins.gained else max(LEAST_SHARE, 0.9 * self.state.share)
+        if basins.gained:
+            return min(MOST_SHARE, 1.5 * self.state.share)
+        misleading = hold_out is not None and hold_out > MISLEADING
+        return max(LEAST_SHARE, (0.8 if misleading else 0.9) * self.state.share)
 
     def _tell_covariance(self, asked: FloatArray, objectives: FloatArray) -> CovarianceMoves | None:
         if self.state.covariance is None:
@@ -251,6 +298,9 @@ class Proposer:
 
     def _feasible(self, point: FloatArray) -> bool:
         return self._space.is_feasible(self._search(point))
+
+    def _snapped(self, unit: FloatArray) -> FloatArray:
+        return self._unit(self._space.snapped(self._search(unit))) if self._space.integer.any() else unit
 
     def _unit(self, search: FloatArray) -> FloatArray:
         return (search - self._lower) / self._range

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration, RunLog
+from solver.calibration import Calibration
 from solver.local import CalibrationResult, calibrate
 from solver.problem import Problem, load_problem, parse_problem
+from solver.runlog import RunLog
 from tests.solver.problems import decay_problem
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -54,11 +55,14 @@ def test_the_same_seed_gives_the_same_history_for_any_number_of_workers() -> Non
 def shares_of(problem: Problem, generations: int) -> list[float]:
     calibration = Calibration(problem, seed=4)
     log, progress = RunLog(calibration), calibration.start()
-    shares = []
+    shares, responses = [], []
     for _ in range(generations):
         evaluations = [calibration.evaluate(position) for position in progress.positions]
-        log.add([e.parameters for e in evaluations], [e.responses for e in evaluations])
-        progress = calibration.advance(progress, [e.objective for e in evaluations], 1.0, log.runs()).progress
+        values = [e.objective for e in evaluations]
+        log.add([e.parameters for e in evaluations], values)
+        responses.append([e.responses for e in evaluations])
+        runs = log.runs(lambda keys: [responses[generation][particle] for generation, particle in keys])
+        progress = calibration.advance(progress, values, 1.0, runs).progress
         json.dumps(progress.to_json(), allow_nan=False)
         shares.append(progress.snapshot["proposer"]["share"])
     return shares

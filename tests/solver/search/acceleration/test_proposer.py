@@ -31,7 +31,12 @@ def runs(space: SearchSpace, count: int, residual: Callable[[FloatArray], FloatA
     drawn = space.to_natural(np.array([space.draw(particle_generator(3, 0, i)) for i in range(count)]))
     residuals = residual(drawn)
     residuals[:failed] = np.nan
-    return Runs(drawn, residuals)
+    return Runs.of(drawn, residuals)
+
+
+def more(known: Runs, positions: FloatArray, residuals: FloatArray) -> Runs:
+    rows = known.residuals(np.arange(len(known.positions)))
+    return Runs.of(np.concatenate([known.positions, positions]), np.concatenate([rows, residuals]))
 
 
 def propose(space: SearchSpace, known: Runs, seed: int, generation: int, count: int) -> FloatArray:
@@ -46,7 +51,7 @@ def test_finds_the_minimum_of_a_smooth_valley_in_a_few_generations() -> None:
     known = runs(space, 20, valley)
     for generation in range(1, 6):
         proposals = propose(space, known, 1, generation, 8)
-        known = Runs(np.concatenate([known.positions, proposals]), np.concatenate([known.residuals, valley(proposals)]))
+        known = more(known, proposals, valley(proposals))
     assert known.objectives.min() < 1e-6
     best = known.positions[int(np.argmin(known.objectives))]
     np.testing.assert_allclose(best, CENTRE, rtol=0.01)
@@ -118,7 +123,7 @@ def test_state_survives_json_bit_for_bit() -> None:
             moved[particle] = point
         natural = space.to_natural(moved)
         new = np.abs(valley(natural)[:, :1])
-        known = Runs(np.concatenate([known.positions, natural]), np.concatenate([known.residuals, new]))
+        known = more(known, natural, new)
     assert state.covariance is not None
 
 
