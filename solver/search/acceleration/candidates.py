@@ -23,7 +23,7 @@ _BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fit
 _RANDOM_STARTS, _STARTS = 64, 14
 _CENTRES, _APART = 4, 0.08
 _SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
-_TRIES, _ASKED = 60, 20
+_TRIES, _ASKED, _STEP_DRAWS = 60, 20, 200
 _CONTRACTION, _SHORTEST_PROBE = 0.3, 1e-5
 
 
@@ -45,6 +45,8 @@ class Knowledge:
         Whether a point of the unit box may be proposed.
     snapped
         The point of the unit box that is evaluated instead of a given one: integer parameters are rounded.
+    integer
+        Which parameters that concerns, shape (d,).
     """
 
     points: FloatArray
@@ -54,6 +56,7 @@ class Knowledge:
     evaluated: FloatArray
     admissible: Callable[[FloatArray], bool]
     snapped: Callable[[FloatArray], FloatArray]
+    integer: BoolArray
 
 
 def selection(open_: BoolArray) -> IntArray:
@@ -89,6 +92,8 @@ class Arms:
     hold_out: float | None = None
     _searched: int = 0
     _probed: int = 0
+    _stepped: int = 0
+    _step_surface: ResidualSurface | None = None
     _directions: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def __post_init__(self) -> None:
@@ -109,8 +114,8 @@ class Arms:
 
         ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without;
         ``gauss_newton:e:reach``, ``quadratic:e:reach`` of the local models; ``scalar_surface`` of log f;
-        ``covariance``; ``near`` one of the best; ``far`` from everything; ``levenberg:damping`` and ``probe``
-        polish the best of all.
+        ``covariance``; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer
+        parameter; ``levenberg:damping`` and ``probe`` polish the best of all.
         """
         kind, _, detail = arm.partition(":")
         point: FloatArray | None
@@ -126,8 +131,10 @@ class Arms:
         elif kind == "near":
             point = self._near_point()
         elif kind == "levenberg":
-            step = levenberg_point(self.knowledge.points, self._components.values, self._centres[0], float(detail))
-            point = self._new(step, 0.0)
+            points, rows, centre = self._like(self._centres[0])
+            point = self._new(levenberg_point(points, self._components.values[rows], centre, float(detail)), 0.0)
+        elif kind == "step":
+            point = self._other_whole_number()
         elif kind == "probe":
             point = self._probe()
         else:
@@ -135,6 +142,16 @@ class Arms:
         if point is not None:
             self.taken.append(point)
         return point
+
+    def _like(self, run: int) -> tuple[FloatArray, IntArray, int]:
+        """Points with the same whole numbers as a run, their indices, and its place among them.
+
+        Local models vary the other parameters alone, as soon as there are d + 2 such runs.
+        """
+        known = self.knowledge
+        same = (known.points == known.points[run])[:, known.integer].all(axis=1)
+        rows = np.nonzero(same)[0] if same.sum() >= known.points.shape[1] + 2 else np.arange(len(same))
+        return known.points[rows], rows, int(np.nonzero(rows == run)[0][0])
 
     def _spread_out(self, best: np.ndarray) -> list[int]:
         centres: list[int] = []
@@ -174,11 +191,11 @@ class Arms:
         known = self.knowledge
         if number >= len(self._centres):
             return None
-        centre = self._centres[number]
+        points, rows, centre = self._like(self._centres[number])
         if kind == "gauss_newton":
-            point = gauss_newton_point(known.points, self._components.values, centre, reach)
+            point = gauss_newton_point(points, self._components.values[rows], centre, reach)
         else:
-            found = quadratic_point(known.points, known.objectives, centre, reach)
+            found = quadratic_point(points, known.objectives[rows], centre, reach)
             if found is None:
                 return None
             point = found
@@ -223,6 +240,26 @@ class Arms:
                 return found
         return None
 
+    def _other_whole_number(self) -> FloatArray | None:
+        """One of the best with another value of one integer parameter, the others where the surface is lowest then.
+
+        Between whole numbers a surface knows nothing, so its minima alone may stay at one value.
+        """
+        known, random = self.knowledge, self.random
+        base = self._bases[self._stepped % min(3, len(self._bases))]
+        which = np.nonzero(known.integer)[0]
+        changed = int(which[random.integers(which.size)])
+        self._stepped += 1
+        wide = random.random((_STEP_DRAWS // 2, base.size))
+        close = base + 0.1 * random.standard_normal((_STEP_DRAWS // 2, base.size))
+        points = np.clip(np.concatenate([wide, close]), 0.0, 1.0)
+        points[:, changed] = random.random()
+        points = known.snapped(points)
+        if self._step_surface is None:
+            self._step_surface = ResidualSurface(known.points, self._components, self._scale, 1.0)
+        order = np.argsort(self._step_surface.objective(points), kind="stable")[:_TRIES]
+        return self._first_new(points[order], _LOCAL_APART)
+
     def _probe(self) -> FloatArray | None:
         """Go on from the best in a direction of its own: the next slopes there will be better."""
         known, random = self.knowledge, self.random
@@ -232,7 +269,8 @@ class Arms:
             self._directions = np.linalg.qr(random.standard_normal((d, d)))[0]
         direction = self._directions[self._probed % d] * (1.0 if self._probed // d % 2 == 0 else -1.0)
         self._probed += 1
-        length = _CONTRACTION * max(neighbour_distance(known.points, self._centres[0]), _SHORTEST_PROBE)
+        points, _, middle = self._like(self._centres[0])
+        length = _CONTRACTION * max(neighbour_distance(points, middle), _SHORTEST_PROBE)
         ends = (np.clip(centre + sign * length * direction, 0.0, 1.0) for sign in (1.0, -1.0))
         return self._first_new(ends, 0.0)
 

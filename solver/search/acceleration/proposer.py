@@ -212,7 +212,9 @@ class Proposer:
                 and not self._repeats(self._search(point), runs)
             )
 
-        knowledge = Knowledge(known, values, residuals, basins.outside(known), every, admissible, self._snapped)
+        knowledge = Knowledge(
+            known, values, residuals, basins.outside(known), every, admissible, self._snapped, self._space.integer
+        )
         arms = Arms(knowledge, proposer_generator(self._seed, generation), covariance)
         share = 1.0 if polishing else self._share(basins, self.state.hold_out)
         slots = max(1, round(share * len(moved)))
@@ -221,6 +223,8 @@ class Proposer:
             pattern = polish_pattern(len(moved), scalar=scalar)
         else:
             pattern = SCALAR_PATTERN if scalar else self._vector_pattern(basins, generation)
+            if self._space.integer.any():
+                pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, "step") if k % 3 == 1 else (a,)))
         proposals = self._fill(arms, pattern, slots + len(repeated), generation)
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
