@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,12 +76,19 @@ class CheckReport:
     estimated_seconds: float | None
 
 
-def check_problem(problem: Problem) -> CheckReport:
+def check_problem(
+    problem: Problem, evaluate: Callable[[Calibration, FloatArray], Evaluation] = Calibration.evaluate
+) -> CheckReport:
     """Make one test run of a problem and estimate its cost.
 
     The run is made at the initial values where given and in the middle of the bounds (in search coordinates) elsewhere,
     or at the first feasible proposal of the search when that point violates a constraint. A failed run is reported,
     not raised.
+
+    Parameters
+    ----------
+    evaluate
+        Makes one forward calculation at natural values of the free parameters, shape (d,); here and now unless given.
 
     Raises
     ------
@@ -94,9 +102,9 @@ def check_problem(problem: Problem) -> CheckReport:
     point = middle(calibration)
     if not calibration.space.feasible(point):
         point = proposals[0]
-    run = calibration.evaluate(point)
+    run = evaluate(calibration, point)
     if run.seconds < WARM_UP_LIMIT:
-        run = calibration.evaluate(point)
+        run = evaluate(calibration, point)
     planned = problem.planned_evaluations
     return CheckReport(
         name=problem.name,

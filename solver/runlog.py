@@ -33,6 +33,7 @@ class RunLog:
     """Positions and objectives of all finished generations, read once, and residuals of the runs looked at lately.
 
     Responses stay where they are stored: a search looks at a selection only, however many there are.
+    :attr:`failed` of the runs have none.
 
     Parameters
     ----------
@@ -47,6 +48,7 @@ class RunLog:
         self._generations: list[_Generation] = []
         self._rows: dict[int, FloatArray] = {}
         self._evaluated: set[bytes] = set()
+        self.failed = 0
 
     @property
     def generations(self) -> int:
@@ -57,6 +59,7 @@ class RunLog:
         """Add the next generation: natural values, each of shape (d,), and f (None: failed), in particle order."""
         values = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
         self._generations.append(_Generation(np.array(parameters, dtype=np.float64), values))
+        self.failed += sum(objective is None for objective in objectives)
         self._evaluated.update(position.tobytes() for position in parameters)
 
     def repeats(self, positions: FloatArray) -> bool:

@@ -43,6 +43,7 @@ class Engine:
             started.callback(sweeper.stop)
             sweeper.start()
             self.service = JobService(store, doorbell, settings)
+            started.callback(self.service.close)
             self._started = started.pop_all()
 
     def close(self) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
 import builtins
 import copy
 import hashlib
@@ -16,15 +14,16 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import Connection
 
 from solver.calibration import choose_seed
+from solver.check import CheckReport
 from solver.errors import ProblemError
 from solver.problem import Problem, parse_problem
 from workers.access import LOCAL, Principal
 from workers.coordinator.machine import CancelRequested, PauseRequested, ResumeRequested
 from workers.coordinator.runtime import Runtime
+from workers.cursors import decode_cursor, encode_cursor
 from workers.doorbell import Doorbell
 from workers.errors import (
     IdempotencyConflictError,
-    InvalidCursorError,
     JobNotFoundError,
 )
 from workers.measures import Measures, measure
@@ -39,6 +38,7 @@ from workers.store.evaluations import get_evaluation, list_attempts
 from workers.store.listing import Filters, list_evaluations
 from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
 from workers.store.workers import current_work, list_workers
+from workers.trial import TrialBench
 from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
@@ -67,6 +67,7 @@ class JobService:
         self._probe = Probe(store)
         self._shelf = Shelf()  # every copy uses the same, after it has asked :meth:`_row`
         self._runtime = Runtime(store, self.settings)
+        self._trials = TrialBench(self.settings)
 
     @property
     def statistics(self) -> StatisticsDesk:
@@ -80,6 +81,20 @@ class JobService:
         bound = copy.copy(self)
         bound.principal = principal
         return bound
+
+    def check(self, problem: Problem) -> CheckReport:
+        """Make one test run of a problem, within its limits, and estimate its cost; nothing is stored.
+
+        Raises
+        ------
+        InfeasibleSpaceError, ProblemError
+            See :func:`solver.check.check_problem`.
+        """
+        return self._trials.check(problem)
+
+    def close(self) -> None:
+        """End what test runs have started."""
+        self._trials.close()
 
     def submit(self, problem: Problem, *, idempotency_key: str | None = None) -> tuple[JobView, bool]:
         """Store a job and wake workers; return it and whether it is new.
@@ -151,12 +166,12 @@ class JobService:
         ------
         InvalidCursorError
         """
-        before = None if cursor is None else _decode_cursor(cursor, float, str)
+        before = None if cursor is None else decode_cursor(cursor, float, str)
         limit = _clip(limit)
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
         rows = self.store.read(lambda c: jobs.list_jobs(c, state=state, before=before, limit=limit + 1, owner=owner))
         views = [job_view(row, self._gap) for row in rows[:limit]]
-        following = _encode_cursor(rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
+        following = encode_cursor(rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
         return Page(views, following)
 
     def cancel(self, job_id: str) -> JobView:
@@ -260,7 +275,7 @@ class JobService:
         ------
         InvalidCursorError
         """
-        after = None if cursor is None else _decode_cursor(cursor, int, int)
+        after = None if cursor is None else decode_cursor(cursor, int, int)
         filters = Filters(generation, state, max_objective)
         limit = _clip(limit)
 
@@ -269,7 +284,7 @@ class JobService:
             rows = list_evaluations(connection, job_id, filters, after=after, limit=limit + 1, responses=responses)
             views = [evaluation_view(row, names, grids if responses else None) for row in rows[:limit]]
             last = views[-1] if len(rows) > limit else None
-            return Page(views, None if last is None else _encode_cursor(last.generation, last.particle))
+            return Page(views, None if last is None else encode_cursor(last.generation, last.particle))
 
         return self.store.read(work)
 
@@ -392,20 +407,3 @@ def _body_hash(problem: Problem) -> str:
 
 def _clip(limit: int) -> int:
     return max(1, min(limit, LARGEST_PAGE))
-
-
-def _encode_cursor(*key: float | str) -> str:
-    return base64.urlsafe_b64encode(pack_json(key).encode()).decode().rstrip("=")
-
-
-def _decode_cursor(cursor: str, *types: type) -> Any:
-    try:
-        padded = cursor.encode("ascii") + b"=" * (-len(cursor) % 4)
-        key = json.loads(base64.b64decode(padded, altchars=b"-_", validate=True))
-    except (binascii.Error, ValueError):
-        raise InvalidCursorError(cursor) from None
-    if not isinstance(key, list) or [type(part) for part in key] != list(types):
-        raise InvalidCursorError(cursor)
-    if not all("\0" not in part if isinstance(part, str) else 0 <= part < 2**40 for part in key):
-        raise InvalidCursorError(cursor)
-    return tuple(key)

@@ -19,6 +19,7 @@ ENVIRONMENT = {
     "GEOSWARM_WORKERS": "workers",
     "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
     "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
+    "GEOSWARM_CHECK_SECONDS": "check_seconds",
     "GEOSWARM_QUOTA_JOBS": "quota_jobs",
     "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
 }
@@ -75,6 +76,8 @@ class Settings(BaseModel):
         Evaluate in a process of its own, which can be killed; False is for debugging: nothing is limited.
     evaluation_seconds, evaluation_memory_mb
         Limits [s], [MiB] that no problem may exceed; None: what the problem says.
+    check_seconds
+        Longest test run of a problem that is not a job yet [s].
     kinds
         Kinds of forward model that these workers run; empty: all.
     slots
@@ -108,6 +111,7 @@ class Settings(BaseModel):
     isolate: bool = True
     evaluation_seconds: float | None = Field(None, gt=0)
     evaluation_memory_mb: float | None = Field(None, ge=16)
+    check_seconds: float = Field(60.0, gt=0)
     kinds: tuple[str, ...] = ()
     slots: dict[str, Annotated[int, Field(ge=1)]] = {}
     connect_seconds: float = Field(3.0, gt=0)

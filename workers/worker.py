@@ -18,7 +18,8 @@ from workers.doorbell import Doorbell
 from workers.errors import StoreUnavailableError, WorkersError
 from workers.heart import Heart
 from workers.identity import Identity
-from workers.runner.runner import Evaluator, InlineEvaluator, Limits, NeverMind, Runner
+from workers.runner.evaluator import Evaluator, InlineEvaluator, NeverMind, limits_of
+from workers.runner.runner import Runner
 from workers.settings import Settings
 from workers.slots import Slots
 from workers.store import Store
@@ -209,7 +210,7 @@ class Worker:
                 claim.job_id,
                 calibration,
                 positions,
-                self._limits(calibration),
+                limits_of(calibration.problem, self.settings),
                 budget=budget,
                 unwanted=lambda part=part: self._look(part, calibration),  # type: ignore[misc]
             )
@@ -254,14 +255,6 @@ class Worker:
                     self.doorbell.ring(claim.job_id, max(answer.rings, 1), kind=_kind(calibration))
         return self.heart.unwanted()
 
-    def _limits(self, calibration: Calibration) -> Limits:
-        """Return the limits of the problem, and of these workers where they are tighter."""
-        asked, settings = calibration.problem.limits, self.settings
-        return Limits(
-            _least(asked.seconds_per_evaluation, settings.evaluation_seconds),
-            _least(asked.memory_mb, settings.evaluation_memory_mb),
-        )
-
     def _note(self, job_id: str, generation: int, particle: int, evaluation: Evaluation) -> None:
         """Count a run, and log it when it failed."""
         tally.run(evaluation.reason or "finished", evaluation.seconds)
@@ -302,11 +295,6 @@ class Worker:
 
 def _in_order(results: Sequence[Result]) -> list[Evaluation]:
     return [result.evaluation for result in sorted(results, key=lambda result: result.particle)]
-
-
-def _least(first: float | None, second: float | None) -> float | None:
-    given = [value for value in (first, second) if value is not None]
-    return min(given) if given else None
 
 
 def _kind(calibration: Calibration) -> str:

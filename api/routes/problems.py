@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from functools import partial
 
 import anyio
 import anyio.to_thread
 from fastapi import APIRouter, Request
 
 from api.bodies import ProblemDocument
-from api.dependencies import problems_of
+from api.dependencies import Service, problems_of
 from api.routes.jobs import PROBLEM_BODY
 from api.schemas import CheckResult
-from solver.check import check_problem
 from solver.problem import parse_problem
 
 __all__ = ["router"]
@@ -22,11 +20,11 @@ router = APIRouter(prefix="/problems", tags=["problems"])
 
 
 @router.post("/check", responses=problems_of(400, 408, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY})
-async def check(document: ProblemDocument, request: Request) -> CheckResult:
+async def check(document: ProblemDocument, request: Request, service: Service) -> CheckResult:
     """Validate a problem, make one test run and estimate the cost. Nothing is stored."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     # One at a time, as a test run occupies a core; those who wait occupy no thread.
-    report = await anyio.to_thread.run_sync(partial(check_problem, problem), limiter=_one_at_a_time(request))
+    report = await anyio.to_thread.run_sync(service.check, problem, limiter=_one_at_a_time(request))
     return CheckResult.model_validate(asdict(report))
 
 

@@ -48,7 +48,9 @@ def settings(tmp_path: Path) -> Settings:
 def service(settings: Settings) -> Iterator[JobService]:
     """No worker runs: submitted jobs stay queued."""
     store = Store(settings)
-    yield JobService(store, MuteDoorbell(), settings)
+    made = JobService(store, MuteDoorbell(), settings)
+    yield made
+    made.close()
     store.close()
 
 

@@ -19,7 +19,9 @@ from workers.store import Store
 def service(fresh_postgres_url: str) -> Iterator[JobService]:
     settings = Settings(database_url=fresh_postgres_url, connect_seconds=2)
     store = Store(settings)
-    yield JobService(store, MuteDoorbell(), settings)
+    made = JobService(store, MuteDoorbell(), settings)
+    yield made
+    made.close()
     store.close()
 
 

@@ -39,7 +39,7 @@ from workers.errors import JobNotFoundError
 from workers.settings import Settings
 from workers.store import Store
 from workers.store.codec import unpack_problem
-from workers.store.evaluations import Board, list_positions, list_responses, load_board, renew_leases
+from workers.store.evaluations import Board, count_failed, list_positions, list_responses, load_board, renew_leases
 from workers.store.jobs import LockedJob, get_problem, lock_job, save_job
 
 __all__ = ["Runtime"]
@@ -155,6 +155,8 @@ class Runtime:
         """Close a generation with all runs so far. They are final, and no transaction is open while it searches."""
         generation = due.joined.generation
         log = self.logs.setdefault(calibration, RunLog(calibration))
+        if log.failed != self.store.read(lambda connection: count_failed(connection, job_id, log.generations)):
+            log = self.logs[calibration] = RunLog(calibration)  # some were run again since, with success
         if log.generations <= generation:
             found = self.store.read(lambda c: list_positions(c, job_id, log.generations, generation))
             for number in range(log.generations, generation + 1):

@@ -14,20 +14,19 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation
 from workers.runner.child import LOG_TAIL, tail
+from workers.runner.evaluator import Limits, NeverMind
 from workers.runner.nurse import BOOTSTRAP, FORK, KILL, STATUS
 from workers.runner.processes import kill_session, memory_below
 from workers.runner.wire import Board, ConnectionEnded, Outcome, anonymous_file, receive, send, unpack_outcomes
 from workers.store.codec import pack_array
 
-__all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "Runner"]
+__all__ = ["Runner"]
 
 log = logging.getLogger(__name__)
 
@@ -38,85 +37,6 @@ LARGEST_OUTPUT = 16 * 2**20  # bytes
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 """Environment of a process that evaluates: one numerical thread, as there is one worker a core."""
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Wall time [s] and memory [MiB] that one evaluation may use; None: any."""
-
-    seconds: float | None = None
-    memory_mb: float | None = None
-
-
-class NeverMind(Exception):  # noqa: N818  no error
-    """An evaluation was killed on request; ``index`` is its place, and nothing came of it."""
-
-    def __init__(self, index: int) -> None:
-        self.index = index
-        super().__init__(index)
-
-
-class Evaluator(Protocol):
-    """Evaluates positions of a job."""
-
-    def start(self) -> None:
-        """Make ready; returns at once."""
-
-    def run(
-        self,
-        job_id: str,
-        calibration: Calibration,
-        positions: FloatArray,
-        limits: Limits,
-        *,
-        budget: float | None = None,
-        unwanted: Callable[[], float | None] = lambda: None,
-    ) -> Iterator[Outcome]:
-        """Evaluate positions, shape (k, d), in order, and give what comes of each.
-
-        Parameters
-        ----------
-        budget
-            No further evaluation is begun after this time [s]; the first one always is.
-        unwanted
-            How long the evaluation under way may still take [s], None: it is wanted. No other is begun.
-
-        Raises
-        ------
-        NeverMind
-            When an unwanted evaluation was killed; those before it were given.
-        """
-
-    def close(self) -> None:
-        """End what was started."""
-
-
-class InlineEvaluator:
-    """Evaluates in this very process: for debugging. Nothing is limited, an unwanted evaluation is finished."""
-
-    def start(self) -> None:
-        """Do nothing."""
-
-    def run(
-        self,
-        job_id: str,  # noqa: ARG002  the protocol of all evaluators
-        calibration: Calibration,
-        positions: FloatArray,
-        limits: Limits,  # noqa: ARG002
-        *,
-        budget: float | None = None,
-        unwanted: Callable[[], float | None] = lambda: None,
-    ) -> Iterator[Outcome]:
-        """Evaluate positions in order."""
-        started = time.monotonic()
-        for index, position in enumerate(positions):
-            began = time.monotonic()
-            if index > 0 and ((budget is not None and began - started > budget) or unwanted() is not None):
-                return
-            yield Outcome(calibration.evaluate(position), None, began, time.monotonic())
-
-    def close(self) -> None:
-        """Do nothing."""
 
 
 class Runner:
@@ -274,14 +194,16 @@ class Runner:
                 raise NeverMind(max(index, 0))
             if limits.seconds is not None and now - since > limits.seconds:
                 self._kill()
-                message = f"ran for longer than limits.seconds_per_evaluation = {limits.seconds:g} s and was killed"
+                message = f"ran for longer than {limits.seconds:g} s (limits.seconds_per_evaluation) and was killed"
                 raise _EndedError("timeout", message, (index, since), tail(self._output))
             if limits.memory_mb is not None and now - self._memory_at > MEMORY_SECONDS:
                 self._memory_at = now
                 used = self._memory_used()
                 if used > limits.memory_mb:
                     self._kill()
-                    message = f"used {used:.0f} MiB, more than limits.memory_mb = {limits.memory_mb:g}, and was killed"
+                    message = (
+                        f"used {used:.0f} MiB, more than {limits.memory_mb:g} MiB (limits.memory_mb), and was killed"
+                    )
                     raise _EndedError("killed_memory", message, (index, since), tail(self._output))
             self._shorten_output()
 

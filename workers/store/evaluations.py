@@ -6,7 +6,20 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, and_, bindparam, delete, exists, insert, select, tuple_, update
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    and_,
+    bindparam,
+    delete,
+    exists,
+    func,
+    insert,
+    select,
+    text,
+    tuple_,
+    update,
+)
 
 from solver.arrays import FloatArray
 from workers.coordinator.evaluation import EvaluationStatus
@@ -18,6 +31,7 @@ from workers.store.tables import attempts, evaluations, jobs
 __all__ = [
     "Board",
     "Cell",
+    "count_failed",
     "get_evaluation",
     "list_attempts",
     "list_positions",
@@ -259,6 +273,14 @@ def overdue(connection: Connection, lost_workers: Sequence[str]) -> Sequence[Rec
         late = late | evaluations.c.worker.in_(lost_workers)
     condition = and_(evaluations.c.state == "running", late)
     return connection.execute(select(evaluations.c.job_id, evaluations.c.generation).where(condition).distinct()).all()
+
+
+def count_failed(connection: Connection, job_id: str, before: int) -> int:
+    """Return how many evaluations of the generations before this one have failed."""
+    failed = and_(
+        evaluations.c.job_id == job_id, text("evaluations.state = 'failed'"), evaluations.c.generation < before
+    )
+    return connection.scalar(select(func.count()).where(failed)) or 0
 
 
 def list_positions(

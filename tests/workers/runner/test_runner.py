@@ -16,8 +16,9 @@ from solver.calibration import Calibration
 from solver.problem import parse_problem
 from tests.integration.engines import process_exists, wait_for
 from tests.workers.problems import calibration, line
+from workers.runner.evaluator import Limits, NeverMind
 from workers.runner.processes import descendants
-from workers.runner.runner import Limits, NeverMind, Runner
+from workers.runner.runner import Runner
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 
@@ -89,7 +90,7 @@ def test_what_never_ends_is_killed_as_a_whole_and_the_others_go_on(
     outcomes = list(runner.run("job", made, positions(-1, -2, 1, -3), Limits(seconds=1.0)))
     took = time.monotonic() - began
     assert [o.evaluation.reason for o in outcomes] == [None, None, "timeout", None]
-    assert outcomes[2].evaluation.message == ("ran for longer than limits.seconds_per_evaluation = 1 s and was killed")
+    assert outcomes[2].evaluation.message == ("ran for longer than 1 s (limits.seconds_per_evaluation) and was killed")
     assert 1.0 < took < 3.0
     assert len(noted(notes)) == {"for_ever": 1, "fork": 4, "chatter": 0}[behaviour]
     assert not any(process_exists(pid) for pid in noted(notes))
@@ -106,7 +107,7 @@ def test_what_eats_memory_is_killed(runner: Runner, tmp_path: Path) -> None:
     assert time.monotonic() - began < 5.0
     assert (bad.evaluation.reason, good.evaluation.reason) == ("killed_memory", None)
     assert bad.evaluation.message is not None
-    assert "more than limits.memory_mb = 200" in bad.evaluation.message
+    assert "more than 200 MiB (limits.memory_mb)" in bad.evaluation.message
     assert not any(process_exists(pid) for pid in noted(tmp_path / "pids"))
 
 

@@ -1,0 +1,54 @@
+"""Test runs of problems that are not jobs: in a process of their own, within limits."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+
+from tests.api.conftest import API, App, line_problem
+from workers.doorbell import MuteDoorbell
+from workers.service import JobService
+from workers.settings import Settings
+from workers.store import Store
+
+pytestmark = pytest.mark.usefixtures("misbehaving_models")
+
+
+def misbehaving(behaviour: str, **changes: Any) -> dict[str, Any]:
+    return line_problem(
+        forward_model={"kind": "misbehaving", "behaviour": behaviour, "above": -2},
+        parameters={"slope": {"lower": -1, "upper": 1}},
+        **changes,
+    )
+
+
+def test_a_run_that_hangs_is_ended_and_the_next_one_is_made(app: App) -> None:
+    hanging = misbehaving("for_ever", limits={"seconds_per_evaluation": 0.5})
+    run = app.post(f"{API}/problems/check", json=hanging).json()["test_run"]
+    assert (run["state"], run["reason"]) == ("failed", "timeout")
+    assert "longer than 0.5 s" in run["message"]
+    answer = app.post(f"{API}/problems/check", json=line_problem()).json()
+    assert answer["test_run"]["state"] == "finished"
+    assert answer["planned_evaluations"] == 60
+
+
+def test_a_run_that_crashes_ends_no_more_than_itself(app: App) -> None:
+    run = app.post(f"{API}/problems/check", json=misbehaving("crash")).json()["test_run"]
+    assert (run["state"], run["reason"]) == ("failed", "worker_lost")
+    assert "SIGSEGV" in run["message"]
+    assert app.get("/health/live").status_code == 200
+
+
+def test_the_service_has_a_limit_of_its_own(settings: Settings) -> None:
+    impatient = settings.model_copy(update={"check_seconds": 0.5})
+    service = JobService(Store(impatient), MuteDoorbell(), impatient)
+    app = App(service)
+    assert app.post(f"{API}/problems/check", json=line_problem()).json()["test_run"]["state"] == "finished"
+    began = time.monotonic()
+    run = app.post(f"{API}/problems/check", json=misbehaving("for_ever")).json()["test_run"]
+    assert run["reason"] == "timeout"
+    assert time.monotonic() - began < 20  # it would hang for ever
+    service.close()
+    service.store.close()

@@ -1,0 +1,72 @@
+"""A search that learns from stored runs, and failures that are run again while it is paused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from solver.problem import Problem, parse_problem
+from tests.workers.conftest import MakeWorker
+from tests.workers.problems import recorded_history
+from workers.coordinator.work import Exchange
+from workers.service import JobService
+from workers.worker import Worker
+
+pytestmark = pytest.mark.usefixtures("misbehaving_models")
+
+
+def failing_at_first(cured: Path) -> Problem:
+    return parse_problem(
+        {
+            "name": "cured in between",
+            "forward_model": {"kind": "misbehaving", "behaviour": "diverge", "above": 0.2, "cured": str(cured)},
+            "parameters": {"slope": {"lower": -1, "upper": 1}},
+            "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0.3, 0.1, 1.4]}}],
+            "method": {"kind": "particle_swarm", "particles": 4, "acceleration": "response_surface"},
+            "stopping": {"max_evaluations": 60},
+            "seed": 5,
+        }
+    )
+
+
+def pausing(service: JobService, worker: Worker, job: str) -> Callable[..., Exchange]:
+    """The exchange of a worker whose job is paused when its fifth generation is complete."""
+    exchange = worker.runtime.exchange
+
+    def then_pause(*given: Any, **named: Any) -> Exchange:
+        answer = exchange(*given, **named)
+        if service.get(job).generations == 5 and service.get(job).state == "running":
+            service.pause(job)
+        return answer
+
+    return then_pause
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_who_has_seen_the_failures_goes_on_like_who_has_not(
+    service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    histories = []
+    for newcomer in (False, True):
+        cured = tmp_path / f"cured {newcomer}"
+        job = service.submit(failing_at_first(cured))[0].id
+        worker = make_worker()
+        with monkeypatch.context() as watching:
+            watching.setattr(worker.runtime, "exchange", pausing(service, worker, job))
+            worker.serve(job)
+        assert service.get(job).state == "paused"
+        assert service.get(job).failed_evaluations > 0
+        cured.touch()
+        service.retry_failed(job)
+        worker.serve(job)
+        assert service.get(job).failed_evaluations == 0
+        service.resume(job)
+        worker = make_worker() if newcomer else worker
+        worker.serve(job)
+        assert service.get(job).state == "finished"
+        histories.append(recorded_history(service, job))
+    assert len(histories[0]) == 60
+    assert histories[0] == histories[1]

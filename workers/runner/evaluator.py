@@ -1,0 +1,109 @@
+"""What evaluates positions for a worker, and the limits that it keeps."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration
+from solver.problem import Problem
+from workers.runner.wire import Outcome
+from workers.settings import Settings
+
+__all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "limits_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Wall time [s] and memory [MiB] that one evaluation may use; None: any."""
+
+    seconds: float | None = None
+    memory_mb: float | None = None
+
+    def within(self, seconds: float | None, memory_mb: float | None = None) -> Limits:
+        """Return these limits where they are tighter than the given ones, else those."""
+        return Limits(_least(self.seconds, seconds), _least(self.memory_mb, memory_mb))
+
+
+class NeverMind(Exception):  # noqa: N818  no error
+    """An evaluation was killed on request; ``index`` is its place, and nothing came of it."""
+
+    def __init__(self, index: int) -> None:
+        self.index = index
+        super().__init__(index)
+
+
+class Evaluator(Protocol):
+    """Evaluates positions of a job."""
+
+    def start(self) -> None:
+        """Make ready; returns at once."""
+
+    def run(
+        self,
+        job_id: str,
+        calibration: Calibration,
+        positions: FloatArray,
+        limits: Limits,
+        *,
+        budget: float | None = None,
+        unwanted: Callable[[], float | None] = lambda: None,
+    ) -> Iterator[Outcome]:
+        """Evaluate positions, shape (k, d), in order, and give what comes of each.
+
+        Parameters
+        ----------
+        budget
+            No further evaluation is begun after this time [s]; the first one always is.
+        unwanted
+            How long the evaluation under way may still take [s], None: it is wanted. No other is begun.
+
+        Raises
+        ------
+        NeverMind
+            When an unwanted evaluation was killed; those before it were given.
+        """
+
+    def close(self) -> None:
+        """End what was started."""
+
+
+class InlineEvaluator:
+    """Evaluates in this very process: for debugging. Nothing is limited, an unwanted evaluation is finished."""
+
+    def start(self) -> None:
+        """Do nothing."""
+
+    def run(
+        self,
+        job_id: str,  # noqa: ARG002  the protocol of all evaluators
+        calibration: Calibration,
+        positions: FloatArray,
+        limits: Limits,  # noqa: ARG002
+        *,
+        budget: float | None = None,
+        unwanted: Callable[[], float | None] = lambda: None,
+    ) -> Iterator[Outcome]:
+        """Evaluate positions in order."""
+        started = time.monotonic()
+        for index, position in enumerate(positions):
+            began = time.monotonic()
+            if index > 0 and ((budget is not None and began - started > budget) or unwanted() is not None):
+                return
+            yield Outcome(calibration.evaluate(position), None, began, time.monotonic())
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+def limits_of(problem: Problem, settings: Settings) -> Limits:
+    """Return the limits of a problem, and of these workers where they are tighter."""
+    asked = Limits(problem.limits.seconds_per_evaluation, problem.limits.memory_mb)
+    return asked.within(settings.evaluation_seconds, settings.evaluation_memory_mb)
+
+
+def _least(*limits: float | None) -> float | None:
+    return min((limit for limit in limits if limit is not None), default=None)

@@ -1,0 +1,51 @@
+"""Test runs of problems that are not jobs yet, outside the process that was asked for them."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation
+from solver.check import CheckReport, check_problem
+from solver.problem import Problem
+from workers.runner.evaluator import Evaluator, InlineEvaluator, limits_of
+from workers.runner.runner import Runner
+from workers.settings import Settings
+
+__all__ = ["TrialBench"]
+
+
+class TrialBench:
+    """Makes one test run at a time, in an evaluation process that the limits of a worker hold for.
+
+    Safe to use from several threads. The process is started by the first test run and stays for the next.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._lock = threading.Lock()
+        self._evaluator: Evaluator | None = None
+        self._number = 0
+
+    def check(self, problem: Problem) -> CheckReport:
+        """Make a test run and estimate the cost of a problem; see :func:`solver.check.check_problem`."""
+        with self._lock:
+            self._number += 1
+            return check_problem(problem, self._evaluate)
+
+    def close(self) -> None:
+        """End the evaluation process."""
+        with self._lock:
+            if self._evaluator is not None:
+                self._evaluator.close()
+            self._evaluator = None
+
+    def _evaluate(self, calibration: Calibration, position: FloatArray) -> Evaluation:
+        if self._evaluator is None:
+            self._evaluator = Runner() if self._settings.isolate else InlineEvaluator()
+            self._evaluator.start()
+        limits = limits_of(calibration.problem, self._settings).within(self._settings.check_seconds)
+        (outcome,) = self._evaluator.run(f"test run {self._number}", calibration, position[np.newaxis], limits)
+        return outcome.evaluation
