@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from solver.forward.registry import AnyForwardModelSpec
@@ -43,9 +43,9 @@ class FreeSection(_Section):
 
     lower: float = Field(description="lowest value, in the parameter's unit")
     upper: float = Field(description="highest value")
-    integer: bool = Field(False, description="takes whole numbers only, as do its bounds")
     scale: Scale = Field("linear", description="log: the search runs over the logarithm; both bounds above 0")
     initial: float | None = Field(None, description="estimate to start from; the first particle of the swarm")
+    integer: bool = Field(False, description="takes whole numbers only, as do its bounds")
 
 
 class FixedSection(_Section):
@@ -111,11 +111,17 @@ class ObservationSection(_Section):
         return self
 
 
+Particles: TypeAlias = Annotated[
+    Annotated[int, Field(ge=2, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
+    Discriminator(lambda value: "auto" if isinstance(value, str) else "number"),
+]
+
+
 class ParticleSwarmMethod(_Section):
     """Particle swarm: generations of particles, each evaluated in parallel."""
 
     kind: Literal["particle_swarm"] = "particle_swarm"
-    particles: Annotated[int, Field(ge=2, le=1000)] | Literal["auto"] = Field(
+    particles: Particles = Field(
         10,
         description="particles in a generation; auto: chosen once, at the start, from the evaluations that can run at "
         "once then (a multiple of them, at least 8)",
