@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation
@@ -140,6 +141,60 @@ def oscillation() -> dict[str, Any]:
     return curve("a * sin(w * x + p) * exp(-0.05 * x)", free, truth, np.linspace(0, 8, 40), 0.05)
 
 
+def slope_surrogate() -> tuple[dict[str, Any], float]:
+    """A stand-in for the creeping slope, until a finite-element model is there, and 1.05 times its least objective.
+
+    Not the published section: an infinite slope at six points, with the published bounds, made-up geometry, and
+    data made from the published identified values plus 2 mm of scatter. A creeping layer (thickness ``t``,
+    inclination ``beta``) flows by an associated Cam clay rule at the mobilised ratio ``m`` of strengths, which
+    makes phi and mu* compensate each other as published; its creep rate falls with an age that grows with (lambda*
+    - kappa*) / mu*; the cover on it is elastic (G).
+    """
+    t, beta = "(3 + 0.8 * sin(2 * x))", "((6.2 + 0.2 * x) * pi / 180)"
+    m = f"(tan({beta}) / tan(phi * pi / 180))"
+    creep = f"{t} * mu_star * ln(1 + 3 / (33 + 1.05**((lambda_star - kappa_star) / mu_star)))"
+    along = f"{creep} * 2 * {m} / (1 - {m}**2) + 40 * (1 + 0.1 * x) / G"
+    down = f"{creep} + 0.12 * ({along}) + {t} * kappa_star * 0.01 * (1 + 0.2 * x)"
+    free = {
+        "lambda_star": log(0.01, 2),
+        "kappa_star": log(0.005, 1),
+        "mu_star": log(0.001, 1.5),
+        "phi": linear(8, 16),
+        "G": log(200, 20000),
+    }
+    truth = {"lambda_star": 1.42, "kappa_star": 0.60, "mu_star": 0.145, "phi": 10.7, "G": 5160.0}
+    x = np.arange(1.0, 7.0)
+    document: dict[str, Any] = {
+        "forward_model": {"kind": "formula", "series": {"along": along, "down": down}},
+        "parameters": free,
+        "constraints": ["lambda_star > kappa_star"],
+        "observations": [{"series": name, "points": {"x": x.tolist(), "y": [0.0] * 6}} for name in ("along", "down")],
+        "stopping": {"max_evaluations": 1590},
+    }
+    exact = Calibration(parse_problem(document), 1).evaluate_values(truth).responses
+    random = np.random.default_rng(3)
+    for observation in document["observations"]:
+        scatter = 0.002 * random.standard_normal(6)
+        observation["points"]["y"] = (exact[observation["series"]] + scatter).tolist()
+    return document, 1.05 * least_objective(document, truth)
+
+
+def least_objective(document: dict[str, Any], near: dict[str, float]) -> float:
+    """The least objective in a valley, by least squares from points in it."""
+    calibration = Calibration(parse_problem(document), 1)
+    space = calibration.space
+    lower, width = space.search_lower, space.search_upper - space.search_lower
+    start = (space.to_search(np.array([near[name] for name in space.names])) - lower) / width
+    random = np.random.default_rng(0)
+
+    def residuals(unit: FloatArray) -> FloatArray:
+        natural = space.to_natural(lower + unit * width)
+        return calibration.objective.weighted_residuals(calibration.evaluate(natural).responses)
+
+    starts = [start, *np.clip(start + 0.1 * random.standard_normal((20, start.size)), 0.01, 0.99)]
+    return min(2.0 * least_squares(residuals, u, bounds=(0, 1), xtol=1e-12, ftol=1e-12).cost for u in starts)
+
+
 def combined() -> dict[str, Any]:
     return example("combined")
 
@@ -155,6 +210,7 @@ PROBLEMS: dict[str, Callable[[], Task]] = {
     "combined": lambda: Task("combined", combined(), 2.4e-8),
     "oedometer, 5 free": lambda: Task("oedometer, 5 free", oedometer_five(), 5e-9),
     "5 correlated": lambda: Task("5 correlated", exponentials(), 2e-4),
+    "slope, surrogate": lambda: Task("slope, surrogate", *slope_surrogate()),
     "rough": lambda: Task("rough", example("oedometer"), 5e-9, rough=2e-6),
     "biased": lambda: Task("biased", example("oedometer"), 2e-8, bias=0.08),
     "20 % failing": lambda: Task("20 % failing", example("oedometer"), 5e-9, failing=0.2),
