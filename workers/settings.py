@@ -61,8 +61,9 @@ class Settings(BaseModel):
         After this time [s] a worker lets other jobs in.
     chunk_seconds
         A worker hands in what it has at least this often [s], as long as single evaluations allow it.
-    cheap_seconds
-        Evaluations that typically take less [s] go out in chunks, others one by one.
+    cheap_seconds, single_seconds
+        Evaluations that typically take less than the first [s] go out in one chunk a worker, those that take longer
+        than the second one by one, those between in chunks that get smaller.
     burst_seconds
         Generations that take less in total [s] are run several at a time inside one worker; 0 turns that off.
     watch_seconds
@@ -103,6 +104,7 @@ class Settings(BaseModel):
     slice_seconds: float = Field(1.0, gt=0)
     chunk_seconds: float = Field(0.25, gt=0)
     cheap_seconds: float = Field(0.05, ge=0)
+    single_seconds: float = Field(1.0, ge=0)
     burst_seconds: float = Field(0.02, ge=0)
     watch_seconds: float = Field(0.5, gt=0)
     pause_seconds: float = Field(1.0, ge=0)

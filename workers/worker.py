@@ -25,7 +25,7 @@ from workers.slots import Slots
 from workers.store import Store
 from workers.store.codec import unpack_problem
 from workers.store.database import Record
-from workers.store.jobs import get_problem
+from workers.store.jobs import current_generation, get_problem
 from workers.store.line import claimable_jobs
 from workers.store.workers import busy_workers, count_live, forget_worker
 from workers.tally import tally
@@ -37,6 +37,8 @@ log = logging.getLogger(__name__)
 
 CACHED_CALIBRATIONS = 32
 LONGEST_WAIT_SECONDS = 2.0
+SHORTEST_LOOK, LONGEST_LOOK = 0.002, 0.02  # between two looks for the next generation [s]
+PATIENCE_SECONDS = 0.05
 
 
 @dataclass(slots=True)
@@ -164,9 +166,26 @@ class Worker:
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
                 hand_in = self._run(claim, calibration)
             answer = self._exchange(job_id, calibration, hand_in, until)
+            if answer.waiting is not None and self._generation_ends(claim, answer.waiting, until):
+                answer = self._exchange(job_id, calibration, HandIn(), until)
             self.heart.claim = answer.claim
         if answer.left:
             self.doorbell.ring(job_id, kind=_kind(calibration))
+
+    def _generation_ends(self, claim: Claim, typical: float, until: float) -> bool:
+        """Wait for the others to end a generation, if nothing else is to be done and it cannot take long.
+
+        A ring through the broker would come later than a look at the database.
+        """
+        pause = min(max(0.05 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        patience = min(until, time.monotonic() + max(3.0 * typical, PATIENCE_SECONDS))
+        while time.monotonic() < patience and self.heart.unwanted() is None:
+            if self.store.read(lambda connection: current_generation(connection, claim.job_id)) != claim.generation:
+                return True
+            if self.most_urgent() is not None:
+                return False
+            self.stopping.wait(pause)
+        return False
 
     def _exchange(
         self, job_id: str, calibration: Calibration, hand_in: HandIn, until: float, *, taken_up: bool = False

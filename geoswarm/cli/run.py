@@ -41,8 +41,11 @@ def run_command(problem: Path, workers: int, output: Path | None, seed: int | No
     """
     from solver.local import calibrate
     from solver.problem import load_problem
+    from solver.problem.running import Limits
 
     loaded = load_problem(problem)
+    if loaded.limits != Limits():
+        click.echo("note: limits hold in the service only; here a run that hangs must be ended by hand", err=True)
     if output is not None:
         _make_folder(output)
     with _reporting(loaded) as on_generation:

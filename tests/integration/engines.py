@@ -26,6 +26,7 @@ STEADY: dict[str, Any] = {
     "slice_seconds": 0.3,
     "burst_seconds": 0.0,
     "cheap_seconds": 0.0,
+    "single_seconds": 0.0,
 }
 # Some 1.5 ms an evaluation: the job takes seconds on any machine.
 _X = [0.006 * i for i in range(500)]

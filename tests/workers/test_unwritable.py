@@ -132,7 +132,9 @@ def test_nothing_is_lost_and_work_goes_on_by_itself(
 ) -> None:
     problem = line(stopping={"max_evaluations": 900})
     expected = expected_history(problem)
-    with working(store, settings.model_copy(update={"burst_seconds": 0.0, "cheap_seconds": 0.0})):
+    with working(
+        store, settings.model_copy(update={"burst_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0})
+    ):
         job_id = service.submit(problem)[0].id
         wait_until(lambda: service.get(job_id).evaluations > 20)
         switch.turn(True)

@@ -19,7 +19,13 @@ from workers.store.tables import jobs
 def test_a_burst_and_single_steps_give_the_same_history(service: JobService, make_worker: MakeWorker) -> None:
     problem = line()
     expected = expected_history(problem)
-    for changes in ({}, {"burst_seconds": 0.0}, {"burst_seconds": 0.0, "cheap_seconds": 0.0}, {"chunk_seconds": 1e-4}):
+    for changes in (
+        {},
+        {"burst_seconds": 0.0},
+        {"burst_seconds": 0.0, "cheap_seconds": 0.0},
+        {"burst_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0},
+        {"chunk_seconds": 1e-4},
+    ):
         job_id = service.submit(problem)[0].id
         worker = make_worker(**changes)
         worker.serve(job_id)

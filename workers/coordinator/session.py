@@ -66,7 +66,7 @@ class Session:
         live_workers: int,
     ) -> None:
         self.settings = settings
-        self.sizing = Sizing(settings.cheap_seconds, settings.burst_seconds)
+        self.sizing = Sizing(settings.cheap_seconds, settings.burst_seconds, settings.single_seconds)
         self.log = log
         self.connection = connection
         self.locked = locked
@@ -236,7 +236,8 @@ class Session:
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
             measured = [cell.values["seconds"] for cell in board.cells if cell.status.state == "finished"]
             self.typical = statistics.median(measured) if len(measured) >= ENOUGH_MEASURED else None
-        chunk = self.sizing.chunk(self.typical, particles, self.live_workers)
+        left = sum(cell.status.state == "pending" for cell in board.cells)
+        chunk = self.sizing.chunk(self.typical, particles, left, self.live_workers)
         claimed = self._choose(board, chunk) if want else []
         left = sum(cell.status.state == "pending" for cell in board.cells)
         if want and not claimed and not left:
@@ -247,7 +248,9 @@ class Session:
             note_served(self.connection, self.locked.id)
         # Who dispatches wakes as many as there are chunks; who only comes to help wakes one more.
         rings = min(-(-left // chunk), self.live_workers - 1) if dispatched else int(taken_up and left > 0)
-        return Exchange(claim, rings=max(rings, 0), left=left > 0)
+        short = self.typical is not None and self.typical <= self.settings.single_seconds
+        waiting = self.typical if want and claim is None and short else None
+        return Exchange(claim, rings=max(rings, 0), left=left > 0, waiting=waiting)
 
     def _choose(self, board: Board, chunk: int) -> list[Cell]:
         chosen: list[Cell] = []

@@ -92,12 +92,16 @@ class Exchange:
         The job has not started: its generation 0 must be asked for first.
     left
         Something is left for others.
+    waiting
+        Others are at the rest of the generation, and each evaluation typically takes so long [s]; None: it is not
+        known, or it takes too long for waiting to be worth it.
     """
 
     claim: Claim | None = None
     rings: int = 0
     queued: bool = False
     left: bool = False
+    waiting: float | None = None
 
 
 def joined(evaluations: Sequence[Evaluation]) -> list[Joined]:
@@ -109,12 +113,14 @@ def joined(evaluations: Sequence[Evaluation]) -> list[Joined]:
 class Sizing:
     """How many evaluations a worker takes at once.
 
-    Cheap ones go in as many chunks as there are workers, expensive or unknown ones singly, and generations that cost
-    less than handing them out stay whole in one worker.
+    Cheap ones go in as many chunks as there are workers, those that cost a little more in chunks that get smaller
+    towards the end of the generation (half of an even share of what is left, so that no worker ends late), expensive or
+    unknown ones singly, and generations that cost less than handing them out stay whole in one worker.
     """
 
     cheap_seconds: float
     burst_seconds: float
+    single_seconds: float
 
     def burst(self, typical_seconds: float | None, particles: int) -> bool:
         """Whether whole generations are to stay in one worker."""
@@ -123,8 +129,11 @@ class Sizing:
         longest = self.burst_seconds * (LONG_BURST if typical_seconds < HANDING_OUT_SECONDS else 1.0)
         return typical_seconds * particles < longest
 
-    def chunk(self, typical_seconds: float | None, particles: int, live_workers: int) -> int:
-        """Return the number of evaluations that go out together."""
-        if typical_seconds is None or typical_seconds > self.cheap_seconds:
+    def chunk(self, typical_seconds: float | None, particles: int, left: int, live_workers: int) -> int:
+        """Return the number of evaluations that go out together, ``left`` of all particles not being begun yet."""
+        workers = max(live_workers, 1)
+        if typical_seconds is None or typical_seconds > self.single_seconds:
             return 1
-        return particles if self.burst(typical_seconds, particles) else -(-particles // max(live_workers, 1))
+        if typical_seconds > self.cheap_seconds:
+            return max(1, -(-left // (2 * workers)))
+        return particles if self.burst(typical_seconds, particles) else -(-particles // workers)

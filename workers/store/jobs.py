@@ -35,6 +35,7 @@ __all__ = [
     "LockedJob",
     "account_running_time",
     "clocks_overdue",
+    "current_generation",
     "delete_evaluations",
     "delete_job",
     "ended_before",
@@ -230,6 +231,13 @@ def get_job(connection: Connection, job_id: str) -> Record | None:
     """Return what a view shows of a job, with the time ``now``."""
     statement = select(*VIEW_COLUMNS, database_now().label("now")).where(jobs.c.id == job_id)
     return connection.execute(statement).one_or_none()
+
+
+def current_generation(connection: Connection, job_id: str) -> int | None:
+    """Return the number of the generation that a running job is at, None when there is no such job."""
+    running = and_(jobs.c.id == job_id, jobs.c.state == "running")
+    number: int | None = connection.scalar(select(jobs.c.generation).where(running))
+    return number
 
 
 def get_problem(connection: Connection, job_id: str) -> Record | None:

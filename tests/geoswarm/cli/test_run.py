@@ -35,6 +35,15 @@ def test_json_has_exactly_the_agreed_keys(tmp_path: Path, capsys: pytest.Capture
     assert document["seed"] == 11
 
 
+def test_limits_that_cannot_be_kept_are_not_ignored_silently(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", write(tmp_path, limits={"seconds_per_evaluation": 5}), "--json"]) == 0
+    captured = capsys.readouterr()
+    assert "limits hold in the service only" in captured.err
+    assert json.loads(captured.out)["state"] == "finished"
+
+
 def test_number_of_workers_and_seed_do_what_they_say(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = write(tmp_path)
     outcomes = []

@@ -1,0 +1,188 @@
+"""What the engine costs: real service, Redis and PostgreSQL against ideal, a bare pool and the run in process.
+
+    python benchmarks/engine.py [--rounds 5] [--samples 100000]
+
+1. Forward runs that sleep 100 ms, 10 particles, 2 workers: share of the ideal speed.
+2. Forward runs that compute for 100 ms: the same against a bare process pool that makes these runs.
+3. The published oedometer with 1590 evaluations over HTTP, Redis and PostgreSQL, against the run in process.
+4. Monte Carlo with the isotropic test: evaluations stored per second, and memory.
+
+All methods of a round run one after the other; medians and ratios are over the rounds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import secrets
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+MODELS = ROOT / "tests" / "models"
+sys.path[:0] = [str(ROOT), str(MODELS)]
+os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(MODELS)])
+os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+
+from geoswarm import Client  # noqa: E402
+from solver.calibration import Calibration  # noqa: E402
+from solver.local import calibrate  # noqa: E402
+from solver.problem import load_problem, parse_problem  # noqa: E402
+from tests.servers import PostgresServer, RedisServer, free_port  # noqa: E402
+from workers.runner.processes import memory_below  # noqa: E402
+
+WORKERS, PARTICLES, GENERATIONS, SECONDS = 2, 10, 10, 0.1
+OEDOMETER = ROOT / "examples" / "oedometer" / "problem.yaml"
+ISOTROPIC = ROOT / "examples" / "isotropic_compression" / "problem.yaml"
+KEY = secrets.token_hex(16)
+
+
+def slow_problem(behaviour: str) -> dict[str, Any]:
+    """A swarm on a forward model that takes 100 ms."""
+    return {
+        "name": behaviour,
+        "forward_model": {"kind": "misbehaving", "behaviour": behaviour, "seconds": SECONDS, "above": -2.0},
+        "parameters": {"slope": {"lower": -1, "upper": 1}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 0.5, 1]}}],
+        "method": {"kind": "particle_swarm", "particles": PARTICLES},
+        "stopping": {"max_evaluations": PARTICLES * GENERATIONS},
+        "seed": 3,
+    }
+
+
+def oedometer() -> dict[str, Any]:
+    """The published problem with its published number of runs."""
+    document = load_problem(OEDOMETER).document() | {"stopping": {"max_evaluations": 1590}}
+    document["method"] = {"kind": "particle_swarm", "particles": 10}
+    return document
+
+
+def monte_carlo(samples: int) -> dict[str, Any]:
+    """The isotropic test, sampled."""
+    document = load_problem(ISOTROPIC).document()
+    document["method"] = {"kind": "monte_carlo", "samples": samples, "batch": 1000}
+    return document | {"stopping": {}}
+
+
+@contextmanager
+def service() -> Iterator[tuple[Client, list[int]]]:
+    """Serve on real servers with two Celery workers; give a client and the numbers of the processes."""
+    with ExitStack() as stack:
+        postgres = stack.enter_context(PostgresServer())
+        redis = stack.enter_context(RedisServer())
+        port = free_port()
+        backends = ("--database", postgres.url, "--broker", redis.url)
+        commands = [("serve", "--port", str(port)), ("worker", "--concurrency", str(WORKERS))]
+        processes = []
+        for command in commands:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "geoswarm", *command, *backends],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env=os.environ | {"GEOSWARM_API_KEY": KEY, "GEOSWARM_REQUESTS_PER_SECOND": "0"},
+            )
+            stack.callback(process.wait, 30)
+            stack.callback(process.terminate)
+            processes.append(process.pid)
+        client = stack.enter_context(Client(f"http://127.0.0.1:{port}", api_key=KEY, patience=60.0))
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline:
+            try:
+                if len(client.workers()) == WORKERS:
+                    break
+            except Exception:  # noqa: BLE001  not up yet
+                pass
+            time.sleep(0.1)
+        yield client, processes
+
+
+def served(client: Client, document: dict[str, Any]) -> float:
+    """Return the wall time [s] from submitting a job to its end, seen from outside."""
+    began = time.perf_counter()
+    job = client.wait(client.submit(document).id, timeout=600)
+    if job.state != "finished":
+        raise SystemExit(f"{job.name}: {job.state}, {job.error}")
+    return time.perf_counter() - began
+
+
+_pool_calibration: Calibration | None = None
+
+
+def _prepare(document: dict[str, Any]) -> None:
+    global _pool_calibration
+    _pool_calibration = Calibration(parse_problem(document), 3)
+    _pool_calibration.evaluate(_pool_calibration.start().positions[0])
+
+
+def _evaluate(position: Any) -> float | None:
+    if _pool_calibration is None:
+        raise RuntimeError("the pool was not prepared")
+    return _pool_calibration.evaluate(position).objective
+
+
+def bare_pool(document: dict[str, Any]) -> float:
+    """Return the wall time [s] of as many runs in generations in a process pool."""
+    calibration = Calibration(parse_problem(document), 3)
+    positions = list(calibration.start().positions)
+    with multiprocessing.get_context("fork").Pool(WORKERS, _prepare, (document,)) as pool:
+        pool.map(_evaluate, positions[:WORKERS], chunksize=1)
+        began = time.perf_counter()
+        for _ in range(GENERATIONS):
+            pool.map(_evaluate, positions, chunksize=1)
+        return time.perf_counter() - began
+
+
+def memory(pids: list[int]) -> float:
+    """Return the memory [MiB] of processes with all below them."""
+    return sum(memory_below(pid) for pid in pids)
+
+
+def line(text: str, seconds: list[float], ratio: str = "") -> None:
+    """Print a result."""
+    print(f"{text:58s} {statistics.median(seconds):8.3f} s   {ratio}", flush=True)
+
+
+def main() -> None:
+    """Measure."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--samples", type=int, default=100_000)
+    arguments = parser.parse_args()
+    print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {arguments.rounds} rounds")
+    ideal = PARTICLES * GENERATIONS * SECONDS / WORKERS
+    sleeping, computing, pool, http, inside = [], [], [], [], []
+    whole = parse_problem(oedometer())
+    calibrate(whole)
+    with service() as (client, processes):
+        for document in (slow_problem("sleep"), slow_problem("compute"), oedometer()):
+            served(client, document | {"stopping": {"max_evaluations": 2 * PARTICLES}})  # every process is warm
+        for _ in range(arguments.rounds):
+            sleeping.append(served(client, slow_problem("sleep")))
+            pool.append(bare_pool(slow_problem("compute")))
+            computing.append(served(client, slow_problem("compute")))
+            inside.append(calibrate(whole).seconds)
+            http.append(served(client, oedometer()))
+        median = statistics.median
+        line("100 runs that sleep 100 ms", sleeping, f"{100 * ideal / median(sleeping):.1f} % of ideal")
+        line("100 runs that compute 100 ms, bare pool", pool)
+        ratios = [a / b for a, b in zip(pool, computing, strict=True)]
+        line("100 runs that compute 100 ms, service", computing, f"{100 * median(ratios):.1f} % of the bare pool")
+        line("oedometer, 1590 runs, in process", inside)
+        ratios = [a / b for a, b in zip(http, inside, strict=True)]
+        line("oedometer, 1590 runs, HTTP + Redis + PostgreSQL", http, f"{median(ratios):.2f} times the run in process")
+        before = memory(processes)
+        seconds = served(client, monte_carlo(arguments.samples))
+        after = memory(processes)
+        rate = f"{arguments.samples / seconds:.0f} a second, memory {before:.0f} -> {after:.0f} MiB"
+        line(f"isotropic, {arguments.samples} samples stored", [seconds], rate)
+
+
+if __name__ == "__main__":
+    main()
