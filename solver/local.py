@@ -16,7 +16,7 @@ import numpy as np
 
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
-from solver.errors import WorkerLostError
+from solver.errors import Issue, ProblemError, WorkerLostError
 from solver.notebook import result_html
 from solver.problem import Problem, parse_problem
 from solver.problem.running import fatal_message
@@ -129,11 +129,17 @@ def calibrate(
 
     Raises
     ------
+    ProblemError
+        When the problem names jobs to start from and no ``offer`` is given.
     InfeasibleSpaceError
         When no feasible proposal is found.
     WorkerLostError
         When a worker process dies.
     """
+    if problem.warm_start and offer is None:
+        raise ProblemError(
+            [Issue("warm_start.jobs", "only the service knows its jobs; here runs are given as an offer")]
+        )
     seed = choose_seed(problem.seed if seed is None else seed)
     calibration = Calibration(problem, seed, offer)
     history: list[EvaluationRecord] = []

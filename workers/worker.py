@@ -27,6 +27,7 @@ from workers.store.codec import unpack_problem
 from workers.store.database import Record
 from workers.store.jobs import current_generation, get_problem
 from workers.store.line import claimable_jobs
+from workers.store.offers import read_offer
 from workers.store.workers import busy_workers, count_live, forget_worker
 from workers.tally import tally
 from workers.tracing import record_span, span
@@ -290,7 +291,9 @@ class Worker:
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
-        calibration = Calibration(parse_problem(unpack_problem(row.problem)), row.seed)
+        problem = parse_problem(unpack_problem(row.problem))
+        offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
+        calibration = Calibration(problem, row.seed, offer)
         self._calibrations[job_id] = calibration
         if len(self._calibrations) > CACHED_CALIBRATIONS:
             self._calibrations.popitem(last=False)

@@ -27,6 +27,7 @@ __all__ = [
     "Settings",
     "Scale",
     "Stopping",
+    "WarmStart",
 ]
 
 Scale: TypeAlias = Literal["linear", "log"]
@@ -254,6 +255,17 @@ class Settings(_Section):
     priority: int = Field(0, ge=-10, le=10, description="in the service: jobs of a higher one get more of the workers")
 
 
+class WarmStart(_Section):
+    """Earlier runs to learn from."""
+
+    jobs: list[str] = Field(
+        min_length=1,
+        max_length=20,
+        description="ids of jobs of the service with the same forward model; their runs are offered to the search "
+        "(`geoswarm run --warm-start DIR` offers those of a folder)",
+    )
+
+
 class ProblemFile(Settings):
     """A calibration problem: what to calculate, what to identify, what was measured, how to search and when to stop."""
 
@@ -264,3 +276,4 @@ class ProblemFile(Settings):
     stopping: Stopping = Field(default=Stopping(), description="when to stop; a particle swarm needs one criterion")
     limits: Limits = Field(default=Limits(), description="what one evaluation may use, in the service")
     failures: Failures = Field(default=Failures(), description="what happens when an evaluation fails")
+    warm_start: WarmStart | None = Field(None, description="earlier runs that an accelerated swarm learns from")
