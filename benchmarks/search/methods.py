@@ -17,6 +17,7 @@ __all__ = ["METHODS", "Outcome"]
 
 LIMIT = 1590  # evaluations, the paper's number
 PARTICLES = 10
+MOST_REFUSED = 20 * LIMIT  # infeasible points that a library may ask for
 FAILED = 1e6  # objective that a library gets for a failed or infeasible point, in targets
 
 
@@ -40,6 +41,7 @@ class Counter:
 
     def __init__(self, task: Task, *, sequential: bool = False) -> None:
         self.task, self.evaluations, self.solved, self.sequential = task, 0, False, sequential
+        self.refused = 0
         self.spent, self.began = 0.0, time.process_time()
 
     def residuals(self, unit: FloatArray) -> FloatArray:
@@ -47,6 +49,9 @@ class Counter:
         bad = np.full(1 if self.task.scalar else self.task.outputs, 0.0)
         bad[0] = np.sqrt(FAILED * self.task.target)
         if not self.task.feasible(unit):
+            self.refused += 1
+            if self.refused > MOST_REFUSED:
+                raise SolvedError
             return bad
         if self.evaluations >= LIMIT:
             raise SolvedError

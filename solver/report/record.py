@@ -127,4 +127,5 @@ def method_in_words(problem: Problem) -> str:
     if isinstance(method, MonteCarloMethod):
         return f"Monte Carlo sampling ({method.sampling.replace('_', ' ')}), {method.samples} samples"
     form = method.form.replace("_", " ")
-    return f"particle swarm ({form}, {method.topology}), {method.particles} particles"
+    count = "as many particles as workers suggested" if method.particles == "auto" else f"{method.particles} particles"
+    return f"particle swarm ({form}, {method.topology}), {count}"

@@ -16,6 +16,7 @@ from tests.solver.problems import decay_document
 from tests.workers.conftest import MakeWorker
 from workers.access import Principal
 from workers.service import JobService
+from workers.store.workers import see_worker
 
 AIMED = {"kind": "particle_swarm", "particles": 6}
 
@@ -95,11 +96,13 @@ def test_an_automatic_generation_has_the_size_that_was_recorded(service: JobServ
     method = {"kind": "particle_swarm", "particles": "auto"}
     problem = parse_problem(document(method=method))
     job = service.submit(problem)[0].id
-    crew = [make_worker() for _ in range(3)]
+    crew = [make_worker() for _ in range(4)]
+    for worker in crew[:3]:
+        service.store.write(lambda connection, worker=worker: see_worker(connection, worker.identity))  # type: ignore[misc]
     crew[0].serve(job)
+    service.store.write(lambda connection: see_worker(connection, crew[3].identity))  # changes nothing any more
     while service.get(job).state == "running":
-        crew[-1].serve(job)
-        crew = crew[:1] + [make_worker()]  # more workers change nothing any more
+        crew[3].serve(job)
     sizes = [len(service.evaluations(job, generation=g).items) for g in range(service.get(job).generations)]
     assert sizes == [9] * len(sizes)
     fixed = parse_problem(document(method={"kind": "particle_swarm", "particles": 9}))
