@@ -17,7 +17,9 @@ LARGEST_RATIO = 100.0
 
 
 @click.command()
-@click.option("--results", type=click.Path(path_type=Path, exists=True), default="search-results.json")
+@click.option(
+    "--results", type=click.Path(path_type=Path, exists=True), default=Path(__file__).with_name("results.json")
+)
 @click.option("--output", type=click.Path(path_type=Path), default="docs")
 def main(results: Path, output: Path) -> None:
     """Write ``search-benchmark.md`` and ``search-profile.svg``."""
@@ -34,7 +36,7 @@ def table(known: dict[str, list[list[float]]]) -> str:
         "",
         f"Forward runs and generations until the target is reached: median and 90th percentile, {LIMIT} runs at most,",
         "unsolved ones count as more than that. Ten particles a generation; `least_squares` runs one after the other.",
-        "Own time is what a method itself takes, a generation. Written by `python -m benchmarks.search.report`.",
+        "Own time is the processor time that a method itself takes, a generation. Written by `python -m benchmarks.search.report`.",
         "",
         "| problem | method | seeds | runs, median | runs, 90 % | generations, median | 90 % | solved | own time, ms |",
         "|---|---|---|---|---|---|---|---|---|",
@@ -68,7 +70,7 @@ def profile(known: dict[str, list[list[float]]]) -> Figure:
         best[problem] = min(medians, default=np.inf)
     for method in METHODS:
         measured = [p for p in PROBLEMS if f"{p}|{method}" in known]
-        if len(measured) < len(PROBLEMS):
+        if len(measured) < len(PROBLEMS):  # an incomplete row would flatter or harm
             continue
         ratios = np.sort(
             np.concatenate(

@@ -180,4 +180,4 @@ def test_a_warm_start_takes_the_runs_of_a_folder(tmp_path: Path, capsys: pytest.
     assert main(["run", write(tmp_path, **aimed, **other), "--warm-start", str(tmp_path / "first")]) == 2
     assert "first has another forward model" in capsys.readouterr().err
     assert main(["run", write(tmp_path, **aimed), "--warm-start", str(tmp_path)]) == 2
-    assert "lacks problem.json" in capsys.readouterr().err
+    assert "lacks result.json" in capsys.readouterr().err
