@@ -32,6 +32,7 @@ from workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    NoOptimumError,
     NothingToRetryError,
     QuotaExceededError,
     StoreUnavailableError,
@@ -164,6 +165,8 @@ def translate(error: Exception) -> DetailError:
             return DetailError(409, str(error), kind="nothing-to-retry", title="No failed evaluation")
         case InvalidTransitionError():
             return DetailError(409, str(error), kind="invalid-transition", title="Not possible in this state")
+        case NoOptimumError():
+            return DetailError(409, str(error), kind="no-optimum", title="No optimum yet")
         case IdempotencyConflictError():
             return DetailError(409, str(error), kind="idempotency-conflict", title="Idempotency key already used")
         case StatisticsError():
@@ -189,6 +192,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     RequestValidationError,
     JobNotFoundError,
     InvalidTransitionError,
+    NoOptimumError,
     NothingToRetryError,
     IdempotencyConflictError,
     InvalidCursorError,

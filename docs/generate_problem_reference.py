@@ -10,6 +10,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from solver.problem.follow_ups import FOLLOW_UPS
+
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "problem-file.md"
 KINDS = ("oedometer", "isotropic_compression", "formula", "combined")
@@ -48,6 +50,14 @@ Numbers, names of parameters, `pi`, `+ - * / **`, brackets, comparisons `< <= > 
 (`1 / 0`, `ln(-1)`) makes a proposal inadmissible, and a comparison with it never holds.
 
 {functions}
+"""
+
+FOLLOW_UP = """\
+### Follow-ups
+
+The methods below evaluate more about the optimum of a job that has ended, or about the whole space between the bounds.
+`geoswarm sensitivity`, `profile` and `influence` write and submit such problems. They end by themselves; a criterion
+under `stopping` ends them earlier.
 """
 
 OBSERVATIONS = """\
@@ -161,6 +171,11 @@ def page() -> str:
         fields(definitions["ParticleSwarmMethod"], definitions),
         "### kind: monte_carlo",
         fields(definitions["MonteCarloMethod"], definitions),
+        FOLLOW_UP,
+        *(
+            f"### kind: {kind}\n\n{fields(definitions[method.__name__], definitions)}"
+            for kind, method in FOLLOW_UPS.items()
+        ),
         "## stopping",
         STOPPING,
         fields(definitions["Stopping"], definitions),

@@ -8,7 +8,11 @@
 ``objective``       misfits f'_g and objective f of the responses
 ``search``          ask / tell / snapshot: particle swarm, Monte Carlo sampling
 ``stopping``        stop criteria
+``follow_up``       from the method of a follow-up (sensitivities, profiles, designs) to its search
 ``calibration``     assembles a problem into what a search and an evaluation need
 ``local``           the in-process loop, the reference for the distributed engine
+``identifiability`` what the data can tell: verdicts, uncertainty
+``report``          figures, tables and reports
+``words``           numbers, durations and states as a reader sees them
 ==================  ==========================================================================
 """

@@ -15,7 +15,9 @@ import numpy as np
 
 from solver.arrays import FloatArray
 from solver.errors import ForwardError
+from solver.follow_up import DESIGN_COMPLETED, FollowUp
 from solver.objective import LeastSquares, ObservedSeries
+from solver.offer import Offer
 from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem, Stopping
 from solver.search import (
     MonteCarlo,
@@ -151,22 +153,6 @@ class Progress:
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
-    """Runs of earlier jobs with the same forward model that a search may learn from.
-
-    Parameters
-    ----------
-    parameters
-        Natural values of this problem's free parameters, shape (k, d).
-    responses
-        Calculated values of every observed series, k of them.
-    """
-
-    parameters: FloatArray
-    responses: Sequence[Mapping[str, FloatArray]]
-
-
-@dataclass(frozen=True, slots=True)
 class Step:
     """What follows a finished generation: with no ``stop_reasons`` the next one, ``progress.positions``, is due."""
 
@@ -217,6 +203,9 @@ class Calibration:
             if isinstance(method, MonteCarloMethod)
             else None
         )
+        self.follow_up = (
+            None if isinstance(method, ParticleSwarmMethod | MonteCarloMethod) else FollowUp(self.space, method, seed)
+        )
 
     def start(self, slots: int = 1) -> Progress:
         """Ask for generation 0.
@@ -240,6 +229,8 @@ class Calibration:
 
         Never raises for a failed forward run: the failure is in the returned evaluation.
         """
+        if self.follow_up is not None and not self.space.feasible(parameters):  # a search never asks for such
+            return Evaluation(parameters, None, {}, {}, "infeasible", "the constraints do not hold there", 0.0)
         return self.evaluate_values(self.problem.values(parameters.tolist()))
 
     def evaluate_values(self, values: Mapping[str, float]) -> Evaluation:
@@ -265,7 +256,9 @@ class Calibration:
     def accelerated(self) -> bool:
         """Whether the search learns from all runs so far: then :meth:`advance` needs them."""
         method = self.problem.method
-        return isinstance(method, ParticleSwarmMethod) and method.acceleration != "none"
+        if isinstance(method, ParticleSwarmMethod):
+            return method.acceleration != "none"
+        return self.follow_up is not None and self.follow_up.learns
 
     def advance(
         self, progress: Progress, objectives: Sequence[float | None], seconds: float, runs: Runs | None = None
@@ -304,6 +297,8 @@ class Calibration:
             reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))
         if isinstance(method, ParticleSwarmMethod) and not len(positions):
             reasons = (POLISHED, *(r for r in reasons if r != MaxEvaluations.reason))
+        elif self.follow_up is not None and len(positions) == 0:
+            reasons = (DESIGN_COMPLETED,)
         following = Progress(
             generation=search.generation,
             positions=positions,
@@ -320,14 +315,20 @@ class Calibration:
         if isinstance(method, ParticleSwarmMethod):
             initial = np.array([np.nan if p.initial is None else p.initial for p in self.problem.free])
             return ParticleSwarm(self.space, swarm_settings(method, slots), self.seed, initial, self.offered)
-        return MonteCarlo(self.space, monte_carlo_settings(self.problem, method), self.seed, self._design)
+        if isinstance(method, MonteCarloMethod):
+            return MonteCarlo(self.space, monte_carlo_settings(self.problem, method), self.seed, self._design)
+        assert self.follow_up is not None
+        return self.follow_up.search()
 
     def _restore(self, snapshot: Snapshot) -> Search:
         method = self.problem.method
         if isinstance(method, ParticleSwarmMethod):
             return ParticleSwarm.restore(self.space, swarm_settings(method), self.seed, snapshot)
-        settings = monte_carlo_settings(self.problem, method)
-        return MonteCarlo.restore(self.space, settings, self.seed, snapshot, self._design)
+        if isinstance(method, MonteCarloMethod):
+            settings = monte_carlo_settings(self.problem, method)
+            return MonteCarlo.restore(self.space, settings, self.seed, snapshot, self._design)
+        assert self.follow_up is not None
+        return self.follow_up.search(snapshot)
 
     def _positions(self, search: Search) -> FloatArray:
         positions = search.ask()

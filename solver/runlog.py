@@ -43,6 +43,7 @@ class RunLog:
 
     def __init__(self, calibration: Calibration) -> None:
         self._objective = calibration.objective
+        self._outputs = sum(observed.y.size for observed in calibration.objective.observed)
         self._offered = calibration.offered
         self._dimension = calibration.space.dimension
         self._generations: list[_Generation] = []
@@ -92,6 +93,6 @@ class RunLog:
             rows |= {i: self._rows[i] for i in own}
             if len(self._rows) > _KEPT_ROWS:
                 self._rows = {i: self._rows[i] for i in own}
-            return np.array([rows[i] for i in chosen.tolist()])
+            return np.array([rows[i] for i in chosen.tolist()]).reshape(len(chosen), self._outputs)
 
         return Runs(np.concatenate(positions), np.concatenate(objectives), residuals)

@@ -141,6 +141,8 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     ------
     StoreUnavailableError, BrokerUnavailableError
         When the database or the broker does not answer at the start.
+    SystemExit
+        With Celery's exit code when it gave up.
     """
     from workers.runner.runner import ONE_THREAD
     from workers.store import Store
@@ -167,3 +169,5 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
         quiet=True,
     )
     worker.start()
+    if worker.exitcode:  # Celery has logged an error that it cannot recover from, and returned
+        raise SystemExit(worker.exitcode)

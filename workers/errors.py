@@ -11,6 +11,7 @@
     ├── KeyNotFoundError            no API key has this id
     ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
+    ├── NoOptimumError              the job has not found yet what a follow-up begins at
     ├── StoreUnavailableError       the database does not answer, or cannot be used
     └── BrokerUnavailableError      the broker does not answer
 
@@ -27,6 +28,7 @@ __all__ = [
     "InvalidCursorError",
     "InvalidTransitionError",
     "JobNotFoundError",
+    "NoOptimumError",
     "KeyNotFoundError",
     "NothingToRetryError",
     "QuotaExceededError",
@@ -97,6 +99,10 @@ class InvalidCursorError(WorkersError):
     def __init__(self, cursor: str) -> None:
         self.cursor = cursor
         super().__init__(f"cursor {cursor[:80]!r} is not one that this listing returned in next_cursor")
+
+
+class NoOptimumError(WorkersError):
+    """The job has not found yet what a follow-up begins at: a best evaluation, or the sensitivities there."""
 
 
 class StoreUnavailableError(WorkersError):

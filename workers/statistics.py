@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from sqlalchemy import Connection
 
-from solver.identifiability import Samples, reweight
+from solver.calibration import Calibration
+from solver.identifiability import Linearisation, Samples, reweight
+from solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
+from solver.identifiability.posterior import Posterior, sample_posterior
 from solver.identifiability.weighting import Weighting
 from solver.local import GenerationRecord
 from solver.problem import Problem, parse_problem
-from solver.report import BestFit, Report, RunRecord, linearise_stored, reweighted_document
+from solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
 from workers.errors import JobNotFoundError
 from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_problem, unpack_responses
 from workers.store.evaluations import get_evaluation
+from workers.store.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
 from workers.store.listing import Filters, list_evaluations
 
 __all__ = ["StatisticsDesk", "StoredJob"]
 
 FindRow = Callable[[Connection, str], Any]
+
+KnownNoise: TypeAlias = Mapping[str, float] | float | None
 
 _ROWS = 2000
 
@@ -71,32 +77,105 @@ class StatisticsDesk:
             (*self._key(job_id), "stored"), lambda: self._store.read(lambda c: _read(c, self._find(c, job_id)))
         )
 
-    def report(self, job_id: str, *, threshold: float | None = None) -> Report:
-        """Make the report of a job.
+    def report(
+        self, job_id: str, *, threshold: float | None = None, noise: KnownNoise = None, posterior: bool = False
+    ) -> Report:
+        """Make the report of a job, with what its follow-ups have found.
 
         Parameters
         ----------
         threshold
             Objective up to which a fit is good; proposed when None.
+        noise
+            Known standard deviation of a reading, base units, one for all series or one each.
+        posterior
+            Sample the posterior, too; takes seconds.
         """
         job = self.stored(job_id)
-        key = (*self._key(job_id), "report", threshold)
 
         def make() -> Report:
-            found = self._shelf.once(
-                (*self._key(job_id), "linearisation"),
-                lambda: linearise_stored(job.problem, job.samples, job.record.seed),
+            findings = self.findings(job_id, noise=noise)
+            sample = self.posterior(job_id, noise=noise) if posterior else None
+            return Report(
+                job.problem,
+                job.record,
+                job.samples,
+                threshold=threshold,
+                linearisation=findings.linearisation or self._linearise_stored(job_id, job, noise),
+                noise=noise,
+                uncertainty=Uncertainty(findings, sample),
             )
-            return Report(job.problem, job.record, job.samples, threshold=threshold, linearisation=found)
 
-        return self._shelf.once(key, make)
+        return self._shelf.once((*self._key(job_id), "report", threshold, _hashable(noise), posterior), make)
+
+    def follow_ups(self, job_id: str) -> list[StoredFollowUp]:
+        """Return the follow-ups that name a job and ask the same question, the newest first."""
+        problem = self.stored(job_id).problem
+        found = self._store.read(lambda connection: follow_ups_of(connection, self._find(connection, job_id)))
+        return [follow_up for follow_up in found if same_question(problem, follow_up.problem)]
+
+    def findings(self, job_id: str, *, noise: KnownNoise = None) -> Findings:
+        """Return what the follow-ups of a job have found; of a follow-up, what it has found itself.
+
+        Raises
+        ------
+        StatisticsError
+            When the noise is wrong.
+        """
+        job = self.stored(job_id)
+
+        def read(follow_up_id: str, problem: Problem, seed: int) -> Findings:
+            evaluations = self._store.read(lambda connection: evaluations_in_order(connection, follow_up_id))
+            return findings_of(problem, seed, evaluations, noise=noise)
+
+        def make() -> Findings:
+            if follow_up_of(job.problem) is not None:
+                return read(job_id, job.problem, job.record.seed)
+            return join_findings([read(f.id, f.problem, f.seed) for f in self.follow_ups(job_id)])
+
+        return self._shelf.once((*self._key(job_id), "findings", _hashable(noise)), make)
+
+    def linearisation(self, job_id: str, *, noise: KnownNoise = None) -> Linearisation | None:
+        """Return the sensitivities at the optimum, by a follow-up or from dense stored evaluations; else None."""
+        found = self.findings(job_id, noise=noise).linearisation
+        return found or self._linearise_stored(job_id, self.stored(job_id), noise)
+
+    def posterior(self, job_id: str, *, noise: KnownNoise = None) -> Posterior:
+        """Sample the posterior through a response surface of the stored evaluations; takes seconds.
+
+        Raises
+        ------
+        StatisticsError
+            When emcee is not installed, or there are too few evaluations for a surface.
+        """
+        job = self.stored(job_id)
+        calibration = Calibration(job.problem, job.record.seed)
+        return self._shelf.once(
+            (*self._key(job_id), "posterior", _hashable(noise)),
+            lambda: sample_posterior(calibration, job.samples, noise=noise),
+        )
+
+    def _linearise_stored(self, job_id: str, job: StoredJob, noise: KnownNoise) -> Linearisation | None:
+        return self._shelf.once(
+            (*self._key(job_id), "linearisation", _hashable(noise)),
+            lambda: linearise_stored(job.problem, job.samples, job.record.seed, noise=noise),
+        )
 
     def rendered(
-        self, job_id: str, form: str, make: Callable[[Report], bytes], *, threshold: float | None = None
+        self,
+        job_id: str,
+        form: str,
+        make: Callable[[Report], bytes],
+        *,
+        threshold: float | None = None,
+        noise: KnownNoise = None,
+        posterior: bool = False,
     ) -> bytes:
         """Render a report in a form (``html``, ``fit.svg``, ...), once for each state of the job."""
-        report = self.report(job_id, threshold=threshold)
-        return self._shelf.once((*self._key(job_id), form, threshold), lambda: make(report))
+        report = self.report(job_id, threshold=threshold, noise=noise, posterior=posterior)
+        return self._shelf.once(
+            (*self._key(job_id), form, threshold, _hashable(noise), posterior), lambda: make(report)
+        )
 
     def reweighted(
         self,
@@ -127,9 +206,21 @@ class StatisticsDesk:
         )
         return reweighted_document(job.problem, after)
 
-    def _key(self, job_id: str) -> tuple[str, str, int]:
-        row = self._store.read(lambda connection: self._find(connection, job_id))
-        return job_id, row.state, row.evaluations
+    def _key(self, job_id: str) -> tuple[Hashable, ...]:
+        """What the present state of a job and of its follow-ups is kept under."""
+
+        def read(connection: Connection) -> tuple[Any, list[StoredFollowUp]]:
+            row = self._find(connection, job_id)
+            return row, follow_ups_of(connection, row)
+
+        row, follow_ups = self._store.read(read)
+        # The last two tell of failures that were run again.
+        own = (job_id, row.state, row.evaluations, row.failed_evaluations, row.finished_at)
+        return *own, *((f.id, f.state, f.evaluations) for f in follow_ups)
+
+
+def _hashable(noise: KnownNoise) -> Hashable:
+    return tuple(sorted(noise.items())) if isinstance(noise, Mapping) else noise
 
 
 def _read(connection: Connection, row: Any) -> StoredJob:

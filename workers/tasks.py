@@ -16,6 +16,7 @@ from celery.signals import worker_init, worker_process_init, worker_process_shut
 from workers.celery_app import SERVE_TASK, CeleryDoorbell
 from workers.errors import StoreUnavailableError
 from workers.identity import Identity
+from workers.runner.processes import kill_descendants
 from workers.runner.wire import anonymous_file
 from workers.settings import Settings
 from workers.slots import Slots
@@ -29,6 +30,7 @@ __all__ = ["serve"]
 log = logging.getLogger(__name__)
 
 ENDING_SECONDS = 0.2
+CLOSING_SECONDS = 5.0  # that pool processes may need to hand in and sign off, beyond the grace for what they run
 
 
 @dataclass(slots=True)
@@ -40,6 +42,7 @@ class _Process:
     worker: Worker
     sweeper: Sweeper
     working: threading.Lock = field(default_factory=threading.Lock)
+    closed: bool = False
 
     def work(self) -> None:
         """Serve the most urgent jobs for a time slice; the caller holds ``working``."""
@@ -55,11 +58,15 @@ class _Process:
             log.warning("worker %s: %s", worker.identity.id, error)
 
     def close(self) -> None:
-        """End the worker and close what it holds."""
-        self.sweeper.stop()
-        self.worker.close()
-        self.doorbell.close()
-        self.store.close()
+        """Let the worker finish what it is at, end it, and close what it holds; nothing when that was done before."""
+        self.worker.stopping.set()
+        with self.working:
+            if not self.closed:
+                self.closed = True
+                self.sweeper.stop()
+                self.worker.close()
+                self.doorbell.close()
+                self.store.close()
 
 
 _process: _Process | None = None
@@ -79,6 +86,16 @@ def _warm_up(**_: Any) -> None:
 @worker_shutting_down.connect  # type: ignore[untyped-decorator]
 def _announce_end(**_: Any) -> None:
     _ending[0] = 1
+    threading.Thread(target=_insist_on_end, name="geoswarm-end", daemon=True).start()
+
+
+def _insist_on_end() -> None:
+    """End the Celery worker although it waits for ever, for tasks of killed processes of which it has lost count."""
+    settings: Settings = current_app.geoswarm_settings
+    time.sleep(settings.grace_seconds + CLOSING_SECONDS)
+    log.warning("Celery still waits for tasks; the worker ends without it, what is left goes to others")
+    kill_descendants(os.getpid())
+    os._exit(0)
 
 
 @worker_process_init.connect  # type: ignore[untyped-decorator]
@@ -98,19 +115,18 @@ def _open(**_: Any) -> None:
 
 
 def _follow_end(process: _Process) -> None:
-    """Ask the worker to end when its Celery worker does, and end with one that was killed.
+    """Close when the Celery worker is to end, without waiting for its leave, and end with one that was killed.
 
     What runs has some seconds to finish, then it is given back.
     """
-    worker, parent = process.worker, os.getppid()
+    parent = os.getppid()
     while not _ending[0] and os.getppid() == parent:
-        if worker.stopping.wait(ENDING_SECONDS):
+        if process.worker.stopping.wait(ENDING_SECONDS):
             return
-    worker.stopping.set()
-    if os.getppid() != parent:
-        with process.working:
-            process.close()
-        os._exit(1)
+    process.close()
+    while os.getppid() == parent:
+        time.sleep(ENDING_SECONDS)
+    os._exit(1)
 
 
 def _look_around(process: _Process) -> None:
@@ -129,9 +145,7 @@ def _close(**_: Any) -> None:
     global _process
     if _process is not None:
         process, _process = _process, None
-        process.worker.stopping.set()
-        with process.working:
-            process.close()
+        process.close()
 
 
 @shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from api.routes import events, forward_models, health, jobs, metrics, problems, results, statistics, workers
+from api.routes import (
+    events,
+    forward_models,
+    health,
+    jobs,
+    metrics,
+    problems,
+    results,
+    statistics,
+    uncertainty,
+    workers,
+)
 
 __all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 
 API_PREFIX = "/api/v1"
 
 api_router = APIRouter(prefix=API_PREFIX)
-for module in (jobs, results, statistics, events, problems, forward_models, workers):
+for module in (jobs, results, statistics, uncertainty, events, problems, forward_models, workers):
     api_router.include_router(module.router)
 health_router = health.router
 metrics_router = metrics.router

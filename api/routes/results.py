@@ -1,4 +1,4 @@
-"""What a job has found: generations, the best evaluation, all evaluations as JSON or CSV."""
+"""What a job has found: generations, the best evaluation, all evaluations as JSON, CSV or Parquet."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from fastapi.responses import StreamingResponse
 
 from api.dependencies import Cursor, JobId, Limit, Service, problems_of
 from api.errors import DetailError
+from api.parquet import parquet_available, parquet_pieces
 from api.schemas import (
     Attempt,
     AttemptList,
@@ -28,13 +29,14 @@ from api.schemas import Response as ResponseValues
 from solver.problem import parse_problem
 from workers.views import EvaluationView
 
-__all__ = ["csv_header", "csv_lines", "router"]
+__all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["results"])
 
 BEFORE = ("generation", "particle", "state", "objective")
 AFTER = ("reason", "message", "attempts", "worker", "started_at", "finished_at", "seconds")
 LINES_A_CHUNK = 200
+PARQUET = "application/vnd.apache.parquet"
 MAX_GENERATION = 2**31 - 1  # what every database holds in a column of this kind
 
 
@@ -77,15 +79,23 @@ def best(job_id: JobId, service: Service) -> Best:
     "/evaluations",
     response_model=EvaluationPage,
     responses={
-        200: {"content": {"text/csv": {"schema": {"type": "string"}}}, "description": "Evaluations"},
-        **problems_of(400, 404, 422),
+        200: {
+            "content": {
+                "text/csv": {"schema": {"type": "string"}},
+                PARQUET: {"schema": {"type": "string", "format": "binary"}},
+            },
+            "description": "Evaluations",
+        },
+        **problems_of(400, 404, 422, 501),
     },
 )
 def evaluations(
     job_id: JobId,
     request: Request,
     service: Service,
-    format: Annotated[Literal["json", "csv"] | None, Query(description="wins over the Accept header")] = None,
+    format: Annotated[
+        Literal["json", "csv", "parquet"] | None, Query(description="wins over the Accept header")
+    ] = None,
     generation: Annotated[int | None, Query(ge=0, le=MAX_GENERATION, description="only this generation")] = None,
     state: Annotated[EvaluationState | None, Query(description="only evaluations in this state")] = None,
     max_objective: Annotated[
@@ -93,14 +103,16 @@ def evaluations(
     ] = None,
     limit: Limit = 100,
     cursor: Cursor = None,
-    responses: Annotated[bool, Query(description="with the calculated series (JSON only)")] = False,
+    responses: Annotated[bool, Query(description="with the calculated series (not in CSV)")] = False,
 ) -> Response | EvaluationPage:
     """Show evaluations, ordered by generation and particle.
 
     JSON comes in pages. CSV is a stream of all that match (``limit`` and ``cursor`` are for JSON), one column a free
-    parameter and one a misfit, numbers with all their digits.
+    parameter and one a misfit, numbers with all their digits. Parquet has the same columns with their types, and the
+    calculated series as lists.
     """
-    chosen = format or ("csv" if "text/csv" in request.headers.get("accept", "") else "json")
+    accepted = request.headers.get("accept", "")
+    chosen = format or ("csv" if "text/csv" in accepted else "parquet" if PARQUET in accepted else "json")
     if chosen == "json":
         page = service.evaluations(
             job_id,
@@ -114,6 +126,22 @@ def evaluations(
         return EvaluationPage(items=[Evaluation.model_validate(v) for v in page.items], next_cursor=page.next_cursor)
     names = service.get(job_id).free_parameters
     series = list(dict.fromkeys(item["series"] for item in service.problem(job_id)["observations"]))
+    if chosen == "parquet":
+        if not parquet_available():
+            raise DetailError(
+                501,
+                "The service writes no Parquet because pyarrow is not installed: pip install 'geoswarm[parquet]'.",
+                kind="no-parquet",
+                title="Parquet not available",
+            )
+        views = service.iterate_evaluations(
+            job_id, generation=generation, state=state, max_objective=max_objective, responses=responses
+        )
+        return StreamingResponse(
+            parquet_pieces(views, parquet_columns(names, series), series, responses=responses),
+            media_type=PARQUET,
+            headers={"Content-Disposition": f'attachment; filename="evaluations-{job_id}.parquet"'},
+        )
     views = service.iterate_evaluations(job_id, generation=generation, state=state, max_objective=max_objective)
     return StreamingResponse(
         itertools.chain([_line(csv_header(names, series))], csv_lines(views, names, series)),
@@ -139,6 +167,15 @@ def csv_header(names: Sequence[str], series: Sequence[str]) -> list[str]:
     taken = {*BEFORE, *AFTER}
     parameters = [f"parameter.{name}" if name in taken else name for name in names]
     return [*BEFORE, *parameters, *(f"misfit.{name}" for name in series), *AFTER]
+
+
+def parquet_columns(names: Sequence[str], series: Sequence[str]) -> list[tuple[str, str, str]]:
+    """The columns of the CSV, and where the value of each is."""
+    own = [("own", name) for name in BEFORE]
+    parameters = [("parameter", name) for name in names]
+    misfits = [("misfit", name) for name in series]
+    places = [*own, *parameters, *misfits, *(("own", name) for name in AFTER)]
+    return [(header, *place) for header, place in zip(csv_header(names, series), places, strict=True)]
 
 
 def csv_lines(views: Iterable[EvaluationView], names: Sequence[str], series: Sequence[str]) -> Iterator[str]:

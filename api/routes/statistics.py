@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from api.dependencies import JobId, Service, problems_of
 from api.errors import DetailError
 from api.headers import DOCUMENT_POLICY
+from api.statistics_schemas import FigureList, ReweightAnswer, StatisticsAnswer
+from api.views import WantedView
 from solver.report import Report, figures_available, png_of, svg_of
 from solver.report.jsonable import jsonable
 from workers.service import JobService
@@ -18,10 +20,6 @@ __all__ = ["ReweightRequest", "router"]
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["statistics"])
 
-Threshold = Annotated[
-    float | None,
-    Query(gt=0, allow_inf_nan=False, description="objective up to which a fit is good; proposed if absent"),
-]
 MEDIA_TYPES = {"svg": "image/svg+xml", "png": "image/png", "csv": "text/csv; charset=utf-8"}
 
 
@@ -41,21 +39,20 @@ class ReweightRequest(BaseModel):
 
 
 @router.get("/statistics", responses=problems_of(404, 409, 422))
-def statistics(job_id: JobId, service: Service, threshold: Threshold = None) -> dict[str, Any]:
+def statistics(job_id: JobId, service: Service, view: WantedView) -> StatisticsAnswer:
     """Judge the parameters from the stored evaluations.
 
     Answers ``samples``, ``threshold``, ``correlations``, ``projections``, ``verdicts`` with evidence and proposals,
     ``residuals``, ``weights`` (share of each series) and ``warnings``; docs/statistics.md explains them.
     """
-    found = service.statistics.report(job_id, threshold=threshold).statistics
+    found = service.statistics.report(job_id, **view.options).statistics
     if found is None:
         raise _nothing_yet(service, job_id)
-    answer: dict[str, Any] = jsonable(found.to_json())
-    return answer
+    return StatisticsAnswer.model_validate(jsonable(found.to_json()))
 
 
 @router.post("/reweight", responses=problems_of(404, 409, 422))
-def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> dict[str, Any]:
+def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> ReweightAnswer:
     """Calculate the objectives that the stored responses have under other weights; changes nothing in the job.
 
     Answers the share of each series, the best evaluation under the new weights beside the old one, ``warnings`` when
@@ -63,16 +60,15 @@ def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> dict[
     """
     if service.statistics.stored(job_id).samples.size == 0:
         raise _nothing_yet(service, job_id)
-    answer: dict[str, Any] = jsonable(service.statistics.reweighted(job_id, **request.model_dump()))
-    return answer
+    return ReweightAnswer.model_validate(jsonable(service.statistics.reweighted(job_id, **request.model_dump())))
 
 
 @router.get(
     "/report.html", response_class=Response, responses={200: {"content": {"text/html": {}}}, **problems_of(404, 422)}
 )
-def report_html(job_id: JobId, service: Service, threshold: Threshold = None) -> Response:
+def report_html(job_id: JobId, service: Service, view: WantedView) -> Response:
     """Show the report of a job as one page that needs nothing else."""
-    page = service.statistics.rendered(job_id, "html", lambda report: report.html().encode(), threshold=threshold)
+    page = service.statistics.rendered(job_id, "html", lambda report: report.html().encode(), **view.options)
     return _document(page, "text/html; charset=utf-8")
 
 
@@ -81,17 +77,17 @@ def report_html(job_id: JobId, service: Service, threshold: Threshold = None) ->
     response_class=Response,
     responses={200: {"content": {"application/pdf": {}}}, **problems_of(404, 422, 501)},
 )
-def report_pdf(job_id: JobId, service: Service, threshold: Threshold = None) -> Response:
+def report_pdf(job_id: JobId, service: Service, view: WantedView) -> Response:
     """Show the report of a job as PDF."""
     _need_figures()
-    pdf = service.statistics.rendered(job_id, "pdf", lambda report: report.pdf(), threshold=threshold)
+    pdf = service.statistics.rendered(job_id, "pdf", lambda report: report.pdf(), **view.options)
     return _document(pdf, "application/pdf", f"report-{job_id}.pdf")
 
 
 @router.get("/figures", responses=problems_of(404))
-def figures(job_id: JobId, service: Service) -> dict[str, list[str]]:
+def figures(job_id: JobId, service: Service, view: WantedView) -> FigureList:
     """List the figures that can be drawn of a job."""
-    return {"items": list(service.statistics.report(job_id).figures.names)}
+    return FigureList(items=list(service.statistics.report(job_id, **view.options).figures.names))
 
 
 @router.get(
@@ -107,12 +103,12 @@ def figure(
     service: Service,
     name: Annotated[str, Path(max_length=200, description="as listed by /figures")],
     form: Annotated[Literal["svg", "png", "csv"], Path(description="csv: the numbers that the figure shows")],
-    threshold: Threshold = None,
+    view: WantedView,
 ) -> Response:
     """Show a figure of a job, or the numbers behind it."""
     if form != "csv":
         _need_figures()
-    report = service.statistics.report(job_id, threshold=threshold)
+    report = service.statistics.report(job_id, **view.options)
     if name not in report.figures.names:
         raise DetailError(
             404,
@@ -126,7 +122,7 @@ def figure(
             return report.figures.csv(name).encode()
         return (svg_of if form == "svg" else png_of)(report.figures.draw(name))
 
-    content = service.statistics.rendered(job_id, f"{name}.{form}", make, threshold=threshold)
+    content = service.statistics.rendered(job_id, f"{name}.{form}", make, **view.options)
     return _document(content, MEDIA_TYPES[form])
 
 

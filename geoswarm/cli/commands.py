@@ -48,8 +48,8 @@ COMMANDS: dict[str, CommandEntry] = {
     "cancel": CommandEntry("geoswarm.cli.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
     "pause": CommandEntry("geoswarm.cli.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
+    "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
     "retry-failed": CommandEntry("geoswarm.cli.why", _JOBS, "Run the failed evaluations of a job again."),
-    "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV or JSON."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
     "report": CommandEntry(
         "geoswarm.cli.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."
@@ -58,6 +58,26 @@ COMMANDS: dict[str, CommandEntry] = {
         "geoswarm.cli.statistics",
         _RESULTS,
         "Tell what the data say about each parameter, from stored evaluations; no forward run.",
+    ),
+    "sensitivity": CommandEntry(
+        "geoswarm.cli.follow_ups",
+        _RESULTS,
+        "Evaluate the sensitivities at the optimum: standard errors, intervals, open combinations.",
+    ),
+    "profile": CommandEntry(
+        "geoswarm.cli.follow_ups",
+        _RESULTS,
+        "Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.",
+    ),
+    "influence": CommandEntry(
+        "geoswarm.cli.follow_ups",
+        _RESULTS,
+        "Evaluate how much each parameter matters over the whole search range (Sobol, Morris).",
+    ),
+    "posterior": CommandEntry(
+        "geoswarm.cli.findings",
+        _RESULTS,
+        "Sample the posterior of the parameters from stored evaluations; no forward run.",
     ),
     "reweight": CommandEntry(
         "geoswarm.cli.reweight",

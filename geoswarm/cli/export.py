@@ -27,19 +27,22 @@ __all__ = ["export_command"]
 @click.option(
     "--format",
     "form",
-    type=click.Choice(("csv", "json")),
-    help="csv unless --output ends in .json; json also holds the responses.",
+    type=click.Choice(("csv", "json", "parquet")),
+    help="csv unless --output ends in .json or .parquet; the latter also hold the responses.",
 )
 @click.option(
     "--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="File; stdout if not given."
 )
 @connection_options
 def export_command(job: str, form: str | None, output: Path | None, url: str, api_key: str | None) -> None:
-    """Write all evaluations of a job as CSV or JSON.
+    """Write all evaluations of a job as CSV, JSON or Parquet.
 
     Ordered by generation and particle, one row or object an evaluation. A file appears only when it is complete.
     """
-    chosen = form or ("json" if output is not None and output.suffix.lower() == ".json" else "csv")
+    ending = "" if output is None else output.suffix.lower()[1:]
+    chosen = form or (ending if ending in ("json", "parquet") else "csv")
+    if chosen == "parquet" and output is None:
+        raise BadInputError("--format parquet needs --output FILE: it is no text for a terminal")
     with connect(url, api_key) as client:
         found = find_job(client, job)
         if output is not None:
@@ -57,6 +60,9 @@ def export_command(job: str, form: str | None, output: Path | None, url: str, ap
 def _write(client: Client, job_id: str, form: str, path: Path) -> None:
     if form == "csv":
         client.download_evaluations(job_id, path)
+        return
+    if form == "parquet":
+        client.download_evaluations(job_id, path, form="parquet", responses=True)
         return
     from geoswarm.client.files import partial_file
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from solver import words
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -25,47 +27,20 @@ __all__ = [
 
 _PIPED_WIDTH = 120
 
-_REASONS = {
-    "max_evaluations": "maximum number of evaluations reached",
-    "max_seconds": "maximum time reached",
-    "target_objective": "objective at or below the target",
-    "stagnation_generations": "objective no longer lowered",
-    "samples_completed": "all samples evaluated",
-    "polished": "best parameters polished",
-}
-
 
 def number(value: float | None, digits: int = 4) -> str:
     """Return a number with the given significant digits; ``-`` for None."""
-    if value is None:
-        return "-"
-    if isinstance(value, int):
-        return str(value)
-    text = f"{value:.{digits}g}"
-    mantissa, exponent, power = text.partition("e")
-    if exponent and 0 <= int(power) < 7:
-        return f"{float(text):.0f}"
-    return f"{mantissa}e{int(power)}" if exponent else text
+    return words.number(value, digits, plain=True)
 
 
 def duration(seconds: float | None) -> str:
     """Return a time span [s] in words: ``0.8 s``, ``2 min 05 s``, ``3 h 02 min``; ``-`` for None."""
-    if seconds is None:
-        return "-"
-    if seconds < 0.1:
-        return f"{seconds * 1000.0:.3g} ms"
-    if seconds < 59.95:
-        return f"{seconds:.1f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    if minutes < 60:
-        return f"{minutes} min {rest:02d} s"
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02d} min"
+    return words.duration(seconds, plain=True)
 
 
 def reasons_in_words(stop_reasons: Sequence[str]) -> str:
     """Return stop reasons as a phrase; ``-`` when there are none."""
-    return ", ".join(_REASONS.get(reason, reason) for reason in stop_reasons) or "-"
+    return words.reasons_in_words(stop_reasons, plain=True)
 
 
 def echo_json(data: Any) -> None:

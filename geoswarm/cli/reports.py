@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,7 +11,7 @@ from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import connection_options
 from geoswarm.cli.output import note
-from geoswarm.cli.source import as_folder, threshold_check
+from geoswarm.cli.source import as_folder, known_noise, noise_option, threshold_check
 
 if TYPE_CHECKING:
     from geoswarm.client import Client
@@ -25,6 +25,8 @@ __all__ = ["report_command"]
 @click.option("--pdf", "pdf", is_flag=True, help="Write report.pdf.")
 @click.option("--figures", "figures", is_flag=True, help="Write every figure as png, svg and csv.")
 @click.option("--threshold", type=float, help="Objective up to which a fit is good; proposed if not given.")
+@noise_option
+@click.option("--posterior", is_flag=True, help="Sample the posterior, too; takes seconds.")
 @click.option(
     "--output",
     type=click.Path(file_okay=False, path_type=Path),
@@ -38,6 +40,8 @@ def report_command(
     pdf: bool,
     figures: bool,
     threshold: float | None,
+    noise: tuple[str, ...],
+    posterior: bool,
     output: Path | None,
     url: str,
     api_key: str | None,
@@ -56,35 +60,37 @@ def report_command(
         target.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BadInputError(f"--output {target}: {error.strerror}") from error
+    view = {"threshold": threshold, "noise": known_noise(noise), "posterior": posterior}
     if folder is not None:
-        written = _of_folder(folder, target, threshold, html, pdf, figures)
+        written = _of_folder(folder, target, view, html, pdf, figures)
     else:
         with connect(url, api_key) as client:
-            written = _of_job(client, find_job(client, source).id, target, threshold, html, pdf, figures)
+            written = _of_job(client, find_job(client, source).id, target, view, html, pdf, figures)
     note("Written: " + ", ".join(str(path) for path in written))
 
 
-def _of_folder(folder: Path, target: Path, threshold: float | None, html: bool, pdf: bool, figures: bool) -> list[Path]:
+def _of_folder(folder: Path, target: Path, view: dict[str, Any], html: bool, pdf: bool, figures: bool) -> list[Path]:
     from solver.report import figures_available, report_of_folder
 
     if not figures_available():
         raise BadInputError("reports need matplotlib: pip install 'geoswarm[plots]'")
-    report = report_of_folder(folder, threshold=threshold)
+    report = report_of_folder(folder, **view)
     return report.save(target, html=html, pdf=pdf, figures=None if figures else ())
 
 
 def _of_job(
-    client: Client, job_id: str, target: Path, threshold: float | None, html: bool, pdf: bool, figures: bool
+    client: Client, job_id: str, target: Path, view: dict[str, Any], html: bool, pdf: bool, figures: bool
 ) -> list[Path]:
     contents: dict[str, bytes] = {}
     if html:
-        contents["report.html"] = client.report(job_id, threshold=threshold).html.encode()
+        contents["report.html"] = client.report(job_id, **view).html.encode()
     if pdf:
-        contents["report.pdf"] = client.report_pdf(job_id, threshold=threshold)
-    for name in client.figures(job_id) if figures else ():
-        contents[f"{name}.png"] = client.figure(job_id, name, form="png", threshold=threshold).content
-        contents[f"{name}.svg"] = client.figure(job_id, name, form="svg", threshold=threshold).content
-        contents[f"{name}.csv"] = client.figure(job_id, name, form="csv", threshold=threshold).content
+        contents["report.pdf"] = client.report_pdf(job_id, **view)
+    names = client.figures(job_id, noise=view["noise"], posterior=view["posterior"]) if figures else ()
+    for name in names:
+        contents[f"{name}.png"] = client.figure(job_id, name, form="png", **view).content
+        contents[f"{name}.svg"] = client.figure(job_id, name, form="svg", **view).content
+        contents[f"{name}.csv"] = client.figure(job_id, name, form="csv", **view).content
     for file_name, content in contents.items():
         (target / file_name).write_bytes(content)
     return [target / file_name for file_name in contents]

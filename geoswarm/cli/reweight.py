@@ -12,7 +12,7 @@ from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
-from geoswarm.cli.source import as_folder, named_numbers
+from geoswarm.cli.source import as_folder, known_noise, named_numbers, noise_option
 
 __all__ = ["reweight_command"]
 
@@ -25,12 +25,7 @@ __all__ = ["reweight_command"]
     type=click.Choice(("by_error", "by_count", "by_range")),
     help="Scheme that chooses the weights: precision of the readings, number of readings, range of the readings.",
 )
-@click.option(
-    "--noise",
-    multiple=True,
-    metavar="SERIES=VALUE",
-    help="Standard deviation of a reading for by_error, base units (m, kPa, ...).",
-)
+@noise_option
 @click.option(
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -58,7 +53,7 @@ def reweight_command(
     options: dict[str, Any] = {
         "weights": named_numbers("--weight", weights),
         "weighting": weighting,
-        "noise": named_numbers("--noise", noise),
+        "noise": known_noise(noise),
     }
     folder = as_folder(source)
     if folder is not None:

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import click
+
 from geoswarm.cli.failures import BadInputError
 
-__all__ = ["as_folder", "named_numbers", "threshold_check"]
+__all__ = ["as_folder", "known_noise", "named_numbers", "noise_option", "threshold_check"]
+
+noise_option = click.option(
+    "--noise",
+    multiple=True,
+    metavar="[SERIES=]VALUE",
+    help="Known standard deviation of a reading, base units (m, kPa, ...); that of the problem if not given.",
+)
 
 
 def as_folder(source: str) -> Path | None:
@@ -39,6 +48,22 @@ def named_numbers(option: str, items: tuple[str, ...]) -> dict[str, float] | Non
         if not sign or not name.strip():
             raise BadInputError(f"{option} {item}: NAME=NUMBER is accepted, for example {option} settlement=2")
     return found or None
+
+
+def known_noise(items: tuple[str, ...]) -> dict[str, float] | float | None:
+    """Return the --noise options: one number for all series, or one each; None without any.
+
+    Raises
+    ------
+    BadInputError
+        When an item is not of that form.
+    """
+    if len(items) == 1 and "=" not in items[0]:
+        try:
+            return float(items[0])
+        except ValueError:
+            raise BadInputError(f"--noise {items[0]}: a number, or SERIES=NUMBER, is accepted") from None
+    return named_numbers("--noise", items)
 
 
 def threshold_check(threshold: float | None) -> None:

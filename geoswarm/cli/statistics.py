@@ -13,7 +13,7 @@ from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
-from geoswarm.cli.source import as_folder, threshold_check
+from geoswarm.cli.source import as_folder, known_noise, noise_option, threshold_check
 
 if TYPE_CHECKING:
     from solver.problem import Problem
@@ -26,6 +26,7 @@ _KINDS = ("fix", "link", "widen")
 @click.command("statistics")
 @click.argument("source", metavar="ID|DIR")
 @click.option("--threshold", type=float, help="Objective up to which a fit is good; proposed if not given.")
+@noise_option
 @click.option(
     "--accept",
     multiple=True,
@@ -40,6 +41,7 @@ _KINDS = ("fix", "link", "widen")
 def statistics_command(
     source: str,
     threshold: float | None,
+    noise: tuple[str, ...],
     accept: tuple[str, ...],
     output: Path | None,
     as_json: bool,
@@ -54,19 +56,21 @@ def statistics_command(
     threshold_check(threshold)
     if output is not None and not accept:
         raise BadInputError("--output is the problem file of --accept; give at least one --accept KIND:NAME")
+    known = known_noise(noise)
     folder = as_folder(source)
     if folder is not None:
         from solver.report import report_of_folder
         from solver.report.jsonable import jsonable
 
-        report = report_of_folder(folder, threshold=threshold)
+        report = report_of_folder(folder, threshold=threshold, noise=known)
         if report.statistics is None:
             raise BadInputError(f"{folder} holds no successful evaluation, so there is nothing to judge")
         found, document = jsonable(report.statistics.to_json()), report.problem.document()
     else:
         with connect(url, api_key) as client:
             job = find_job(client, source)
-            found, document = client.statistics(job.id, threshold=threshold), client.problem(job.id)
+            found = client.statistics(job.id, threshold=threshold, noise=known)
+            document = client.problem(job.id)
     if accept:
         _follow_up(found, document, accept, output)
         return

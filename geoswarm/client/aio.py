@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Callable
 from contextlib import aclosing
 from pathlib import Path
 from types import TracebackType
@@ -23,24 +23,23 @@ from geoswarm.client.models import (
     CheckResult,
     Evaluation,
     Event,
-    Figure,
     ForwardModel,
     ForwardModelInfo,
     Generation,
     Health,
     Job,
     Page,
-    Report,
     Retry,
     Worker,
 )
+from geoswarm.client.statistics import AsyncStatistics
 
 __all__ = ["AsyncClient"]
 
 T = TypeVar("T")
 
 
-class AsyncClient:
+class AsyncClient(AsyncStatistics):
     """Talks to a geoswarm service. Lives in one event loop; close it, or use it in an ``async with`` statement.
 
     The methods are those of :class:`geoswarm.client.sync.Client`.
@@ -222,9 +221,18 @@ class AsyncClient:
         generation: int | None = None,
         state: str | None = None,
         max_objective: float | None = None,
+        form: Literal["csv", "parquet"] = "csv",
+        responses: bool = False,
     ) -> Path:
-        """Write all evaluations that match to a CSV file; the file appears only when it is complete."""
-        call = calls.evaluations_file(job_id, generation=generation, state=state, max_objective=max_objective)
+        """Write all evaluations that match to a CSV or Parquet file; it appears only when it is complete.
+
+        Parameters
+        ----------
+        responses
+            With the calculated series; Parquet only.
+        """
+        filters = {"generation": generation, "state": state, "max_objective": max_objective}
+        call = calls.evaluations_file(job_id, form, responses, **filters)
         with partial_file(Path(path)) as file:
             try:
                 async with self._http.stream(call.method, call.path, params=dict(call.query)) as response:
@@ -236,57 +244,6 @@ class AsyncClient:
             except httpx.HTTPError as error:
                 raise calls.connection_failed(self.base_url, error) from error
         return Path(path)
-
-    async def statistics(self, job_id: str, *, threshold: float | None = None) -> dict[str, Any]:
-        """Judge the parameters of a job from its stored evaluations: verdicts, correlations, projections, proposals.
-
-        Parameters
-        ----------
-        threshold
-            Objective up to which a fit is good; proposed by the service when None.
-        """
-        return await self._send(calls.statistics(job_id, threshold))
-
-    async def reweight(
-        self,
-        job_id: str,
-        *,
-        weights: Mapping[str, float] | None = None,
-        point_weights: Mapping[str, Sequence[float]] | None = None,
-        weighting: str | None = None,
-        noise: Mapping[str, float] | float | None = None,
-    ) -> dict[str, Any]:
-        """Calculate the objectives that the stored responses have under other weights; no forward run.
-
-        Parameters
-        ----------
-        weights, point_weights
-            w_g by series and w_h of every point by series.
-        weighting
-            ``by_error``, ``by_count`` or ``by_range`` in place of ``weights``.
-        noise
-            Standard deviation of a reading, base units, for ``by_error``.
-        """
-        call = calls.reweight(job_id, weights=weights, point_weights=point_weights, weighting=weighting, noise=noise)
-        return await self._send(call)
-
-    async def report(self, job_id: str, *, threshold: float | None = None) -> Report:
-        """Show the report of a job; a notebook displays it."""
-        return await self._send(calls.report(job_id, threshold))
-
-    async def report_pdf(self, job_id: str, *, threshold: float | None = None) -> bytes:
-        """Show the report of a job as PDF."""
-        return await self._send(calls.report_pdf(job_id, threshold))
-
-    async def figures(self, job_id: str) -> tuple[str, ...]:
-        """List the figures that can be drawn of a job."""
-        return await self._send(calls.figures(job_id))
-
-    async def figure(
-        self, job_id: str, name: str, *, form: Literal["svg", "png", "csv"] = "svg", threshold: float | None = None
-    ) -> Figure:
-        """Show a figure of a job, or (csv) the numbers behind it; a notebook displays it."""
-        return await self._send(calls.figure(job_id, name, form, threshold))
 
     async def events(self, job_id: str, after: int = 0) -> AsyncIterator[Event]:
         """Follow a job: every event after the given one, as it comes, until the job has ended.

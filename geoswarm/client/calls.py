@@ -31,14 +31,12 @@ from geoswarm.client.models import (
     Best,
     CheckResult,
     Evaluation,
-    Figure,
     ForwardModel,
     ForwardModelInfo,
     Generation,
     Health,
     Job,
     Page,
-    Report,
     Retry,
     Worker,
 )
@@ -46,7 +44,9 @@ from geoswarm.client.models import (
 __all__ = [
     "DEFAULT_URL",
     "Call",
+    "JSON_BODY",
     "Problem",
+    "Query",
     "attempts",
     "best",
     "change",
@@ -58,19 +58,17 @@ __all__ = [
     "evaluations",
     "evaluations_file",
     "events",
-    "figure",
-    "figures",
     "forward_model",
     "forward_models",
     "generations",
     "get",
     "health",
+    "job_path",
     "list_jobs",
+    "plain",
+    "present",
     "problem",
-    "report",
-    "report_pdf",
-    "reweight",
-    "statistics",
+    "reader",
     "retry_failed",
     "submit",
     "workers",
@@ -84,6 +82,7 @@ Problem = Mapping[str, Any] | str | Path
 """A problem as a mapping, or the path of a problem file."""
 
 Json = Mapping[str, Any]
+Query = str | int | float | list[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +92,7 @@ class Call(Generic[T]):
     method: str
     path: str
     read: Callable[[httpx.Response], T]
-    query: Mapping[str, str | int | float] = field(default_factory=dict)
+    query: Mapping[str, Query] = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
     content: str | None = None
     accepted: frozenset[int] = frozenset()
@@ -124,7 +123,7 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
 
 
-def _reader(kind: Any, item: str | None = None) -> Callable[[httpx.Response], Any]:
+def reader(kind: Any, item: str | None = None) -> Callable[[httpx.Response], Any]:
     def read(response: httpx.Response) -> Any:
         try:
             if item is None:
@@ -142,13 +141,13 @@ def _nothing(_: httpx.Response) -> None:
     return None
 
 
-def _job_path(job_id: str) -> str:
+def job_path(job_id: str) -> str:
     if not job_id:
         raise ValueError("job_id is empty; give the id of a job")
     return f"{API}/jobs/{quote(job_id, safe='')}"
 
 
-def _present(**query: Any) -> dict[str, str | int | float]:
+def present(**query: Any) -> dict[str, Query]:
     return {name: value for name, value in query.items() if value is not None}
 
 
@@ -164,10 +163,10 @@ def _problem_text(problem: Problem) -> str:
         from solver.problem import load_problem  # slow; only needed for files
 
         problem = load_problem(Path(problem)).document()
-    return json.dumps(problem, default=_plain)
+    return json.dumps(problem, default=plain)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Arrays and numbers of NumPy, and other mappings, as JSON knows them."""
     if isinstance(value, Mapping):
         return dict(value)
@@ -185,132 +184,101 @@ def submit(problem: Problem, idempotency_key: str | None) -> Call[Job]:
     """Create a job; without a key a fresh one is used, so that a repeated request never creates two."""
     key = idempotency_key or str(uuid.uuid4())
     headers = {**JSON_BODY, "Idempotency-Key": key}
-    return Call("POST", f"{API}/jobs", _reader(Job), headers=headers, content=_problem_text(problem))
+    return Call("POST", f"{API}/jobs", reader(Job), headers=headers, content=_problem_text(problem))
 
 
 def check(problem: Problem) -> Call[CheckResult]:
     """Validate, run once, estimate."""
     content = _problem_text(problem)
-    return Call("POST", f"{API}/problems/check", _reader(CheckResult), headers=JSON_BODY, content=content)
+    return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
 
 
 def list_jobs(state: str | None, limit: int, cursor: str | None) -> Call[Page[Job]]:
     """List jobs."""
-    return Call("GET", f"{API}/jobs", _reader(Page[Job]), _present(state=state, limit=limit, cursor=cursor))
+    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(state=state, limit=limit, cursor=cursor))
 
 
 def get(job_id: str) -> Call[Job]:
     """Show a job."""
-    return Call("GET", _job_path(job_id), _reader(Job))
+    return Call("GET", job_path(job_id), reader(Job))
 
 
 def problem(job_id: str) -> Call[dict[str, Any]]:
     """Show the problem of a job."""
-    return Call("GET", f"{_job_path(job_id)}/problem", _reader(dict[str, Any]))
+    return Call("GET", f"{job_path(job_id)}/problem", reader(dict[str, Any]))
 
 
 def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
     """Cancel, pause or resume."""
-    return Call("POST", f"{_job_path(job_id)}/{action}", _reader(Job))
+    return Call("POST", f"{job_path(job_id)}/{action}", reader(Job))
 
 
 def retry_failed(job_id: str) -> Call[Retry]:
     """Run failed evaluations again."""
-    return Call("POST", f"{_job_path(job_id)}/retry-failed", _reader(Retry))
+    return Call("POST", f"{job_path(job_id)}/retry-failed", reader(Retry))
 
 
 def attempts(job_id: str, generation: int, particle: int) -> Call[tuple[Attempt, ...]]:
     """Show the tries at an evaluation."""
-    path = f"{_job_path(job_id)}/evaluations/{generation:d}/{particle:d}/attempts"
-    return Call("GET", path, _reader(tuple[Attempt, ...], "items"))
+    path = f"{job_path(job_id)}/evaluations/{generation:d}/{particle:d}/attempts"
+    return Call("GET", path, reader(tuple[Attempt, ...], "items"))
 
 
 def delete(job_id: str) -> Call[None]:
     """Delete an ended job."""
-    return Call("DELETE", _job_path(job_id), _nothing)
+    return Call("DELETE", job_path(job_id), _nothing)
 
 
 def best(job_id: str) -> Call[Best]:
     """Show the best evaluation."""
-    return Call("GET", f"{_job_path(job_id)}/best", _reader(Best))
+    return Call("GET", f"{job_path(job_id)}/best", reader(Best))
 
 
 def generations(job_id: str, after: int, limit: int) -> Call[tuple[Generation, ...]]:
     """Show generations."""
-    query = _present(after=after, limit=limit)
-    return Call("GET", f"{_job_path(job_id)}/generations", _reader(tuple[Generation, ...], "items"), query)
+    query = present(after=after, limit=limit)
+    return Call("GET", f"{job_path(job_id)}/generations", reader(tuple[Generation, ...], "items"), query)
 
 
 def evaluations(job_id: str, **filters: Any) -> Call[Page[Evaluation]]:
     """Show one page of evaluations."""
-    query = _present(**filters, format="json")
+    query = present(**filters, format="json")
     query["responses"] = "true" if query.get("responses") else "false"
-    return Call("GET", f"{_job_path(job_id)}/evaluations", _reader(Page[Evaluation]), query)
+    return Call("GET", f"{job_path(job_id)}/evaluations", reader(Page[Evaluation]), query)
 
 
-def evaluations_file(job_id: str, **filters: Any) -> Call[None]:
-    """Stream all evaluations as CSV."""
-    return Call("GET", f"{_job_path(job_id)}/evaluations", _nothing, _present(**filters, format="csv"))
-
-
-def statistics(job_id: str, threshold: float | None) -> Call[dict[str, Any]]:
-    """Judge the parameters."""
-    return Call("GET", f"{_job_path(job_id)}/statistics", _reader(dict[str, Any]), _present(threshold=threshold))
-
-
-def reweight(job_id: str, **request: Any) -> Call[dict[str, Any]]:
-    """Calculate stored objectives under other weights."""
-    content = json.dumps(_present(**request), default=_plain)
-    return Call("POST", f"{_job_path(job_id)}/reweight", _reader(dict[str, Any]), headers=JSON_BODY, content=content)
-
-
-def report(job_id: str, threshold: float | None) -> Call[Report]:
-    """Show the report as a page."""
-    path = f"{_job_path(job_id)}/report.html"
-    return Call("GET", path, lambda response: Report(response.text), _present(threshold=threshold))
-
-
-def report_pdf(job_id: str, threshold: float | None) -> Call[bytes]:
-    """Show the report as PDF."""
-    path = f"{_job_path(job_id)}/report.pdf"
-    return Call("GET", path, lambda response: response.content, _present(threshold=threshold))
-
-
-def figures(job_id: str) -> Call[tuple[str, ...]]:
-    """List figures."""
-    return Call("GET", f"{_job_path(job_id)}/figures", _reader(tuple[str, ...], "items"))
-
-
-def figure(job_id: str, name: str, form: Literal["svg", "png", "csv"], threshold: float | None) -> Call[Figure]:
-    """Show a figure."""
-    path = f"{_job_path(job_id)}/figures/{quote(name, safe='')}.{form}"
-    return Call("GET", path, lambda response: Figure(name, form, response.content), _present(threshold=threshold))
+def evaluations_file(job_id: str, form: Literal["csv", "parquet"], responses: bool, **filters: Any) -> Call[None]:
+    """Stream all evaluations as CSV or Parquet."""
+    query = present(**filters, format=form)
+    if responses:
+        query["responses"] = "true"
+    return Call("GET", f"{job_path(job_id)}/evaluations", _nothing, query)
 
 
 def events(job_id: str, after: int) -> Call[None]:
     """Stream events."""
     headers = {"Accept": "text/event-stream", "Last-Event-ID": str(after)}
-    return Call("GET", f"{_job_path(job_id)}/events", _nothing, headers=headers)
+    return Call("GET", f"{job_path(job_id)}/events", _nothing, headers=headers)
 
 
 def forward_models() -> Call[tuple[ForwardModelInfo, ...]]:
     """List kinds of forward model."""
-    return Call("GET", f"{API}/forward-models", _reader(tuple[ForwardModelInfo, ...], "items"))
+    return Call("GET", f"{API}/forward-models", reader(tuple[ForwardModelInfo, ...], "items"))
 
 
 def forward_model(kind: str) -> Call[ForwardModel]:
     """Show a kind of forward model."""
-    return Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", _reader(ForwardModel))
+    return Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", reader(ForwardModel))
 
 
 def workers() -> Call[tuple[Worker, ...]]:
     """List workers."""
-    return Call("GET", f"{API}/workers", _reader(tuple[Worker, ...], "items"))
+    return Call("GET", f"{API}/workers", reader(tuple[Worker, ...], "items"))
 
 
 def health() -> Call[Health]:
     """Show health; unavailable is an answer, not an error."""
-    return Call("GET", "/health/ready", _reader(Health), accepted=frozenset({503}))
+    return Call("GET", "/health/ready", reader(Health), accepted=frozenset({503}))
 
 
 ERRORS: dict[int, type[HttpError]] = {

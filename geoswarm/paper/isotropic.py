@@ -14,12 +14,13 @@ from geoswarm.paper.study import (
     Study,
     Tell,
     bounds_rows,
+    coordinates_row,
+    correlation_rows,
     free,
     laboratory_rows,
     polished_rows,
     row,
     sample,
-    spread,
 )
 from solver.identifiability import FittedLine, fit_line
 from solver.local import CalibrationResult, calibrate
@@ -129,15 +130,11 @@ def _forward_rows(laboratory: float, identified: float) -> list[Row]:
 
 def _statistics_rows(sampling: Sampling, line: FittedLine | None) -> list[Row]:
     published: Any = ISOTROPIC
-    pair = sampling.together.pearson.get("lambda_star", "c")
-    all_seeds = "–" if pair.coefficient is None else f"{pair.coefficient:.2f}"
-    scatter = spread(sampling.correlations("lambda_star", "c"), published["correlation"])
-    remark = f"{scatter}; all seeds together {all_seeds} ({pair.count} good fits)"
-    here = sampling.statistics.pearson.get("lambda_star", "c").coefficient
     rows = [
         row("statistics", "samples", published["samples"], sampling.statistics.filtered.total, digits=5),
         row("statistics", "filter f", published["filter"], sampling.statistics.filtered.threshold.value, unit="m²"),
-        row("statistics", "correlation (lambda_star, c)", published["correlation"], here, digits=2, remark=remark),
+        *correlation_rows(sampling, "lambda_star", "c", published["correlation"]),
+        coordinates_row(sampling, {("lambda_star", "c"): published["correlation"]}),
     ]
     for name, key, unit in (("c", "good_c", "kPa"), ("lambda_star", "good_lambda_star", "")):
         projection = next(p for p in sampling.together.projections if p.parameter == name)

@@ -14,12 +14,13 @@ from geoswarm.paper.study import (
     Study,
     Tell,
     bounds_rows,
+    coordinates_row,
+    correlation_rows,
     free,
     laboratory_rows,
     polished_rows,
     row,
     sample,
-    spread,
 )
 from solver.local import CalibrationResult, calibrate
 from solver.problem import Problem, parse_problem
@@ -33,7 +34,9 @@ _REMARKS = (
     "identified parameters, plus normal noise of 0.05 mm (seed 1571). So the swarm should find the published values "
     "again; how well the model fits the real clay cannot be judged.",
     "Published: axisymmetric finite elements with self-weight. Here: one material point with a small initial stress.",
-    "Correlations of few good fits scatter widely: each is given over several seeds, and for all seeds together.",
+    "Correlations of few good fits scatter widely: 'here' is the median over several seeds, and the remark gives their "
+    "middle 90 %. The paper does not print whether it correlated parameters or, on its logarithmic scales, their "
+    "logarithms: both are shown.",
 )
 
 
@@ -158,12 +161,8 @@ def _statistics_rows(sampling: Sampling) -> list[Row]:
         row("statistics", "filter f", published["filter"], sampling.statistics.filtered.threshold.value, unit="m²"),
     ]
     for (first, second), value in published["correlations"].items():
-        pair = sampling.together.pearson.get(first, second)
-        all_seeds = "–" if pair.coefficient is None else f"{pair.coefficient:.2f}"
-        scatter = spread(sampling.correlations(first, second), value)
-        remark = f"{scatter}; all seeds together {all_seeds} ({pair.count} good fits)"
-        here = sampling.statistics.pearson.get(first, second).coefficient
-        rows.append(row("statistics", f"correlation ({first}, {second})", value, here, digits=2, remark=remark))
+        rows += correlation_rows(sampling, first, second, value)
+    rows.append(coordinates_row(sampling, published["correlations"]))
     for name in published["bounds"]:
         verdict = sampling.together.verdict(name)
         expected = "not identifiable" if name in published["not_identifiable"] else "concentrates"

@@ -11,6 +11,7 @@ import numpy as np
 from solver.arrays import FloatArray
 from solver.calibration import Calibration
 from solver.identifiability import Samples, Statistics, analyse
+from solver.identifiability.correlations import Coordinates
 from solver.local import CalibrationResult, calibrate
 from solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
 from solver.report import Report, record_of_result
@@ -20,6 +21,8 @@ __all__ = [
     "Sampling",
     "Study",
     "bounds_rows",
+    "coordinates_row",
+    "correlation_rows",
     "free",
     "laboratory_rows",
     "polished_rows",
@@ -29,6 +32,10 @@ __all__ = [
 ]
 
 Tell = Callable[[str], None]
+
+_ROUNDING = 0.005
+
+_COORDINATES: dict[Coordinates, str] = {"linear": "natural values", "search": "search coordinates (logarithms)"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +85,10 @@ class Sampling:
     each: tuple[Statistics, ...] = field(repr=False)
     together: Statistics
 
-    def correlations(self, first: str, second: str) -> FloatArray:
-        """Pearson's r of a pair for each seed, shape (k,)."""
-        found = [s.pearson.get(first, second).coefficient for s in self.each]
+    def correlations(self, first: str, second: str, coordinates: Coordinates = "linear") -> FloatArray:
+        """Pearson's r of a pair for each seed, over natural values or search coordinates, shape (k,)."""
+        tables = [s.pearson if coordinates == "linear" else s.pearson_search for s in self.each]
+        found = [table.get(first, second).coefficient for table in tables]
         return np.array([np.nan if r is None else r for r in found], dtype=np.float64)
 
 
@@ -134,13 +142,52 @@ def row(
     return Row(topic, quantity, _text(published, unit, digits), _text(here, unit, digits), difference, remark)
 
 
+def correlation_rows(sampling: Sampling, first: str, second: str, published: float) -> list[Row]:
+    """Return the correlation of a pair over natural values and over search coordinates, each over all seeds."""
+    rows = []
+    for coordinates, words in _COORDINATES.items():
+        values = sampling.correlations(first, second, coordinates)
+        middle = float(np.nanmedian(values)) if np.isfinite(values).any() else None
+        together = sampling.together.pearson if coordinates == "linear" else sampling.together.pearson_search
+        pair = together.get(first, second)
+        all_seeds = "–" if pair.coefficient is None else f"{pair.coefficient:.2f}"
+        remark = f"{spread(values, published)}; all seeds together {all_seeds} ({pair.count} good fits)"
+        quantity = f"correlation ({first}, {second}), {words}"
+        rows.append(row("statistics", quantity, published, middle, digits=2, remark=remark))
+    return rows
+
+
+def coordinates_row(sampling: Sampling, published: Mapping[tuple[str, str], float]) -> Row:
+    """Say in which coordinates the published correlations lie among those of the seeds; the paper does not tell its."""
+    lines, both = [], []
+    for coordinates, words in _COORDINATES.items():
+        outside = [
+            f"({first}, {second}) {value:g}"
+            for (first, second), value in published.items()
+            if not _among(sampling.correlations(first, second, coordinates), value)
+        ]
+        lines.append(f"{words}: {' and '.join(outside) + ' outside' if outside else 'all inside'}")
+        if not outside:
+            both.append(words)
+    reproduces = " and ".join(both) or "none"
+    remark = f"published values against the 5 to 95 % band of the seeds. {'; '.join(lines)}"
+    return Row("statistics", "coordinates that reproduce the correlations", "not printed", reproduces, "–", remark)
+
+
+def _among(values: FloatArray, published: float) -> bool:
+    """Whether a published correlation, of two decimals, lies in the middle 90 % of the seeds."""
+    finite = values[np.isfinite(values)]
+    low, high = np.quantile(finite, [0.05, 0.95]) if finite.size else (np.nan, np.nan)
+    return bool(low <= published + _ROUNDING and published - _ROUNDING <= high)
+
+
 def spread(values: FloatArray, published: float) -> str:
     """Return median and middle 90 % of finite values, and whether the published one lies among them."""
     finite = values[np.isfinite(values)]
     if finite.size == 0:
         return "undefined"
     low, middle, high = np.quantile(finite, [0.05, 0.5, 0.95])
-    inside = "inside" if low <= published <= high else "outside"
+    inside = "inside" if _among(values, published) else "OUTSIDE"
     text = f"median {middle:.2f}, 5 to 95 % {low:.2f} to {high:.2f} over {finite.size} seeds"
     return f"{text}, the published value lies {inside}"
 

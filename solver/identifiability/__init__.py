@@ -18,9 +18,9 @@
 ``weighting``           schemes, shares, re-weighting of stored responses
 ``polish``              Levenberg-Marquardt from an optimum
 ``profiles``            profile objectives and their intervals
-``chains``              one side of a profile
 ``posterior``           posterior sample through a checked response surface
 ``global_sensitivity``  Sobol and Morris indices (extra ``statistics``)
+``follow_ups``          the jobs that evaluate sensitivities, profiles and designs, and what they tell
 ======================  ====================================================================
 """
 

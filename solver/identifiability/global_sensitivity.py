@@ -1,13 +1,14 @@
 """Global sensitivity: how much of an output's variation over the whole search space each parameter explains.
 
 Sobol indices (Saltelli et al. 2010) and Morris' elementary effects (Morris 1991; Campolongo et al. 2007) through SALib
-(extra ``statistics``). The design is one generation of positions; the indices follow from the outputs in their order.
+(extra ``statistics``). A job with ``method: {kind: sobol}`` or ``morris`` evaluates the design; the indices follow from
+the outputs in its order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -15,35 +16,11 @@ import numpy as np
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation
 from solver.identifiability.errors import StatisticsError
+from solver.search.follow_ups import GlobalPoints
 
-__all__ = ["GlobalDesign", "GlobalIndex", "GlobalSensitivity", "analyse_design", "global_design", "outputs_of"]
+__all__ = ["GlobalIndex", "GlobalSensitivity", "analyse_design", "global_design", "outputs_of"]
 
 _FEWEST_BLOCKS = 8
-
-
-@dataclass(frozen=True, slots=True)
-class GlobalDesign:
-    """Where to evaluate.
-
-    Parameters
-    ----------
-    kind
-        ``sobol`` or ``morris``.
-    names
-        Of the d free parameters.
-    unit
-        Positions in parts of the range in search coordinates, shape (n, d).
-    positions
-        The same as natural values.
-    block
-        Rows that belong together: d + 2 of a Sobol point, d + 1 of a Morris trajectory.
-    """
-
-    kind: Literal["sobol", "morris"]
-    names: tuple[str, ...]
-    unit: FloatArray
-    positions: FloatArray
-    block: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +39,7 @@ class GlobalIndex:
 
 @dataclass(frozen=True, slots=True)
 class GlobalSensitivity:
-    """Indices of all parameters; ``blocks`` were used, ``dropped`` hold failed or infeasible evaluations."""
+    """Indices of all parameters; ``blocks`` were used, ``dropped`` hold failed evaluations."""
 
     kind: Literal["sobol", "morris"]
     output: str
@@ -71,15 +48,17 @@ class GlobalSensitivity:
     dropped: int
 
     def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        from dataclasses import asdict
-
-        return asdict(self)
+        """Plain JSON values; None for nan."""
+        indices = [
+            {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(index).items()}
+            for index in self.indices
+        ]
+        return asdict(self) | {"indices": indices}
 
 
 def global_design(
     calibration: Calibration, *, kind: Literal["sobol", "morris"] = "sobol", samples: int = 256, seed: int = 0
-) -> GlobalDesign:
+) -> GlobalPoints:
     """Plan the evaluations: ``samples`` (d + 2) for Sobol, ``samples`` (d + 1) for Morris.
 
     Parameters
@@ -93,18 +72,9 @@ def global_design(
         When SALib is not installed, or ``samples`` is no power of two for Sobol.
     """
     _require_salib()
-    from SALib.sample import morris, sobol
-
-    if kind == "sobol":
-        if samples < 2 or samples & (samples - 1):
-            raise StatisticsError(f"samples is {samples}; a Sobol design needs a power of two")
-        unit = sobol.sample(_problem(calibration), samples, calc_second_order=False, seed=seed)
-    else:
-        unit = morris.sample(_problem(calibration), samples, seed=seed)
-    space = calibration.space
-    positions = space.to_natural(space.search_lower + unit * (space.search_upper - space.search_lower))
-    block = space.dimension + (2 if kind == "sobol" else 1)
-    return GlobalDesign(kind, calibration.free_names, np.asarray(unit), positions, block)
+    if kind == "sobol" and (samples < 2 or samples & (samples - 1)):
+        raise StatisticsError(f"samples is {samples}; a Sobol design needs a power of two")
+    return GlobalPoints(calibration.space, kind, samples, seed)
 
 
 def outputs_of(calibration: Calibration, evaluations: Sequence[Evaluation], output: str) -> FloatArray:
@@ -135,7 +105,7 @@ def outputs_of(calibration: Calibration, evaluations: Sequence[Evaluation], outp
 
 
 def analyse_design(
-    calibration: Calibration, plan: GlobalDesign, outputs: FloatArray, *, output: str = "objective", seed: int = 0
+    calibration: Calibration, plan: GlobalPoints, outputs: FloatArray, *, output: str = "objective", seed: int = 0
 ) -> GlobalSensitivity:
     """Calculate the indices from the outputs of a design, in its order, shape (n,).
 
@@ -155,12 +125,12 @@ def analyse_design(
     whole = np.isfinite(blocks).all(axis=1)
     if whole.sum() < _FEWEST_BLOCKS:
         raise StatisticsError(
-            f"only {whole.sum()} of {len(blocks)} blocks of the design have no failed or infeasible evaluation, "
-            f"{_FEWEST_BLOCKS} are needed; narrow the bounds"
+            f"only {whole.sum()} of {len(blocks)} blocks of the design have no failed evaluation, {_FEWEST_BLOCKS} are "
+            "needed; narrow the bounds"
         )
     used = blocks[whole].ravel()
     if np.ptp(used) == 0.0:
-        rows = [(0.0, 0.0, 0.0, 0.0)] * len(plan.names)
+        rows = [(0.0, 0.0, 0.0, 0.0)] * plan.space.dimension
     elif plan.kind == "sobol":
         found = sobol.analyze(_problem(calibration), used, calc_second_order=False, seed=seed)
         rows = list(zip(found["S1"], found["S1_conf"], found["ST"], found["ST_conf"], strict=True))
@@ -170,7 +140,7 @@ def analyse_design(
         rows = [(mu, half, sigma, np.nan) for mu, half, sigma in zip(
             found["mu_star"], found["mu_star_conf"], found["sigma"], strict=True
         )]  # fmt: skip
-    indices = tuple(GlobalIndex(name, *map(float, row)) for name, row in zip(plan.names, rows, strict=True))
+    indices = tuple(GlobalIndex(name, *map(float, row)) for name, row in zip(plan.space.names, rows, strict=True))
     return GlobalSensitivity(plan.kind, output, indices, int(whole.sum()), int((~whole).sum()))
 
 

@@ -83,6 +83,9 @@ class Posterior:
                 name: [float(v) for v in row] if np.isfinite(row).all() else None
                 for name, row in zip(self.names, self.intervals, strict=True)
             },
+            "medians": {
+                name: float(np.median(column)) for name, column in zip(self.names, self.parameters.T, strict=True)
+            },
             "correlation": self.correlation.tolist(),
             "samples": len(self.parameters),
             "effective": self.effective,

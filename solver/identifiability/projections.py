@@ -102,7 +102,7 @@ def _project(samples: Samples, index: int, threshold: float, bins: int) -> Proje
     edges = _natural_edges(samples, index, bins)
 
     fair = samples.unbiased if samples.unbiased.any() else np.ones(samples.size, dtype=np.bool_)
-    swarm = samples.source == "particle_swarm"
+    swarm = not samples.unbiased.any()
     good = samples.objectives <= threshold
     evidence = good & fair
     kept = int(evidence.sum())

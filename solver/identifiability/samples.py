@@ -11,11 +11,11 @@ import numpy as np
 from solver.arrays import BoolArray, FloatArray, IntArray
 from solver.identifiability.errors import StatisticsError
 from solver.local import CalibrationResult, EvaluationRecord
-from solver.problem import MonteCarloMethod, Problem
+from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
 
 __all__ = ["Samples", "Source"]
 
-Source: TypeAlias = Literal["monte_carlo", "particle_swarm", "mixed"]
+Source: TypeAlias = Literal["monte_carlo", "particle_swarm", "mixed", "follow_up"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +43,8 @@ class Samples:
         Place in the history, shape (n,), from 0.
     failed
         Evaluations that failed; they are not among the n.
+    planned
+        Positions of a follow-up (sensitivities, profiles, a design), neither sampled nor searched.
     """
 
     names: tuple[str, ...]
@@ -57,6 +59,7 @@ class Samples:
     generations: IntArray
     particles: IntArray
     failed: int = 0
+    planned: bool = False
 
     @classmethod
     def from_arrays(
@@ -103,6 +106,7 @@ class Samples:
             generations=(np.zeros(count, dtype=np.int64) if generations is None else np.asarray(generations))[good],
             particles=(index if particles is None else np.asarray(particles))[good],
             failed=failed + int(count - good.sum()),
+            planned=not isinstance(problem.method, MonteCarloMethod | ParticleSwarmMethod),
         )
 
     @classmethod
@@ -195,6 +199,8 @@ class Samples:
         """Where the samples come from."""
         if self.unbiased.all():
             return "monte_carlo"
+        if self.planned:
+            return "follow_up"
         return "mixed" if self.unbiased.any() else "particle_swarm"
 
     @property

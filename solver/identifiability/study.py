@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from solver.arrays import FloatArray
 from solver.calibration import Calibration
 from solver.identifiability.correlations import Correlations, correlate
 from solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
@@ -19,17 +20,30 @@ from solver.identifiability.sensitivity import Linearisation
 from solver.identifiability.verdicts import Verdict, judge
 from solver.identifiability.weighting import SeriesWeight, shares
 
-__all__ = ["NOT_AT_OPTIMUM", "SWARM_BIAS", "Statistics", "analyse"]
+__all__ = ["FOLLOW_UP_BIAS", "NOT_AT_OPTIMUM", "SWARM_BIAS", "TOO_FEW_POINTS", "Statistics", "analyse"]
 
 SWARM_BIAS = (
     "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
     "describe its path as well as the data. Only the lower envelope can be read as it is."
 )
 
+FOLLOW_UP_BIAS = (
+    "The evaluations are planned positions of a follow-up, neither sampled nor searched: their correlations and widths "
+    "describe the plan. What they were made for stands under uncertainty."
+)
+
 NOT_AT_OPTIMUM = (
     "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
     "first."
 )
+
+
+TOO_FEW_POINTS = (
+    "Too few measurements: {points} of them cannot determine {free} free parameters, so each value is one of many "
+    "that fit. Fix or link some parameters, or add measurements."
+)
+
+_BIASES = {"particle_swarm": SWARM_BIAS, "follow_up": FOLLOW_UP_BIAS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +63,13 @@ class Statistics:
     linearisation
         At the optimum, when it was made.
     residuals
-        At the best sample, one a series; empty when responses are not stored.
+        At the best sample or the optimum, one a series; empty when responses are not stored.
     weights
         Share of each series in the objective of the best sample.
     warnings
         What to be careful about, in sentences.
+    residuals_at_optimum
+        The residuals are those of a polished optimum, not of the best sample.
     """
 
     samples: Samples
@@ -67,6 +83,7 @@ class Statistics:
     residuals: tuple[SeriesResiduals, ...]
     weights: tuple[SeriesWeight, ...]
     warnings: tuple[str, ...]
+    residuals_at_optimum: bool = False
 
     def verdict(self, parameter: str) -> Verdict:
         """The verdict about one parameter."""
@@ -88,6 +105,7 @@ class Statistics:
             "projections": [_projection_json(projection) for projection in self.projections],
             "verdicts": [verdict.to_json() for verdict in self.verdicts],
             "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
+            "residuals_at_optimum": self.residuals_at_optimum,
             "residuals": [residuals.to_json() for residuals in self.residuals],
             "weights": [asdict(weight) for weight in self.weights],
             "warnings": list(self.warnings),
@@ -101,6 +119,7 @@ def analyse(
     threshold: float | None = None,
     noise: Mapping[str, float] | float | None = None,
     linearisation: Linearisation | None = None,
+    at_optimum: Mapping[str, FloatArray] | None = None,
     bins: int = 30,
 ) -> Statistics:
     """Analyse stored evaluations; runs no forward calculation.
@@ -114,6 +133,8 @@ def analyse(
         absent.
     linearisation
         At the optimum, from :func:`solver.identifiability.from_evaluations`.
+    at_optimum
+        Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
     bins
         Of the projections.
 
@@ -136,14 +157,16 @@ def analyse(
     pearson_search = correlate(filtered.samples, coordinates="search")
     projections = project(samples, filtered.threshold.value, bins=bins)
     best = samples.best
-    at_best = {series: values[best] for series, values in samples.responses.items()}
+    at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
     warnings = [warning for r in residuals for warning in r.warnings]
     if linearisation is not None and not linearisation.at_optimum:
         warnings.insert(0, NOT_AT_OPTIMUM.format(far=float(np.nanmax(linearisation.distance))))
-    if samples.source == "particle_swarm":
-        warnings.insert(0, SWARM_BIAS)
+    if points < samples.dimension:
+        warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
+    if samples.source in _BIASES:
+        warnings.insert(0, _BIASES[samples.source])
     return Statistics(
         samples=samples,
         filtered=filtered,
@@ -156,6 +179,7 @@ def analyse(
         residuals=residuals,
         weights=shares(calibration.problem, misfits) if misfits else (),
         warnings=tuple(warnings),
+        residuals_at_optimum=bool(at_optimum),
     )
 
 

@@ -79,11 +79,11 @@ def fit_surface(calibration: Calibration, samples: Samples, *, seed: int = 0) ->
     """
     if not samples.responses:
         raise StatisticsError("a response surface needs the stored responses of the evaluations")
-    order = _chosen(calibration, samples)
-    unit = samples.unit[order]
     needed = 10 * (samples.dimension + 1)
-    if len(unit) < needed:
-        raise StatisticsError(f"a response surface needs {needed} different evaluations, there are {len(unit)}")
+    order = _chosen(calibration, samples) if samples.size >= needed else np.arange(samples.size)
+    if len(order) < needed:
+        raise StatisticsError(f"a response surface needs {needed} different evaluations, there are {len(order)}")
+    unit = samples.unit[order]
     residuals = np.concatenate(
         [
             np.sqrt(o.weight * o.point_weights / o.y.size) * (samples.responses[o.series][order] - o.y)

@@ -134,7 +134,7 @@ def _judge(
     samples: Samples, projection: Projection, tied_pairs: tuple[Correlation, ...], linearisation: Linearisation | None
 ) -> tuple[VerdictKind, Evidence, str]:
     name = projection.parameter
-    swarm = samples.source == "particle_swarm"
+    swarm = not samples.unbiased.any()
     good_fits = 0 if swarm else projection.kept
     influence = None if linearisation is None else linearisation.influence(name)
     if linearisation is not None and name in linearisation.without_influence:

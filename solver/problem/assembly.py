@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -15,6 +15,7 @@ from solver.expressions import Expression
 from solver.forward.base import ForwardModel, ForwardModelSpec
 from solver.forward.registry import find_spec, parse_spec
 from solver.problem.feasibility import estimates_in_conflict, infeasibility
+from solver.problem.follow_up_checks import follow_up_issues
 from solver.problem.issues import describe, did_you_mean, issues_of, validated
 from solver.problem.observations import Observation, Points, build_observations, read_points
 from solver.problem.parameters import (
@@ -33,7 +34,7 @@ from solver.problem.running import Failures, Limits
 from solver.problem.sections import (
     METHODS,
     PARAMETER_FORMS,
-    MonteCarloMethod,
+    Method,
     ObservationSection,
     ParameterSection,
     ParticleSwarmMethod,
@@ -47,7 +48,6 @@ from solver.problem.weighting import scheme_factors
 __all__ = ["load_problem", "parse_problem"]
 
 Model = TypeVar("Model", bound=BaseModel)
-Method: TypeAlias = ParticleSwarmMethod | MonteCarloMethod
 
 _MOST_PARAMETERS = 100
 _MOST_OBSERVATIONS = 1000
@@ -131,7 +131,7 @@ class _Assembly:
             warm_start=warm_start,
             priority=settings.priority,
         )
-        unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem)
+        unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem) or follow_up_issues(problem)
         if unsatisfiable:
             raise ProblemError(unsatisfiable)
         return problem
@@ -307,7 +307,7 @@ class _Assembly:
         section = self.document.get("method", {"kind": "particle_swarm"})
         kind = section.get("kind") if isinstance(section, dict) else None
         if not isinstance(section, dict):
-            self._report("method", f"must be a mapping with kind {' or '.join(METHODS)}, not {describe(section)}")
+            self._report("method", f"must be a mapping with a kind of {', '.join(METHODS)}, not {describe(section)}")
         elif not isinstance(kind, str) or kind not in METHODS:
             given = "is missing" if "kind" not in section else f"unknown kind {describe(kind).removeprefix('text ')}"
             hint = did_you_mean(kind, METHODS) if isinstance(kind, str) else ""

@@ -19,7 +19,7 @@ from solver.problem.parameters import (
     outside_limits,
 )
 from solver.problem.running import Failures, Limits
-from solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
+from solver.problem.sections import Method, MonteCarloMethod, ParticleSwarmMethod, Stopping
 from solver.problem.weighting import Weighting
 
 __all__ = ["Problem"]
@@ -62,7 +62,7 @@ class Problem:
     parameters: dict[str, Parameter]
     constraints: tuple[Expression, ...]
     observations: tuple[Observation, ...]
-    method: ParticleSwarmMethod | MonteCarloMethod
+    method: Method
     stopping: Stopping
     seed: int | None
     weighting: Weighting | None = None
@@ -98,9 +98,11 @@ class Problem:
     def planned_evaluations(self) -> int | None:
         """Number of evaluations after which a job ends at the latest; None when no number limits it."""
         limit = self.stopping.max_evaluations
-        if isinstance(self.method, MonteCarloMethod):
-            return self.method.samples if limit is None else min(limit, self.method.samples)
-        return limit
+        if isinstance(self.method, ParticleSwarmMethod):
+            return limit
+        method = self.method
+        planned = method.samples if isinstance(method, MonteCarloMethod) else method.planned(len(self.free))
+        return min((n for n in (limit, planned) if n is not None), default=None)
 
     def values(self, free_values: Sequence[float]) -> dict[str, float]:
         """Values of all parameters, in the order of the problem file.

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from solver.forward.registry import AnyForwardModelSpec
+from solver.problem.base import Section
+from solver.problem.follow_ups import FOLLOW_UPS, FollowUpMethod
 from solver.problem.running import Failures, Limits
 from solver.problem.weighting import Weighting
 
@@ -16,6 +18,7 @@ __all__ = [
     "FixedSection",
     "FreeSection",
     "LinkedSection",
+    "Method",
     "MethodSection",
     "MonteCarloMethod",
     "ObservationSection",
@@ -35,11 +38,7 @@ Scale: TypeAlias = Literal["linear", "log"]
 _LARGEST_SEED = 2**53 - 1  # every JSON reader keeps whole numbers up to here exactly
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class FreeSection(_Section):
+class FreeSection(Section):
     """A parameter to be identified between bounds."""
 
     lower: float = Field(description="lowest value, in the parameter's unit")
@@ -49,13 +48,13 @@ class FreeSection(_Section):
     integer: bool = Field(False, description="takes whole numbers only, as do its bounds")
 
 
-class FixedSection(_Section):
+class FixedSection(Section):
     """A parameter with a known value."""
 
     value: float = Field(description="the value, in the parameter's unit")
 
 
-class LinkedSection(_Section):
+class LinkedSection(Section):
     """A parameter that follows from others."""
 
     expression: str = Field(description='value as an expression of other parameters, such as "0.5 * lambda_star"')
@@ -71,7 +70,7 @@ PARAMETER_FORMS: dict[str, type[FreeSection] | type[FixedSection] | type[LinkedS
 """The three forms of a parameter; no key belongs to two of them."""
 
 
-class PointsSection(_Section):
+class PointsSection(Section):
     """Measured points inside the problem file."""
 
     x: list[float] = Field(min_length=1, description="x of the points, in x_unit")
@@ -81,7 +80,7 @@ class PointsSection(_Section):
     )
 
 
-class ObservationSection(_Section):
+class ObservationSection(Section):
     """Measured points of one series."""
 
     series: str = Field(description="name of a series of the forward model")
@@ -118,7 +117,7 @@ Particles: TypeAlias = Annotated[
 ]
 
 
-class ParticleSwarmMethod(_Section):
+class ParticleSwarmMethod(Section):
     """Particle swarm: generations of particles, each evaluated in parallel."""
 
     kind: Literal["particle_swarm"] = "particle_swarm"
@@ -186,7 +185,7 @@ LARGEST_DESIGN = 1_000_000
 """Samples that a Latin hypercube or Sobol design may have."""
 
 
-class MonteCarloMethod(_Section):
+class MonteCarloMethod(Section):
     """Monte Carlo sampling of the space between the bounds, for the statistics."""
 
     kind: Literal["monte_carlo"] = "monte_carlo"
@@ -206,16 +205,19 @@ class MonteCarloMethod(_Section):
         return self
 
 
-METHODS: dict[str, type[ParticleSwarmMethod] | type[MonteCarloMethod]] = {
+Method: TypeAlias = ParticleSwarmMethod | MonteCarloMethod | FollowUpMethod
+
+METHODS: dict[str, type[Method]] = {
     "particle_swarm": ParticleSwarmMethod,
     "monte_carlo": MonteCarloMethod,
+    **FOLLOW_UPS,
 }
 """Methods by kind."""
 
-MethodSection: TypeAlias = Annotated[ParticleSwarmMethod | MonteCarloMethod, Field(discriminator="kind")]
+MethodSection: TypeAlias = Annotated[Method, Field(discriminator="kind")]
 
 
-class Stopping(_Section):
+class Stopping(Section):
     """When a calibration ends: as soon as one criterion is satisfied."""
 
     max_evaluations: int | None = Field(None, ge=1, description="largest number of forward calculations")
@@ -229,7 +231,7 @@ class Stopping(_Section):
         return all(getattr(self, name) is None for name in Stopping.model_fields)
 
 
-class Settings(_Section):
+class Settings(Section):
     """What of a problem is neither physics nor method."""
 
     name: str = Field("calibration", min_length=1, max_length=200, description="name of the problem")
@@ -255,7 +257,7 @@ class Settings(_Section):
     priority: int = Field(0, ge=-10, le=10, description="in the service: jobs of a higher one get more of the workers")
 
 
-class WarmStart(_Section):
+class WarmStart(Section):
     """Earlier runs to learn from."""
 
     jobs: list[str] = Field(

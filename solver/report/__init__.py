@@ -6,6 +6,7 @@
 ``folder``          a run from the files of ``geoswarm run --output``
 ``curves``          measured and calculated series in the units that the user gave
 ``tables``          result, evaluations and generations as JSON and CSV files
+``uncertainty*``    what follow-ups and a posterior sample have found
 ``content``         what stands in a report, in order
 ``html``, ``pdf``   its two forms (need the ``plots`` extra)
 ``figures``         the figures of a run by name
@@ -27,6 +28,7 @@ from solver.report.curves import (
 )
 from solver.report.figures import FigureSet
 from solver.report.folder import report_of_folder, run_of_folder
+from solver.report.folder_findings import findings_of_folder
 from solver.report.record import BestFit, RunRecord, record_of_result
 from solver.report.reweighted import reweighted_document
 from solver.report.style import figures_available, png_of, save_figure, svg_of
@@ -37,15 +39,19 @@ from solver.report.tables import (
     write_responses,
     write_result,
 )
+from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 
 __all__ = [
+    "NOTHING_FURTHER",
     "BestFit",
     "FigureSet",
     "Report",
     "RunRecord",
     "SeriesCurve",
     "SeriesShare",
+    "Uncertainty",
     "figures_available",
+    "findings_of_folder",
     "initial_values",
     "linearise_here",
     "linearise_stored",

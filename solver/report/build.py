@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from solver.report.html import html_fragment, html_report
 from solver.report.pdf import pdf_report
 from solver.report.record import Optimum, RunRecord, record_of_result
 from solver.report.style import save_figure
+from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 
 __all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
 
@@ -49,6 +50,10 @@ class Report:
         Polished and linearised, where somebody made it.
     linearisation
         In place of ``optimum``: at the best sample, from stored evaluations (:func:`linearise_stored`).
+    noise
+        Known standard deviation of a reading, base units; that of the problem file when absent.
+    uncertainty
+        What follow-ups and a posterior sample have found; their sensitivities go before those from stored evaluations.
 
     Raises
     ------
@@ -65,26 +70,37 @@ class Report:
         threshold: float | None = None,
         optimum: Optimum | None = None,
         linearisation: Linearisation | None = None,
+        noise: Mapping[str, float] | float | None = None,
+        uncertainty: Uncertainty = NOTHING_FURTHER,
     ) -> None:
         self.problem = problem
         self.record = record
         self.samples = samples
         self.optimum = optimum
+        self.uncertainty = uncertainty
         self.statistics: Statistics | None = None
         if samples.size:
             calibration = Calibration(problem, record.seed)
-            linearisation = linearisation if optimum is None else optimum.linearisation
-            self.statistics = analyse(calibration, samples, threshold=threshold, linearisation=linearisation)
+            found = uncertainty.findings.linearisation or linearisation
+            self.statistics = analyse(
+                calibration,
+                samples,
+                threshold=threshold,
+                noise=noise,
+                linearisation=found if optimum is None else optimum.linearisation,
+                at_optimum=uncertainty.findings.responses if optimum is None else optimum.polished.evaluation.responses,
+            )
 
     @cached_property
     def figures(self) -> FigureSet:
         """The figures by name."""
-        return FigureSet(self.problem, self.record, self.samples if self.samples.size else None, self.statistics)
+        samples = self.samples if self.samples.size else None
+        return FigureSet(self.problem, self.record, samples, self.statistics, self.uncertainty)
 
     @cached_property
     def content(self) -> Content:
         """What the report says."""
-        return report_content(self.problem, self.record, self.statistics, self.figures, self.optimum)
+        return report_content(self.problem, self.record, self.statistics, self.figures, self.optimum, self.uncertainty)
 
     def html(self) -> str:
         """Return the page."""
@@ -93,6 +109,10 @@ class Report:
     def fragment(self) -> str:
         """Return a short form for a notebook."""
         return html_fragment(self.content)
+
+    def _repr_html_(self) -> str:
+        """Show verdicts and facts in a notebook."""
+        return self.fragment()
 
     def pdf(self) -> bytes:
         """Return the PDF."""
@@ -118,7 +138,11 @@ class Report:
 
 
 def report_of_result(
-    problem: Problem, result: CalibrationResult, *, threshold: float | None = None, linearise: bool | None = None
+    problem: Problem,
+    result: CalibrationResult,
+    *,
+    threshold: float | None = None,
+    linearise: bool | None = None,
 ) -> Report:
     """Make the report of a run in this process.
 
@@ -134,18 +158,22 @@ def report_of_result(
     return Report(problem, record_of_result(problem, result), samples, threshold=threshold, optimum=found)
 
 
-def linearise_stored(problem: Problem, samples: Samples, seed: int) -> Linearisation | None:
+def linearise_stored(
+    problem: Problem, samples: Samples, seed: int, *, noise: Mapping[str, float] | float | None = None
+) -> Linearisation | None:
     """Linearise at the best sample of a swarm without a forward run; None where they are not dense enough."""
     if not isinstance(problem.method, ParticleSwarmMethod) or not samples.responses or samples.size == 0:
         return None
     calibration = Calibration(problem, seed)
     try:
-        return linearise(calibration, jacobian_from_samples(calibration, samples))
+        return linearise(calibration, jacobian_from_samples(calibration, samples), noise=noise)
     except SolverError:
         return None
 
 
-def linearise_here(problem: Problem, samples: Samples, seed: int) -> Optimum | None:
+def linearise_here(
+    problem: Problem, samples: Samples, seed: int, *, noise: Mapping[str, float] | float | None = None
+) -> Optimum | None:
     """Polish the best sample and linearise there, with forward runs in this process.
 
     None where the data do not allow it, or where a forward run takes so long that the few hundred needed would take
@@ -160,7 +188,7 @@ def linearise_here(problem: Problem, samples: Samples, seed: int) -> Optimum | N
     try:
         polished = polish(calibration, best, max_evaluations=min(affordable, 2000))
         plan = design(calibration, polished.parameters)
-        found = from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+        found = from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions], noise=noise)
     except SolverError:
         return None
     return Optimum(polished, found)

@@ -8,52 +8,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from solver.identifiability import Statistics
+from solver.identifiability.follow_ups import follow_up_of
 from solver.problem import FreeParameter, LinkedParameter, Problem
 from solver.report.curves import objective_unit, series_shares
 from solver.report.figures import FigureSet
 from solver.report.labels import ParameterLabel, parameter_labels
+from solver.report.parts import Card, Picture, Table
 from solver.report.record import Optimum, RunRecord, method_in_words
-from solver.report.words import duration, number, reasons_in_words, verdict_in_words
+from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from solver.report.uncertainty_tables import uncertainty_tables
+from solver.words import duration, number, reasons_in_words, typeset, verdict_in_words
 
-__all__ = ["Card", "Content", "Picture", "Table", "report_content"]
-
-
-@dataclass(frozen=True, slots=True)
-class Card:
-    """Verdict on one parameter.
-
-    ``value`` is that of the polished optimum where there is one, and ``remark`` then tells that of the best evaluation.
-    """
-
-    name: str
-    symbol: str
-    value: str
-    remark: str
-    kind: str
-    words: str
-    sentence: str
-    proposals: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """One figure with its heading, its caption, and whether it needs the whole width of a page."""
-
-    name: str
-    heading: str
-    caption: str
-    wide: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """One table; ``numeric`` are the indices of the columns to align to the right."""
-
-    heading: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    numeric: tuple[int, ...] = ()
-    note: str = ""
+__all__ = ["Content", "report_content"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +45,7 @@ def report_content(
     statistics: Statistics | None,
     figures: FigureSet,
     optimum: Optimum | None = None,
+    uncertainty: Uncertainty = NOTHING_FURTHER,
 ) -> Content:
     """Put together what a report says.
 
@@ -92,6 +59,8 @@ def report_content(
         Those that can be drawn.
     optimum
         Polished and linearised, where somebody made it.
+    uncertainty
+        What follow-ups and a posterior sample have found.
     """
     labels = parameter_labels(problem)
     unit = objective_unit(problem)
@@ -104,22 +73,26 @@ def report_content(
         ("running time", duration(record.seconds)),
         ("stopped", reasons_in_words(record.stop_reasons)),
     )
+    follow_up = follow_up_of(problem)
+    judged = follow_up is None or uncertainty.findings.linearisation is not None
     cards = (
-        ()
-        if statistics is None
-        else tuple(_card(statistics, name, labels, record, optimum) for name in problem.free_names)
+        tuple(_card(statistics, name, labels, record, optimum, uncertainty) for name in problem.free_names)
+        if judged and statistics is not None
+        else ()
     )
     return Content(
         title=problem.name,
         state=record.state,
         facts=facts,
-        summary=_summary(cards, record),
+        summary=_summary(cards, record) if judged else uncertainty.summary(record.evaluations),
         cards=cards,
-        notes=() if statistics is None else _notes(statistics),
+        notes=tuple(
+            map(typeset, (*(_notes(statistics) if judged and statistics is not None else ()), *uncertainty.notes))
+        ),
         pictures=tuple(
             Picture(name, *_CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
         ),
-        tables=tuple(_tables(problem, record, statistics, labels, optimum)),
+        tables=tuple(_tables(problem, record, statistics, labels, optimum, uncertainty)),
         provenance=tuple(_provenance(problem, record).items()),
         problem=_listing(_short(problem.document())),
         figures=figures,
@@ -140,6 +113,24 @@ _CAPTIONS: dict[str, tuple[str, str, bool]] = {
         "confidence interval.",
         False,
     ),
+    "profiles": (
+        "Profile objectives",
+        "The lowest objective for every value of one parameter, the others fitted anew. The interval ends where the "
+        "profile crosses the dashed line; where it stays below up to the bound, the data leave the parameter open.",
+        True,
+    ),
+    "posterior": (
+        "Posterior sample",
+        "Distribution of each parameter by a Markov chain through the response surface of the stored evaluations; "
+        "shaded: the credible interval.",
+        True,
+    ),
+    "global_sensitivity": (
+        "Influence over the whole search range",
+        "Sobol: share of the variation that a parameter explains alone, and with all its interactions. Morris: mean "
+        "absolute elementary effect, and its spread. Whiskers: 95 % intervals.",
+        True,
+    ),
     "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
     "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
     "convergence": ("Convergence", "Lowest objective found over the number of evaluations.", False),
@@ -152,17 +143,22 @@ _CAPTIONS: dict[str, tuple[str, str, bool]] = {
 
 
 def _card(
-    statistics: Statistics, name: str, labels: dict[str, ParameterLabel], record: RunRecord, optimum: Optimum | None
+    statistics: Statistics,
+    name: str,
+    labels: dict[str, ParameterLabel],
+    record: RunRecord,
+    optimum: Optimum | None,
+    uncertainty: Uncertainty,
 ) -> Card:
     verdict = statistics.verdict(name)
     value = None if record.best is None else record.best.parameters[name]
     label = labels[name]
     remark = ""
-    if optimum is not None:
-        polished = dict(zip(optimum.linearisation.names, optimum.polished.parameters.tolist(), strict=True))
+    polished = _polished(optimum, uncertainty)
+    if polished is not None:
         remark = f"polished; best evaluation {_quantity(value, label.unit)}"
         value = polished[name]
-    proposals = tuple(proposal.sentence for proposal in verdict.proposals)
+    proposals = tuple(typeset(proposal.sentence) for proposal in verdict.proposals)
     return Card(
         name,
         label.symbol,
@@ -170,9 +166,19 @@ def _card(
         remark,
         verdict.kind,
         verdict_in_words(verdict.kind),
-        verdict.sentence,
+        typeset(verdict.sentence),
         proposals,
     )
+
+
+def _polished(optimum: Optimum | None, uncertainty: Uncertainty) -> dict[str, float] | None:
+    """Free parameters at the polished optimum; None where nobody went there."""
+    findings = uncertainty.findings
+    if optimum is not None:
+        return dict(zip(optimum.linearisation.names, optimum.polished.parameters.tolist(), strict=True))
+    if findings.linearisation is None or findings.objective is None or findings.objective == findings.start_objective:
+        return None
+    return dict(zip(findings.linearisation.names, findings.linearisation.optimum.tolist(), strict=True))
 
 
 def _summary(cards: Sequence[Card], record: RunRecord) -> str:
@@ -192,11 +198,12 @@ def _tables(
     statistics: Statistics | None,
     labels: dict[str, ParameterLabel],
     optimum: Optimum | None,
+    uncertainty: Uncertainty,
 ) -> list[Table]:
     tables = []
     best = record.best
     if best is not None:
-        tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum))
+        tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum, uncertainty))
         unit = objective_unit(problem)
         rows = [
             (s.series, number(s.weight), number(s.misfit), f"{s.share:.1%}".replace("%", " %"))
@@ -205,10 +212,11 @@ def _tables(
         misfit = f"misfit f′ [{unit}]" if unit else "misfit f′ [(unit of the series)²]"
         columns = ("series", "weight w", misfit, "share of the objective")
         tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3)))
-    if statistics is not None and len(statistics.pearson.names) > 1:
+    if statistics is not None and len(statistics.pearson.names) > 1 and follow_up_of(problem) is None:
         tables.append(_correlation_table(statistics, labels))
     if statistics is not None:
         tables += _optimum_tables(statistics, labels)
+    tables += uncertainty_tables(problem, uncertainty, labels)
     if record.failures:
         rows_of_failures = tuple((reason.replace("_", " "), str(count)) for reason, count in record.failures.items())
         tables.append(Table("Failed evaluations", ("reason", "number"), rows_of_failures, (1,)))
@@ -221,9 +229,11 @@ def _parameter_table(
     statistics: Statistics | None,
     labels: dict[str, ParameterLabel],
     optimum: Optimum | None,
+    uncertainty: Uncertainty,
 ) -> Table:
     rows = []
-    polished = None if optimum is None else problem.values(optimum.polished.parameters.tolist())
+    free = _polished(optimum, uncertainty)
+    polished = None if free is None else problem.values([free[name] for name in problem.free_names])
     for name, parameter in problem.parameters.items():
         label = labels[name]
         shown = name if label.symbol == name else f"{label.symbol} ({name})"
@@ -240,12 +250,13 @@ def _parameter_table(
     more = () if polished is None else ("polished",)
     columns = ("parameter", "best value", *more, "unit", "search range", "scale", "95 % interval")
     note = "A dash: no interval can be given, because the data do not determine the parameter or nobody asked for it."
-    if optimum is not None:
-        p = optimum.polished
+    if polished is not None:
+        p = uncertainty.findings if optimum is None else optimum.polished
         unit = objective_unit(problem)
+        how = "in a follow-up job" if optimum is None else f"with {optimum.polished.evaluations} further forward runs"
         note += (
             f" Polished by least squares from the best evaluation, objective {_quantity(p.start_objective, unit)} to "
-            f"{_quantity(p.objective, unit)}, with {p.evaluations} further forward runs; intervals belong there."
+            f"{_quantity(p.objective, unit)}, {how}; intervals belong there."
         )
     return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)
 
@@ -260,7 +271,9 @@ def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]
         cells = [f"{labels[pair.first].symbol}, {labels[pair.second].symbol}", _r(pair.coefficient), interval]
         rows.append((*cells, _r(search), _r(rank), str(pair.count)))
     columns = ("pair", "Pearson r", "95 % interval", "r in search coordinates", "Spearman ρ", "good fits")
-    note = f"Good fits: {statistics.filtered.statement}. Below |r| = 0.5 two parameters count as not correlated."
+    note = (
+        f"Good fits: {typeset(statistics.filtered.statement)}. Below |r| = 0.5 two parameters count as not correlated."
+    )
     return Table("Correlations of the good fits", columns, tuple(rows), (1, 2, 3, 4, 5), note)
 
 
@@ -298,7 +311,8 @@ def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -
             for r in statistics.residuals
         ]
         headings = ("series", "points", "deviation", "bias", "runs of expected", "Durbin-Watson")
-        note = "Residuals of the best evaluation in base units; Durbin-Watson is 2 for independent residuals."
+        where = "polished optimum" if statistics.residuals_at_optimum else "best evaluation"
+        note = f"Residuals of the {where} in base units; Durbin-Watson is 2 for independent residuals."
         tables.append(Table("Residuals", headings, tuple(examined), (1, 2, 3, 4, 5), note))
     return tables
 

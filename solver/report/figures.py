@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from solver.identifiability import Samples, Statistics
+from solver.identifiability.follow_ups import follow_up_of
 from solver.problem import Problem
 from solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
 from solver.report.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
@@ -17,7 +18,16 @@ from solver.report.labels import parameter_labels
 from solver.report.matrix_plot import MatrixData, matrix_figure, matrix_rows
 from solver.report.progress_plots import convergence_figure, convergence_rows, traces_figure
 from solver.report.record import RunRecord
-from solver.report.words import verdict_in_words
+from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from solver.report.uncertainty_plots import (
+    index_rows,
+    indices_figure,
+    posterior_figure,
+    posterior_rows,
+    profile_rows,
+    profiles_figure,
+)
+from solver.words import verdict_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,8 +40,9 @@ Rows = tuple[list[str], list[list[object]]]
 class FigureSet:
     """All figures of one run.
 
-    ``names`` are, as far as there is anything to show: matrix, intervals, fit, stages.SERIES (one a series that was
-    measured during several loads), convergence, traces.
+    ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity, fit,
+    stages.SERIES (one a series that was measured during several loads), convergence, traces. A follow-up has neither
+    matrix nor the progress of a search.
 
     Parameters
     ----------
@@ -39,15 +50,23 @@ class FigureSet:
         What was asked for and how it went.
     samples, statistics
         Successful evaluations and their statistics; None where there are none.
+    uncertainty
+        What follow-ups and a posterior sample have found.
     """
 
     def __init__(
-        self, problem: Problem, record: RunRecord, samples: Samples | None, statistics: Statistics | None
+        self,
+        problem: Problem,
+        record: RunRecord,
+        samples: Samples | None,
+        statistics: Statistics | None,
+        uncertainty: Uncertainty = NOTHING_FURTHER,
     ) -> None:
         self._problem = problem
         self._record = record
         self._samples = samples
         self._statistics = statistics
+        self._uncertainty = uncertainty
         self._drawn: dict[str, Figure] = {}
         self._labels = parameter_labels(problem)
         self._unit = objective_unit(problem)
@@ -91,15 +110,19 @@ class FigureSet:
     @cached_property
     def _makers(self) -> dict[str, tuple[Callable[[], Figure], Callable[[], Rows]]]:
         makers: dict[str, tuple[Callable[[], Figure], Callable[[], Rows]]] = {}
-        title, records = self._problem.name, self._record.records
-        if self._statistics is not None and self._samples is not None:
+        title = self._problem.name
+        follow_up = follow_up_of(self._problem) is not None
+        records = [] if follow_up else self._record.records
+        if self._statistics is not None and self._samples is not None and not follow_up:
             data = self._matrix(self._statistics, self._samples)
             makers["matrix"] = (
                 lambda: matrix_figure(f"{title}: what the data can tell", data),
                 lambda: matrix_rows(data),
             )
+        if self._statistics is not None and self._samples is not None and self._intervals_wanted:
             rows = self._intervals(self._statistics, self._samples)
             makers["intervals"] = (lambda: intervals_figure(f"{title}: parameters", rows), lambda: interval_rows(rows))
+        makers |= self._further(title)
         if self._record.best is not None:
             makers["fit"] = (lambda: fit_figure(f"{title}: fit", self._curves), lambda: fit_rows(self._curves))
             for curve in self._curves:
@@ -116,6 +139,33 @@ class FigureSet:
             makers["traces"] = (
                 lambda: traces_figure(f"{title}: parameters during the search", records, samples, self._labels),
                 lambda: _trace_rows(samples),
+            )
+        return makers
+
+    @property
+    def _intervals_wanted(self) -> bool:
+        return follow_up_of(self._problem) is None or self._uncertainty.findings.linearisation is not None
+
+    def _further(self, title: str) -> dict[str, tuple[Callable[[], Figure], Callable[[], Rows]]]:
+        """Figures of follow-ups and of a posterior sample."""
+        makers: dict[str, tuple[Callable[[], Figure], Callable[[], Rows]]] = {}
+        findings, posterior = self._uncertainty.findings, self._uncertainty.posterior
+        units = {info.name: info.y_unit for info in self._problem.model.series}
+        logs = {p.name: p.scale == "log" for p in self._problem.free}
+        if findings.profiles:
+            makers["profiles"] = (
+                lambda: profiles_figure(f"{title}: profiles", findings.profiles, self._labels, logs, self._unit),
+                lambda: profile_rows(findings.profiles),
+            )
+        if posterior is not None:
+            makers["posterior"] = (
+                lambda: posterior_figure(f"{title}: posterior sample", posterior, self._labels, logs),
+                lambda: posterior_rows(posterior, logs),
+            )
+        if findings.global_sensitivities:
+            makers["global_sensitivity"] = (
+                lambda: indices_figure(f"{title}: influence", findings.global_sensitivities, self._labels, units),
+                lambda: index_rows(findings.global_sensitivities),
             )
         return makers
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.arrays import FloatArray
 from solver.report.curves import SeriesCurve
-from solver.report.style import BLUE, GREEN, GRID, INK, MUTED, drawing, finish, plain_ticks, with_unit
+from solver.report.style import BLUE, GREEN, GRID, INK, MUTED, drawing, finish, head, plain_ticks, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,8 +38,8 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
     from matplotlib.figure import Figure
 
     with drawing():
-        figure = Figure(figsize=(5.6, 0.5 + 3.7 * len(curves)), layout="constrained")
-        figure.suptitle(title, weight="bold")
+        figure = Figure(figsize=(4.6, 0.5 + 3.5 * len(curves)), layout="constrained")
+        head(figure, title)
         grid = figure.add_gridspec(2 * len(curves), 1, height_ratios=[3.0, 1.0] * len(curves))
         for index, curve in enumerate(curves):
             upper = figure.add_subplot(grid[2 * index])
@@ -71,8 +71,8 @@ def stages_figure(title: str, curve: SeriesCurve) -> Figure:
     columns = 4 if len(stages) > 6 else min(len(stages), 3)
     rows = -(-len(stages) // columns)
     with drawing():
-        figure = Figure(figsize=(7.4 if columns == 4 else 5.6, 0.8 + 1.45 * rows), layout="constrained")
-        figure.suptitle(title, weight="bold")
+        figure = Figure(figsize=(7.4 if columns == 4 else 4.6, 0.8 + 1.45 * rows), layout="constrained")
+        head(figure, title)
         for place, (number, start, end) in enumerate(stages):
             axes = figure.add_subplot(rows, columns, place + 1)
             _stage(axes, curve, start, end)

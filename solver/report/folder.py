@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections import Counter
 from collections.abc import Mapping
@@ -13,13 +12,18 @@ from typing import Any
 import numpy as np
 
 from solver.arrays import FloatArray
+from solver.calibration import Calibration
 from solver.errors import SolverError
 from solver.identifiability import Samples
+from solver.identifiability.posterior import sample_posterior
 from solver.local import GenerationRecord
 from solver.problem import ParticleSwarmMethod, Problem, parse_problem
 from solver.report.build import Report, linearise_here
+from solver.report.folder_findings import findings_of_folder
+from solver.report.folder_tables import column, read_table
 from solver.report.record import BestFit, RunRecord
 from solver.report.tables import parameter_column
+from solver.report.uncertainty import Uncertainty
 
 __all__ = ["FolderError", "StoredRun", "report_of_folder", "run_of_folder"]
 
@@ -61,25 +65,59 @@ def run_of_folder(folder: Path) -> StoredRun:
     try:
         problem = parse_problem(json.loads((folder / "problem.json").read_text(encoding="utf-8")))
         result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-        rows = _table(folder / "evaluations.csv")
-        record = _record(problem, result, rows, _table(folder / "generations.csv"))
+        rows = read_table(folder / "evaluations.csv")
+        record = _record(problem, result, rows, read_table(folder / "generations.csv"))
         samples = _samples(problem, rows, folder / "responses.npz")
     except (KeyError, ValueError, TypeError) as error:
         raise FolderError(f"{folder} cannot be read as a run: {type(error).__name__}: {error}") from error
     return StoredRun(problem, record, samples)
 
 
-def report_of_folder(folder: Path, *, threshold: float | None = None) -> Report:
-    """Make the report of a run that was written to a folder; a swarm's optimum is polished and examined anew."""
+def report_of_folder(
+    folder: Path,
+    *,
+    threshold: float | None = None,
+    noise: Mapping[str, float] | float | None = None,
+    posterior: bool = False,
+) -> Report:
+    """Make the report of a run that was written to a folder, with what its follow-ups have found.
+
+    A swarm's optimum is polished and examined anew, unless a follow-up did so.
+
+    Parameters
+    ----------
+    threshold
+        Objective up to which a fit is good; proposed when None.
+    noise
+        Known standard deviation of a reading, base units.
+    posterior
+        Sample the posterior, too.
+
+    Raises
+    ------
+    FolderError
+        When a file is missing or cannot be read.
+    StatisticsError
+        When threshold or noise are wrong, or no posterior sample can be had.
+    """
     stored = run_of_folder(folder)
-    swarm = isinstance(stored.problem.method, ParticleSwarmMethod) and stored.samples.size > 0
-    found = linearise_here(stored.problem, stored.samples, stored.record.seed) if swarm else None
-    return Report(stored.problem, stored.record, stored.samples, threshold=threshold, optimum=found)
-
-
-def _table(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="", encoding="utf-8") as stream:
-        return list(csv.DictReader(stream))
+    problem, samples, seed = stored.problem, stored.samples, stored.record.seed
+    try:
+        findings = findings_of_folder(folder, problem, noise=noise)
+    except (KeyError, ValueError, TypeError) as error:
+        raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
+    swarm = isinstance(problem.method, ParticleSwarmMethod) and samples.size > 0
+    examine = swarm and findings.linearisation is None
+    sample = sample_posterior(Calibration(problem, seed), samples, noise=noise) if posterior else None
+    return Report(
+        problem,
+        stored.record,
+        samples,
+        threshold=threshold,
+        optimum=linearise_here(problem, samples, seed, noise=noise) if examine else None,
+        noise=noise,
+        uncertainty=Uncertainty(findings, sample),
+    )
 
 
 def _record(
@@ -135,16 +173,12 @@ def _samples(problem: Problem, rows: list[dict[str, str]], archive: Path) -> Sam
         problem,
         np.array([[float(row[name]) for name in names] for row in good], dtype=np.float64),
         np.array([float(row["objective"]) for row in good], dtype=np.float64),
-        misfits={o.series: _column(good, f"misfit.{o.series}") for o in problem.observations},
+        misfits={o.series: column(good, f"misfit.{o.series}") for o in problem.observations},
         responses=responses,
         generations=np.array([int(row["generation"]) for row in good], dtype=np.int64),
         particles=np.array([int(row["particle"]) for row in good], dtype=np.int64),
         failed=len(rows) - len(good),
     )
-
-
-def _column(rows: list[dict[str, str]], name: str) -> FloatArray:
-    return np.array([float(row[name]) for row in rows], dtype=np.float64)
 
 
 def _number(text: str) -> float | None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from solver.report.content import Content
 from solver.report.style import figures_available, inline_svg
+from solver.words import typeset
 
 __all__ = ["SIGNS", "html_fragment", "html_report", "render"]
 
@@ -39,7 +40,7 @@ def html_fragment(content: Content) -> str:
 
 
 def render(template: str, *, folder: Path = TEMPLATES, **values: object) -> str:
-    """Fill a template of a folder; ``style`` and ``signs`` are those of a report."""
+    """Fill a template of a folder; ``style`` and ``signs`` are those of a report, ``typeset`` a filter."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -50,5 +51,6 @@ def render(template: str, *, folder: Path = TEMPLATES, **values: object) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["typeset"] = typeset
     style = Markup((TEMPLATES / "report.css").read_text(encoding="utf-8"))  # our own file
     return environment.get_template(template).render(style=style, signs=SIGNS, **values)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from solver.report.labels import ParameterLabel
-from solver.report.style import BLUE, GRID, ORANGE, drawing, plain_ticks
+from solver.report.style import BLUE, GRID, ORANGE, drawing, head, plain_ticks
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -56,8 +56,8 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
     from matplotlib.figure import Figure
 
     with drawing():
-        figure = Figure(figsize=(5.6, 0.95 + 0.86 * len(rows)), layout="constrained")
-        figure.suptitle(title, weight="bold")
+        figure = Figure(figsize=(4.6, 0.95 + 0.86 * len(rows)), layout="constrained")
+        head(figure, title)
         for index, row in enumerate(rows):
             axes = figure.add_subplot(len(rows), 1, index + 1)
             axes.set_ylim(-1.0, 1.0)

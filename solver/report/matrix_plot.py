@@ -15,7 +15,8 @@ import numpy as np
 from solver.arrays import BoolArray, FloatArray, IntArray
 from solver.identifiability import Correlation, Correlations, Filtered, Projection, Samples
 from solver.report.labels import ParameterLabel
-from solver.report.style import GRID, INK, MUTED, ORANGE, SKY, colour_map, drawing, plain_ticks, with_unit
+from solver.report.style import GRID, INK, MUTED, ORANGE, SKY, colour_map, drawing, plain_ticks, shortened, with_unit
+from solver.words import typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,7 +71,9 @@ def matrix_figure(title: str, data: MatrixData) -> Figure:
     shown, colours = _points(data)
     with drawing():
         figure = Figure(figsize=(width, height))
-        figure.text(_LEFT / width, 1 - 0.22 / height, title, fontsize="large", va="center", weight="bold")
+        figure.text(
+            _LEFT / width, 1 - 0.22 / height, shortened(figure, title), fontsize="large", va="center", weight="bold"
+        )
         figure.text(_LEFT / width, 1 - 0.44 / height, _statement(data, len(shown)), fontsize="small", va="center")
         norm = _norm(data)
         panels: dict[tuple[int, int], Axes] = {}
@@ -107,7 +110,7 @@ def matrix_rows(data: MatrixData) -> tuple[list[str], list[list[object]]]:
 
 def _statement(data: MatrixData, drawn: int) -> str:
     # two short lines at most: the figure must stay readable on a phone
-    text = f"good fits: {data.filtered.statement}"
+    text = f"good fits: {typeset(data.filtered.statement)}"
     if drawn < data.samples.size:
         text += f"; {drawn} points drawn"
     return text

@@ -8,8 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from solver.report.content import Card, Content, Picture, Table
+from solver.report.content import Content
 from solver.report.html import SIGNS
+from solver.report.parts import Card, Picture, Table
 from solver.report.style import GRID, INK, MUTED, png_of
 
 __all__ = ["pdf_report"]
@@ -162,7 +163,7 @@ def _picture(picture: Picture, content: Content, width: float, height: float) ->
 
     figure = content.figures.draw(picture.name)
     inches = figure.get_size_inches()
-    scale = min(width / (72.0 * inches[0]), 0.82 * height / (72.0 * inches[1]), 1.3 if picture.wide else 0.9)
+    scale = min(width / (72.0 * inches[0]), 0.82 * height / (72.0 * inches[1]), 1.3 if picture.wide else 1.0)
     image = Image(io.BytesIO(png_of(figure, dpi=_DPI)), width=72.0 * inches[0] * scale, height=72.0 * inches[1] * scale)
     return KeepTogether([_text(picture.heading, "subheading"), image, _text(picture.caption, "small")])
 

@@ -10,7 +10,7 @@ import numpy as np
 from solver.identifiability import Samples
 from solver.local import GenerationRecord
 from solver.report.labels import ParameterLabel
-from solver.report.style import BLUE, GRID, MUTED, ORANGE, drawing, finish, plain_ticks, with_unit
+from solver.report.style import BLUE, GRID, MUTED, ORANGE, drawing, finish, head, plain_ticks, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,8 +42,8 @@ def convergence_figure(
     single = [(r.evaluations, r.best_objective) for r in records if r.best_objective is not None]
     so_far = [(r.evaluations, r.objective) for r in records if r.objective is not None]
     with drawing():
-        figure = Figure(figsize=(5.6, 3.4), layout="constrained")
-        figure.suptitle(title, weight="bold")
+        figure = Figure(figsize=(4.6, 3.1), layout="constrained")
+        head(figure, title)
         axes = figure.add_subplot()
         axes.plot(
             [x for x, _ in single],
@@ -104,8 +104,8 @@ def traces_figure(
     columns = 1 if count <= 6 else 2
     rows = -(-count // columns)
     with drawing():
-        figure = Figure(figsize=(5.6 if columns == 1 else 7.4, 0.7 + 1.45 * rows), layout="constrained")
-        figure.suptitle(title, weight="bold")
+        figure = Figure(figsize=(4.6 if columns == 1 else 7.4, 0.7 + 1.45 * rows), layout="constrained")
+        head(figure, title)
         for index, name in enumerate(samples.names):
             axes = figure.add_subplot(rows, columns, index + 1)
             axes.plot(

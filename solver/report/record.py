@@ -13,7 +13,7 @@ from solver.arrays import FloatArray
 from solver.identifiability import Linearisation
 from solver.identifiability.polish import Polished
 from solver.local import CalibrationResult, GenerationRecord
-from solver.problem import MonteCarloMethod, Problem
+from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
 
 __all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]
 
@@ -121,11 +121,21 @@ def environment() -> dict[str, str]:
     return {**found, "Python": platform.python_version(), "machine": f"{platform.system()} {platform.machine()}"}
 
 
+_FOLLOW_UPS = {
+    "sensitivity": "follow-up: sensitivities at an optimum",
+    "profile": "follow-up: profile objectives",
+    "sobol": "follow-up: Sobol indices",
+    "morris": "follow-up: Morris' elementary effects",
+}
+
+
 def method_in_words(problem: Problem) -> str:
     """Return the search method in a few words."""
     method = problem.method
     if isinstance(method, MonteCarloMethod):
         return f"Monte Carlo sampling ({method.sampling.replace('_', ' ')}), {method.samples} samples"
+    if not isinstance(method, ParticleSwarmMethod):
+        return _FOLLOW_UPS[method.kind]
     form = method.form.replace("_", " ")
     count = "as many particles as workers suggested" if method.particles == "auto" else f"{method.particles} particles"
     return f"particle swarm ({form}, {method.topology}), {count}"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.util
 import io
 import re
+import textwrap
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -35,10 +36,12 @@ __all__ = [
     "drawing",
     "figures_available",
     "finish",
+    "head",
     "inline_svg",
     "plain_ticks",
     "png_of",
     "save_figure",
+    "shortened",
     "svg_of",
     "tick_text",
     "with_unit",
@@ -107,6 +110,21 @@ def colour_map() -> Colormap:
 def with_unit(quantity: str, unit: str) -> str:
     """Return an axis label; a pure number has the unit ``-``."""
     return f"{quantity} [{unit if unit not in ('', '1', 'dimensionless') else '-'}]"
+
+
+def head(figure: Figure, title: str) -> None:
+    """Give a figure its title, on several lines where it is longer than the figure is wide."""
+    figure.suptitle(textwrap.fill(title, _title_length(figure)), weight="bold")
+
+
+def shortened(figure: Figure, title: str) -> str:
+    """A title cut to one line of a figure."""
+    length = _title_length(figure)
+    return title if len(title) <= length else title[: length - 1].rstrip() + "…"
+
+
+def _title_length(figure: Figure) -> int:
+    return int(10.0 * figure.get_size_inches()[0])  # letters of this size in an inch
 
 
 def finish(axes: Axes, *, legend: bool = True) -> None:

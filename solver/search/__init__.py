@@ -6,6 +6,10 @@
 ``particle_swarm``   the synchronous particle swarm of the published study
 ``acceleration``     proposals learned from all runs so far
 ``monte_carlo``      random, Latin hypercube and Sobol sampling
+``follow_ups``       sensitivities, profiles and designs of global sensitivity
+``differences``      where to evaluate for derivatives
+``descent``          Levenberg-Marquardt, one generation an iteration
+``chains``           one side of a profile
 ===================  =====================================================================
 """
 

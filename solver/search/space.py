@@ -79,6 +79,16 @@ class SearchSpace:
         """Round integer parameters of points in search coordinates, shape (..., d); the others stay as they are."""
         return np.where(self.integer, self.to_search(self.to_natural(search)), search)
 
+    def from_unit(self, unit: FloatArray) -> FloatArray:
+        """Convert places between the bounds, shape (..., d), 0 to 1 in search coordinates, to natural values."""
+        low = self.search_lower
+        return self.to_natural(low + unit * (self.search_upper - low))
+
+    def to_unit(self, natural: FloatArray) -> FloatArray:
+        """Convert natural values, shape (..., d), to places between the bounds, cut to 0 to 1."""
+        low = self.search_lower
+        return np.clip((self.to_search(natural) - low) / (self.search_upper - low), 0.0, 1.0)
+
     def is_feasible(self, search: FloatArray) -> bool:
         """Tell whether a point in search coordinates, shape (d,), satisfies all constraints."""
         return self.feasible(self.to_natural(search))

@@ -162,3 +162,31 @@ def test_page_of_a_finished_job_shows_parameters_and_convergence(done: tuple[App
     assert page.text.count("<circle") == 10
     assert "data-events" not in page.text
     assert f'href="/jobs/{job["id"]}"' in app.get("/").text
+
+
+def test_parquet_has_the_numbers_of_the_csv_and_the_responses(done: tuple[App, str]) -> None:
+    import pyarrow.parquet as pq
+
+    app, path = done
+    answer = app.get(f"{path}/evaluations", params={"format": "parquet", "responses": True})
+    assert answer.headers["content-type"] == "application/vnd.apache.parquet"
+    table = pq.read_table(io.BytesIO(answer.content))
+    assert table.column_names == [*csv_header(["a", "b"], ["y"]), "response.y"]
+    rows = rows_of(app.get(f"{path}/evaluations", params={"format": "csv"}).text)
+    for name in ("objective", "a", "b", "misfit.y", "seconds"):
+        assert table[name].to_pylist() == [float(row[name]) for row in rows]
+    assert str(table.schema.field("started_at").type) == "timestamp[us, tz=UTC]"
+    for place, response in enumerate(table["response.y"].to_pylist()):
+        a, b = table["a"][place].as_py(), table["b"][place].as_py()
+        assert response == pytest.approx([a, a + b, a + 2 * b], rel=1e-14)
+    good = app.get(
+        f"{path}/evaluations", params={"max_objective": 1.0}, headers={"Accept": answer.headers["content-type"]}
+    )
+    assert pq.read_table(io.BytesIO(good.content)).num_rows == sum(float(row["objective"]) <= 1.0 for row in rows)
+
+
+def test_without_pyarrow_parquet_is_not_available(done: tuple[App, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    app, path = done
+    monkeypatch.setattr("api.routes.results.parquet_available", lambda: False)
+    answer = app.get(f"{path}/evaluations", params={"format": "parquet"})
+    assert (answer.status_code, answer.json()["type"]) == (501, "urn:geoswarm:error:no-parquet")

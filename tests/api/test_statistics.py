@@ -13,6 +13,7 @@ from solver.identifiability import Samples, analyse, reweight
 from solver.local import calibrate
 from solver.problem import parse_problem
 from solver.report.jsonable import jsonable
+from solver.words import typeset
 from tests.api.conftest import API, App, line_problem, wait_for_end
 from workers.engine import Engine
 from workers.service import JobService
@@ -70,7 +71,7 @@ def test_report_is_a_page_with_a_policy_of_its_own(done: tuple[App, str]) -> Non
     assert "script-src" not in policy
     assert policy.startswith("default-src 'none'; style-src 'unsafe-inline'; img-src data:")
     verdict = app.get(f"{path}/statistics").json()["verdicts"][0]["sentence"]
-    assert verdict in answer.text
+    assert typeset(verdict) in answer.text
     assert "400" in answer.text
 
 

@@ -14,6 +14,7 @@ HEADINGS = {
     "tracing": "Extra `tracing`",
     "plots": "Extra `plots`",
     "statistics": "Extra `statistics`",
+    "parquet": "Extra `parquet`",
     "bench": "Extra `bench`",
     "dev": "Extra `dev`",
 }

@@ -8,7 +8,15 @@ import time
 
 import pytest
 
-from tests.integration.engines import LONG, STEADY, celery_workers, long_history, wait_for, wait_until_ended
+from tests.integration.engines import (
+    LONG,
+    STEADY,
+    celery_workers,
+    long_history,
+    process_exists,
+    wait_for,
+    wait_until_ended,
+)
 from tests.servers import RedisServer
 from tests.servers import free_port as unused_port
 from tests.workers.problems import expected_history, line, recorded_history
@@ -83,3 +91,17 @@ def test_an_unreachable_broker_is_one_clear_line(fresh_postgres_url: str) -> Non
     assert time.monotonic() - began < 5.0
     assert "topsecret" not in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_worker_ends_in_time_although_one_of_its_processes_hangs(settings: Settings) -> None:
+    hasty = settings.model_copy(update={"grace_seconds": 0.5})
+    with open_engine(hasty) as engine, celery_workers(hasty, count=1, concurrency=2) as (process,):
+        service = engine.service
+        wait_for(lambda: len(service.workers()) == 2, "two processes")
+        job_id = service.submit(LONG)[0].id
+        wait_for(lambda: service.get(job_id).generations >= 4, "progress")
+        pids = [worker.pid for worker in service.workers()]
+        os.kill(pids[0], signal.SIGSTOP)
+        process.terminate()
+        assert process.wait(30) == 0
+        wait_for(lambda: not any(process_exists(pid) for pid in pids), "the end of its processes", 5.0)

@@ -80,6 +80,11 @@ def lost_tries(store: Store) -> list[tuple[int, int, str, str]]:
     return [tuple(row) for row in store.read(lambda c: c.execute(statement.order_by(attempts.c.id)).all())]
 
 
+def listed(service: JobService, job_id: str) -> list[tuple[int, str | None, str, bool]]:
+    """The tries at the first evaluation as the service tells them."""
+    return [(t.number, t.worker, t.outcome, t.counted) for t in service.attempts(job_id, 0, 0)]
+
+
 def test_expensive_or_unknown_runs_go_one_by_one_and_cheap_ones_in_chunks(
     store: Store, settings: Settings, service: JobService, job_id: str
 ) -> None:
@@ -107,7 +112,8 @@ def test_the_first_result_counts_and_a_late_one_is_recorded(
     finish(fast)
     assert service.get(job_id).state == "finished"
     assert slow.exchange(late).claim is None
-    assert lost_tries(store) == [(0, 1, "slow", "worker_lost"), (0, 1, "slow", "late")]
+    assert lost_tries(store) == [(0, 1, "slow", "late")]  # it was not lost after all
+    assert listed(service, job_id) == [(1, "slow", "late", False), (2, "fast", "finished", True)]
     assert recorded_history(service, job_id) == EXPECTED
     first = service.evaluations(job_id, limit=1).items[0]
     assert (first.worker, first.attempts) == ("fast", 2)
@@ -124,11 +130,28 @@ def test_a_result_that_arrives_before_its_second_try_counts(
     assert second.claim is not None
     assert second.claim.particles == (0,)
     assert second.claim.attempts == (2,)
-    first.hand_in(want=False)
-    assert service.evaluations(job_id, limit=1).items[0].worker == "w1"
+    once = first.results()
+    for _ in range(2):  # the answer to the first was lost
+        first.exchange(once, want=False)
+        assert listed(service, job_id) == [(2, "w2", "superseded", False), (1, "w1", "finished", True)]
     second.hand_in()
+    assert listed(service, job_id) == [(2, "w2", "late", False), (1, "w1", "finished", True)]
     finish(second)
-    assert ("late" in {outcome for *_, outcome in lost_tries(store)}) is True
+    assert recorded_history(service, job_id) == EXPECTED
+
+
+def test_a_worker_that_was_given_up_too_early_is_counted_with_its_own_try(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings)
+    first, second = Hand(runtime, job_id, "w1"), Hand(runtime, job_id, "w2")
+    first.take()
+    once = first.results()
+    runtime.expire(job_id, 0, ["w1"])
+    first.exchange(once, want=False)
+    assert listed(service, job_id) == [(1, "w1", "finished", True)]
+    finish(second)
+    assert lost_tries(store) == []
     assert recorded_history(service, job_id) == EXPECTED
 
 
@@ -337,3 +360,7 @@ def test_any_order_of_workers_losses_and_pauses_gives_the_same_history(
         lambda c: c.execute(select(evaluations.c.state).where(evaluations.c.job_id == job_id)).scalars().all()
     )
     assert list(counted) == ["finished"] * 60
+    for view in [view for view in service.iterate_evaluations(job_id) if view.attempts > 1]:
+        tries = service.attempts(job_id, view.generation, view.particle)
+        assert sum(t.counted for t in tries) == 1
+        assert sorted(t.number for t in tries) == list(range(1, view.attempts + 1)), tries

@@ -16,7 +16,8 @@ from workers.store.evaluations import Board, Cell
 __all__ = ["expire_cell", "give_back", "record_result"]
 
 MESSAGE_LENGTH = 2000
-GIVEN_TO_ANOTHER = ("overdue", "superseded")
+SUPPOSED = ("overdue", "superseded", "worker_lost")
+"""What is noted of a try of which nothing was heard; replaced when its worker hands in a result after all."""
 STOPPED = "stopped"  # killed in mid-run because its job was paused or cancelled, or its worker was asked to end
 
 
@@ -25,33 +26,36 @@ def record_result(connection: Connection, board: Board, result: Result, worker: 
     cell = board.cells[result.particle]
     if cell.status.attempts == 0:
         cell.status, _ = settle(cell.status, Claimed(worker))  # begun in the worker that dispatched it
-    if cell.values.get("duplicates") and _taken_in(board.tries(connection, cell), cell, result, worker):
+    before = cell.status
+    # Counted by the number of its first try, or given to two workers: only the list of tries tells whether it is new.
+    doubtful = before.done and before.worker == worker and before.attempts != result.attempt
+    if (doubtful or cell.values.get("duplicates")) and _taken_in(board.tries(connection, cell), cell, result, worker):
         return None
     evaluation = result.evaluation
     reason = evaluation.reason
     again = False
-    if reason is not None and not cell.status.done and failures.retries(reason):
+    if reason is not None and not before.done and failures.retries(reason):
         tries = board.tries(connection, cell)
         if any((row.number, row.worker, row.outcome) == (result.attempt, worker, reason) for row in tries):
             return None  # handed in before; only the answer was lost
         again = _further_try(tries, reason, failures)
-    before = cell.status
     after, verdict = settle(before, ResultArrived(worker, result.attempt, reason is not None, again))
     message = None if evaluation.message is None else clean_text(evaluation.message[:MESSAGE_LENGTH])
     log = None if result.log is None else clean_text(result.log)
     if verdict in ("late", "retried"):
         outcome = reason if verdict == "retried" and reason is not None else "late"
         columns = {"started_at": result.started_at, "message": message, "log": log}
-        board.forget_try(connection, cell, result.attempt, worker, GIVEN_TO_ANOTHER)
+        board.forget_try(connection, cell, result.attempt, worker, SUPPOSED)
         board.note_try(cell, result.attempt, worker, outcome, result.finished_at, **columns)
         if after != before:
             cell.set(after, lease_expires_at=None, started_at=None)
         return None
     if verdict != "counted":
         return None
-    if before.state == "running" and before.attempts != result.attempt:  # it was given to another, and came first
-        board.forget_try(connection, cell, result.attempt, worker, GIVEN_TO_ANOTHER)
-        board.note_try(cell, before.attempts, before.worker, "superseded", result.finished_at)
+    if (before.state, before.worker, before.attempts) != ("running", worker, result.attempt):
+        board.forget_try(connection, cell, result.attempt, worker, SUPPOSED)
+        if before.state == "running":  # it was given to another, and came first
+            board.note_try(cell, before.attempts, before.worker, "superseded", result.finished_at)
     cell.set(
         after,
         objective=evaluation.objective,
@@ -104,4 +108,4 @@ def _taken_in(tries: Sequence[Record], cell: Cell, result: Result, worker: str) 
     """Whether this result of an evaluation that two workers had was handed in before."""
     own = [row.outcome for row in tries if (row.number, row.worker) == (result.attempt, worker)]
     counted = cell.status.done and cell.status.worker == worker and not own
-    return counted or any(outcome not in GIVEN_TO_ANOTHER for outcome in own)
+    return counted or any(outcome not in SUPPOSED or outcome == result.evaluation.reason for outcome in own)

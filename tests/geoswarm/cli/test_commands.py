@@ -16,10 +16,12 @@ WANTED = (
     *("check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
     *("list", "show", "cancel", "pause", "resume", "retry-failed", "export", "demo", "workers"),
     *("report", "statistics", "reweight", "paper", "keys", "prune"),
+    *("sensitivity", "profile", "influence", "posterior"),
 )
 READING = (
     *("check", "evaluate", "run", "submit", "watch", "list", "show", "retry-failed", "workers"),
     *("statistics", "reweight", "paper", "prune"),
+    *("sensitivity", "profile", "influence", "posterior"),
 )
 
 

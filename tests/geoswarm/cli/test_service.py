@@ -152,6 +152,9 @@ def test_export_as_csv_and_json(
     assert len(evaluations) == len(expected)
     assert evaluations[3]["responses"]["y"]["y"] == expected[3].evaluation.responses["y"].tolist()
     assert [path.name for path in tmp_path.iterdir()] == ["runs.json"]
+    call(capsys, service, "export", finished, "--output", str(tmp_path / "runs.parquet"))
+    assert (tmp_path / "runs.parquet").read_bytes()[:4] == b"PAR1"
+    assert "needs --output" in call(capsys, service, "export", finished, "--format", "parquet", code=2)[1]
     message = call(capsys, service, "export", finished, "--output", str(tmp_path / "no" / "runs.csv"), code=2)[1]
     assert "there is no folder" in message
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from solver.calibration import Calibration
+from solver.errors import InfeasibleSpaceError
 from solver.identifiability import StatisticsError
 from solver.identifiability.global_sensitivity import analyse_design, global_design, outputs_of
 from tests.solver.identifiability.cases import X, free, problem_of
@@ -33,17 +34,30 @@ def test_elementary_effects_of_a_linear_function() -> None:
     np.testing.assert_allclose([i.total for i in found.indices], 0.0, atol=1e-9)
 
 
-def test_blocks_against_the_constraints_are_dropped_and_counted() -> None:
+def test_designs_keep_to_the_constraints_and_drop_what_failed() -> None:
     parameters = {"a": free(0.0, 1.0), "b": free(0.0, 1.0)}
-    calibration = Calibration(problem_of("a + b", parameters, X, constraints=["a + b < 1.6"]), 1)
+    calibration = Calibration(problem_of("a + b", parameters, X, constraints=["a + b < 1.2"]), 1)
     plan = global_design(calibration, samples=128)
+    assert len(plan.positions) == 128 * 4
+    assert (plan.positions.sum(axis=1) < 1.2).all()
     outputs = outputs_of(calibration, [calibration.evaluate(x) for x in plan.positions], "objective")
+    outputs[[5, 6, 40]] = np.nan
     found = analyse_design(calibration, plan, outputs)
-    assert found.dropped > 0
-    assert found.blocks + found.dropped == 128
+    assert (found.blocks, found.dropped) == (126, 2)
     outputs[:] = np.nan
     with pytest.raises(StatisticsError, match="only 0 of 128 blocks"):
         analyse_design(calibration, plan, outputs)
+    morris = global_design(calibration, kind="morris", samples=16)
+    assert len(morris.positions) == 16 * 3
+    assert (morris.positions.sum(axis=1) < 1.2).all()
+
+
+def test_a_design_without_feasible_blocks_is_refused() -> None:
+    parameters = {"a": free(0.0, 1.0), "b": free(0.0, 1.0)}
+    narrow = problem_of("a + b", parameters, X, constraints=["a - b < 1e-3", "b - a < 1e-3"])
+    plan = global_design(Calibration(narrow, 1), kind="morris", samples=10)
+    with pytest.raises(InfeasibleSpaceError, match="of the morris design satisfy the constraints"):
+        _ = plan.positions
 
 
 def test_wrong_requests_are_refused() -> None:

@@ -10,23 +10,32 @@ import pytest
 from solver.calibration import Calibration
 from solver.identifiability import StatisticsError
 from solver.identifiability.polish import polish
-from solver.identifiability.profiles import Profile, Profiles, start_profiles
+from solver.identifiability.profiles import Profile, profile_settings, profiles_of
 from solver.problem import Problem
+from solver.search.follow_ups import ProfileSearch
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)
 
 
-def profiled(problem: Problem, start: list[float], *, restart: bool = False) -> tuple[Profiles, tuple[Profile, ...]]:
+def profiled(
+    problem: Problem, start: list[float], *, restart: bool = False
+) -> tuple[ProfileSearch, tuple[Profile, ...]]:
     calibration = Calibration(problem, 1)
     found = polish(calibration, np.array(start))
-    state = start_profiles(calibration, linearised(problem, found.parameters.tolist()), found.objective)
-    while not state.finished:
+    settings = profile_settings(calibration, linearised(problem, found.parameters.tolist()))
+    search = ProfileSearch(calibration.space, settings)
+    failed = np.full(sum(o.x.size for o in problem.observations), np.nan)
+    while (positions := search.ask()) is not None:
         if restart:
-            state = Profiles.from_json(json.loads(json.dumps(state.to_json())))
-        state = state.advance(calibration, [calibration.evaluate(x) for x in state.positions(calibration)])
-        assert state.generation < 300
-    return state, state.results(calibration)
+            search = ProfileSearch(calibration.space, settings, json.loads(json.dumps(search.snapshot())))
+            np.testing.assert_array_equal(search.ask(), positions)
+        runs = [calibration.evaluate(x) for x in positions]
+        search.take(
+            np.array([failed if e.reason else calibration.objective.weighted_residuals(e.responses) for e in runs])
+        )
+        assert search.generation < 300
+    return search, profiles_of(search)
 
 
 def test_the_profile_of_a_line_gives_students_interval() -> None:
@@ -53,7 +62,7 @@ def test_a_restart_changes_nothing() -> None:
     )
     straight, _ = profiled(problem, [4.0, 1.0])
     resumed, _ = profiled(problem, [4.0, 1.0], restart=True)
-    assert straight.to_json() == resumed.to_json()
+    assert straight.snapshot() == resumed.snapshot()
 
 
 def test_a_product_stays_open() -> None:
@@ -69,15 +78,37 @@ def test_a_product_stays_open() -> None:
         assert (profile.objectives[inner] <= profile.limit).all()
 
 
+def test_an_end_that_a_bound_of_another_parameter_sets_is_found() -> None:
+    # a b = 6 with b at most 10: the profile of a is flat down to 0.6 and rises steeply below
+    _, profiles = profiled(
+        problem_of("a * b * x", {"a": free(), "b": free()}, 6.0 * X + 0.01 * np.sin(9 * X)), [6.4, 0.94]
+    )
+    for profile in profiles:
+        assert profile.lower == pytest.approx(0.6, abs=0.01)
+        assert profile.upper is None
+
+
 def test_noise_is_needed_and_names_are_checked() -> None:
     problem = problem_of("a * x + b", {"a": free(), "b": free()}, np.array([2.0, 3.0]), np.array([1.0, 2.0]))
     calibration = Calibration(problem, 1)
     with pytest.raises(StatisticsError, match="needs the noise"):
-        start_profiles(calibration, linearised(problem, [1.0, 1.0]), 0.0)
+        profile_settings(calibration, linearised(problem, [1.0, 1.0]))
     known = linearised(problem, [1.0, 1.0], noise=0.1)
     with pytest.raises(StatisticsError, match="unknown parameter z; free: a, b"):
-        start_profiles(calibration, known, 0.0, parameters=["z"])
-    state = start_profiles(calibration, known, 0.0, parameters=["a"])
-    assert {chain.index for chain in state.chains if not chain.finished} == {0}
-    with pytest.raises(StatisticsError, match="are due"):
-        state.advance(calibration, [])
+        profile_settings(calibration, known, parameters=["z"])
+    search = ProfileSearch(calibration.space, profile_settings(calibration, known, parameters=["a"]))
+    assert {chain.index for chain in search.chains if not chain.finished} == {0}
+    assert profiles_of(search) == ()
+    with pytest.raises(ValueError, match="needs the runs"):
+        search.tell(np.ones(3))
+
+
+def test_an_optimum_that_fails_ends_the_profiles() -> None:
+    problem = problem_of("a * x + b", {"a": free(), "b": free()}, Y)
+    calibration = Calibration(problem, 1)
+    search = ProfileSearch(calibration.space, profile_settings(calibration, linearised(problem, [5.0, 1.5])))
+    positions = search.ask()
+    assert positions is not None
+    search.take(np.full((len(positions), X.size), np.nan))
+    assert search.ask() is None
+    assert profiles_of(search) == ()

@@ -118,3 +118,12 @@ def test_everything_is_json() -> None:
     data = analyse(Calibration(problem, 1), samples, linearisation=found).to_json()
     restored = json.loads(json.dumps(data, allow_nan=False))
     assert set(restored) >= {"verdicts", "correlations", "projections", "threshold", "linearisation", "weights"}
+
+
+def test_fewer_measurements_than_parameters_are_warned_of() -> None:
+    problem = problem_of("a + b * x", {"a": free(), "b": free()}, np.array([3.0]), np.array([1.0]))
+    samples = Samples.from_result(problem, calibrate(problem))
+    found = analyse(Calibration(problem, 1), samples)
+    assert found.warnings[1].startswith("Too few measurements: 1 of them cannot determine 2 free parameters")
+    assert found.linearisation is None
+    assert "identified" not in {verdict.kind for verdict in found.verdicts}

@@ -150,7 +150,7 @@ def test_very_many_mistakes_are_counted_not_listed() -> None:
         ("parameters", {f"p{i}": {"value": 1} for i in range(101)}, "parameters: has 101 entries; at most 100"),
         ("observations", [], "observations: must be a list of 1 to 1000 observations, not an empty list"),
         ("observations", [3], "observations[0]: must be a mapping, not 3"),
-        ("method", None, "method: must be a mapping with kind particle_swarm or monte_carlo, not null"),
+        ("method", None, "method: must be a mapping with a kind of particle_swarm, monte_carlo, sensitivity, profile"),
         ("method", {"particles": 5}, "method.kind: is missing; known: particle_swarm, monte_carlo"),
         ("stopping", [], "stopping: must be a mapping, not an empty list"),
         ("name", "", "name: must not be empty"),

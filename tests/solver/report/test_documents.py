@@ -21,7 +21,7 @@ from solver.report import (
 )
 from solver.report.folder import FolderError
 from solver.report.jsonable import jsonable
-from solver.report.words import duration, number
+from solver.words import duration, number, typeset
 from tests.solver.report.conftest import Run
 
 
@@ -48,6 +48,10 @@ def read(page: str) -> Reader:
     return reader
 
 
+def printed(sentence: str) -> str:
+    return " ".join(typeset(sentence).split())
+
+
 def test_page_has_verdicts_first_and_provenance_last(sampling: Run) -> None:
     page = sampling.report.html()
     places = [page.index(f'id="{section}"') for section in ("verdicts", "figures", "tables", "provenance")]
@@ -56,12 +60,18 @@ def test_page_has_verdicts_first_and_provenance_last(sampling: Run) -> None:
     statistics = sampling.report.statistics
     assert statistics is not None
     for verdict in statistics.verdicts:
-        assert verdict.sentence in text
-        assert all(proposal.sentence in text for proposal in verdict.proposals)
+        assert printed(verdict.sentence) in text
+        assert all(printed(proposal.sentence) in text for proposal in verdict.proposals)
     for words in ("not identified", "only in combination", "seed 2008", "Monte Carlo sampling (random), 2000 samples"):
         assert words in text
     assert f"{statistics.filtered.kept} of 2000 evaluations" in text
     assert text.count("λ*") >= 3
+
+
+def test_a_notebook_shows_the_verdicts(sampling: Run) -> None:
+    shown = sampling.report._repr_html_()
+    assert shown == sampling.report.fragment()
+    assert "Only in combination: λ*, c" in shown
 
 
 def test_page_needs_nothing_else(swarm: Run) -> None:

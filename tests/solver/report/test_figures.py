@@ -40,7 +40,7 @@ def test_matrix_prints_correlation_threshold_and_counts(sampling: Run) -> None:
     assert statistics is not None
     figure = sampling.report.figures.draw("matrix")
     written = texts(svg_of(figure))
-    assert f"f ≤ 1e-07: {statistics.filtered.kept} of 2000 evaluations" in written
+    assert f"f ≤ 10⁻⁷: {statistics.filtered.kept} of 2000 evaluations" in written
     pair = statistics.pearson.get("lambda_star", "c")
     assert pair.coefficient is not None
     assert f"r = {pair.coefficient:.2f}" in written

@@ -104,7 +104,7 @@ def test_what_eats_memory_is_killed(runner: Runner, tmp_path: Path) -> None:
     made = misbehaving(behaviour="eat", notes=str(tmp_path / "pids"))
     began = time.monotonic()
     bad, good = runner.run("job", made, positions(1, -1), Limits(memory_mb=200))
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < 30.0
     assert (bad.evaluation.reason, good.evaluation.reason) == ("killed_memory", None)
     assert bad.evaluation.message is not None
     assert "more than 200 MiB (limits.memory_mb)" in bad.evaluation.message

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
+from solver.search.space import SearchSpace
 
 __all__ = ["Chain", "ChainPoint"]
 
@@ -18,6 +18,8 @@ _MOST_ITERATIONS = 12  # of Levenberg-Marquardt at one value
 _MOST_POINTS = 60
 _SMALL_GAIN = 2e-3  # of the increase: an iteration that lowers f by less has converged
 _DAMPING = 1e-3
+_OVERSHOOT = 6.0  # in rises: more is too far beyond the end of the interval
+_MOST_REFINEMENTS = 6
 _MOST_DAMPING = 1e8
 
 
@@ -51,6 +53,8 @@ class Chain:
         Of Levenberg-Marquardt at this value.
     finished
         Nothing is left to do.
+    refinements
+        How often a step went too far and was taken back.
     """
 
     index: int
@@ -67,6 +71,7 @@ class Chain:
     damping: float = _DAMPING
     iterations: int = 0
     finished: bool = False
+    refinements: int = 0
 
     @classmethod
     def begin(
@@ -76,9 +81,9 @@ class Chain:
         chain = cls(index, side, step, increase, (), optimum, optimum)
         return replace(chain, finished=True) if idle else chain._next_value()
 
-    def positions(self, calibration: Calibration) -> FloatArray:
+    def positions(self, space: SearchSpace) -> FloatArray:
         """The trial and a small move of each other parameter, shape (d, d), natural values."""
-        return _natural(calibration, np.array([self.trial, *self._moved()]))
+        return space.from_unit(np.array([self.trial, *self._moved()]))
 
     def _moved(self) -> list[FloatArray]:
         moved = []
@@ -91,11 +96,18 @@ class Chain:
     def _others(self) -> list[int]:
         return [i for i in range(len(self.trial)) if i != self.index]
 
-    def advance(self, calibration: Calibration, evaluations: Sequence[Evaluation], lowest: float) -> Chain:
-        """Take the evaluations of :meth:`positions`; ``lowest`` is f at the optimum."""
-        centre = evaluations[0]
-        feasible = calibration.space.feasible(_natural(calibration, self.trial))
-        objective = centre.objective if feasible else None
+    def advance(self, space: SearchSpace, residuals: FloatArray, lowest: float) -> Chain:
+        """Take the results at :meth:`positions`.
+
+        Parameters
+        ----------
+        residuals
+            Weighted residual vectors, shape (d, m), whose squared lengths are the objectives; nan where it failed.
+        lowest
+            f at the optimum.
+        """
+        succeeded = bool(np.isfinite(residuals[0]).all()) and space.feasible(space.from_unit(self.trial))
+        objective = float(np.sum(residuals[0] * residuals[0])) if succeeded else None
         chain = replace(self, iterations=self.iterations + 1)
         if objective is None and self.objective is None:
             # the others cannot be kept at this value: the space ends here, as at a bound
@@ -103,7 +115,7 @@ class Chain:
         if objective is None or (self.objective is not None and objective >= self.objective):
             return replace(chain, damping=self.damping * 10.0)._next_trial(lowest, 0.0)
         gain = np.inf if self.objective is None else self.objective - objective
-        gradient, curvature = self._linearised(calibration, evaluations)
+        gradient, curvature = self._linearised(residuals)
         chain = replace(
             chain,
             current=self.trial,
@@ -114,26 +126,15 @@ class Chain:
         )
         return chain._next_trial(lowest, gain)
 
-    def _linearised(self, calibration: Calibration, evaluations: Sequence[Evaluation]) -> tuple[FloatArray, FloatArray]:
-        observed = calibration.objective.observed
-
-        def weighted(evaluation: Evaluation) -> FloatArray:
-            return np.concatenate(
-                [
-                    np.sqrt(o.weight * o.point_weights / o.y.size) * (evaluation.responses[o.series] - o.y)
-                    for o in observed
-                ]
-            )
-
-        residuals = weighted(evaluations[0])
+    def _linearised(self, residuals: FloatArray) -> tuple[FloatArray, FloatArray]:
         columns = []
-        for other, moved, evaluation in zip(self._others(), self._moved(), evaluations[1:], strict=True):
-            if evaluation.objective is None:
-                columns.append(np.zeros_like(residuals))  # cannot be moved from here
+        for other, moved, row in zip(self._others(), self._moved(), residuals[1:], strict=True):
+            if np.isfinite(row).all():
+                columns.append((row - residuals[0]) / (moved[other] - self.trial[other]))
             else:
-                columns.append((weighted(evaluation) - residuals) / (moved[other] - self.trial[other]))
-        jacobian = np.stack(columns, axis=1) if columns else np.empty((len(residuals), 0))
-        return jacobian.T @ residuals, jacobian.T @ jacobian
+                columns.append(np.zeros_like(row))  # cannot be moved from here
+        jacobian = np.stack(columns, axis=1) if columns else np.empty((residuals.shape[1], 0))
+        return jacobian.T @ residuals[0], jacobian.T @ jacobian
 
     def _next_trial(self, lowest: float, gain: float) -> Chain:
         """The next Levenberg-Marquardt step at this value, or the next value."""
@@ -160,12 +161,15 @@ class Chain:
     def _finish_value(self, lowest: float) -> Chain:
         assert self.current is not None
         assert self.objective is not None
+        if self.objective > lowest + _OVERSHOOT * self.increase and self.refinements < _MOST_REFINEMENTS:
+            # far beyond the end of the interval: a straight line from the last point would not tell where it ends
+            return replace(self, step=0.25 * self.step, refinements=self.refinements + 1)._next_value()
         points = (*self.points, ChainPoint(self.current, self.objective))
         end = self.current[self.index] in (0.0, 1.0)
         before = self.points[-1].objective if self.points else lowest
         rise = self.objective - before
         step = self.step
-        if rise < 0.1 * self.increase:
+        if rise < 0.1 * self.increase and self.refinements == 0:
             step = min(2.0 * step, 0.1)
         elif rise > 0.5 * self.increase:
             step = max(0.5 * step, 1e-9)
@@ -214,8 +218,3 @@ class Chain:
 
 
 _ARRAYS = ("trial", "origin", "current", "gradient", "curvature")
-
-
-def _natural(calibration: Calibration, unit: FloatArray) -> FloatArray:
-    space = calibration.space
-    return space.to_natural(space.search_lower + unit * (space.search_upper - space.search_lower))

@@ -1,0 +1,91 @@
+"""Evaluations as Parquet: typed columns, written row group by row group into a temporary file (extra ``parquet``)."""
+
+from __future__ import annotations
+
+import itertools
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from importlib.util import find_spec
+from typing import IO, Any
+
+from workers.views import EvaluationView
+
+__all__ = ["parquet_available", "parquet_pieces"]
+
+ROWS_A_GROUP = 5000
+PIECE = 1 << 18
+IN_MEMORY = 16 << 20
+
+_TEXT = ("state", "reason", "message", "worker")
+_WHOLE = ("generation", "particle", "attempts")
+_TIMES = ("started_at", "finished_at")
+
+
+def parquet_available() -> bool:
+    """Tell whether pyarrow is installed."""
+    return find_spec("pyarrow") is not None
+
+
+def parquet_pieces(
+    views: Iterable[EvaluationView],
+    columns: Sequence[tuple[str, str, str]],
+    series: Sequence[str],
+    *,
+    responses: bool,
+) -> Iterator[bytes]:
+    """Write a file and return its bytes in pieces.
+
+    Parameters
+    ----------
+    views
+        Rows.
+    columns
+        Header, where its value is (``own``, ``parameter`` or ``misfit``), and its name there.
+    series
+        Observed series; with ``responses`` each has a column ``response.SERIES`` of lists, base units.
+    """
+    file = tempfile.SpooledTemporaryFile(IN_MEMORY)  # noqa: SIM115  (closed when the last piece is read)
+    try:
+        _write(file, views, columns, series if responses else ())
+        file.seek(0)
+    except BaseException:
+        file.close()
+        raise
+    return _pieces(file)
+
+
+def _pieces(file: IO[bytes]) -> Iterator[bytes]:
+    with file:
+        while piece := file.read(PIECE):
+            yield piece
+
+
+def _write(
+    file: IO[bytes], views: Iterable[EvaluationView], columns: Sequence[tuple[str, str, str]], series: Sequence[str]
+) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    def kind(place: str, name: str) -> Any:
+        if place == "own" and name in _TEXT:
+            return pa.string()
+        if place == "own" and name in _WHOLE:
+            return pa.int64()
+        return pa.timestamp("us", tz="UTC") if place == "own" and name in _TIMES else pa.float64()
+
+    fields = [pa.field(header, kind(place, name)) for header, place, name in columns]
+    fields += [pa.field(f"response.{name}", pa.list_(pa.float64())) for name in series]
+    schema = pa.schema(fields)
+    remaining = iter(views)
+    with pq.ParquetWriter(file, schema, compression="zstd") as writer:
+        while group := list(itertools.islice(remaining, ROWS_A_GROUP)):
+            cells = [[_cell(view, place, name) for view in group] for _, place, name in columns]
+            cells += [[None if v.responses is None else v.responses[name]["y"] for v in group] for name in series]
+            arrays = [pa.array(column, type=field.type) for column, field in zip(cells, schema, strict=True)]
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
+
+
+def _cell(view: EvaluationView, place: str, name: str) -> Any:
+    if place == "parameter":
+        return view.parameters.get(name)
+    return view.misfits.get(name) if place == "misfit" else getattr(view, name)

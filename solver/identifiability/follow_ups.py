@@ -1,0 +1,310 @@
+"""Follow-up jobs: the problems that ask for more evaluations, and what these evaluations tell.
+
+A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``sobol`` or ``morris``. Any
+engine runs it, and its stored evaluations alone give the answer: the plan follows from the problem again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation
+from solver.errors import SolverError
+from solver.follow_up import profile_search, sensitivity_search
+from solver.identifiability.errors import StatisticsError
+from solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
+from solver.identifiability.profiles import Profile, profile_settings, profiles_of
+from solver.identifiability.sensitivity import Linearisation, from_evaluations
+from solver.problem import (
+    FollowUpMethod,
+    MonteCarloMethod,
+    ParticleSwarmMethod,
+    Problem,
+    ProfileMethod,
+    SensitivityMethod,
+    parse_problem,
+)
+from solver.search import Runs
+
+__all__ = [
+    "NO_FINDINGS",
+    "Findings",
+    "findings_of",
+    "follow_up_of",
+    "global_problem",
+    "join_findings",
+    "profile_problem",
+    "same_question",
+    "sensitivity_problem",
+]
+
+_LONGEST_NAME = 200
+_OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What follow-ups have found.
+
+    Parameters
+    ----------
+    linearisation
+        At the optimum, with standard errors and intervals.
+    objective, start_objective
+        f there, and where the descent began (the same without one).
+    profiles
+        As far as they have got.
+    global_sensitivities
+        One an output: the objective, and each series.
+    notes
+        Why something could not be had, in sentences.
+    responses
+        Calculated values there, by series, base units; empty without a linearisation.
+    """
+
+    linearisation: Linearisation | None = None
+    objective: float | None = None
+    start_objective: float | None = None
+    profiles: tuple[Profile, ...] = ()
+    global_sensitivities: tuple[GlobalSensitivity, ...] = ()
+    notes: tuple[str, ...] = ()
+    responses: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
+            "objective": self.objective,
+            "start_objective": self.start_objective,
+            "profiles": [profile.to_json() for profile in self.profiles],
+            "global_sensitivities": [found.to_json() for found in self.global_sensitivities],
+            "notes": list(self.notes),
+        }
+
+
+NO_FINDINGS = Findings()
+
+
+def follow_up_of(problem: Problem) -> FollowUpMethod | None:
+    """The method of a follow-up; None for a search or a sampling."""
+    method = problem.method
+    return None if isinstance(method, ParticleSwarmMethod | MonteCarloMethod) else method
+
+
+def same_question(problem: Problem, other: Problem) -> bool:
+    """Whether two problems differ at most in name, method, stop criteria and seed, so that results can be joined."""
+    documents = [{k: v for k, v in p.document().items() if k not in _OWN_KEYS} for p in (problem, other)]
+    return documents[0] == documents[1]
+
+
+def sensitivity_problem(
+    problem: Problem,
+    optimum: FloatArray,
+    *,
+    seed: int,
+    step: float | None = None,
+    polish: bool = False,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates the sensitivities at an optimum.
+
+    Parameters
+    ----------
+    optimum
+        Shape (d,), natural values.
+    seed
+        Of the job.
+    step
+        Largest difference in parts of the range; the default of the method when None.
+    polish
+        Go to the minimum first.
+    of
+        Id of the job.
+
+    Raises
+    ------
+    ProblemError
+        When there are fewer measured points than free parameters, or the optimum is not admissible.
+    """
+    method = {"kind": "sensitivity", "at": _at(problem, optimum), "step": step, "polish": polish, "of": of}
+    return _changed(problem, method, seed)
+
+
+def profile_problem(
+    problem: Problem,
+    linearisation: Linearisation,
+    *,
+    seed: int,
+    parameters: Sequence[str] | None = None,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates profiles around the optimum of a linearisation, of all parameters unless named.
+
+    Raises
+    ------
+    StatisticsError
+        When the noise is neither known nor could be estimated, or a name is unknown.
+    """
+    settings = profile_settings(Calibration(problem, seed), linearisation, parameters=parameters)
+    names = problem.free_names
+    rise = {name: float(r) for name, r in zip(names, settings.rise, strict=True) if np.isfinite(r)}
+    step = {name: float(s) for name, s in zip(names, settings.step, strict=True) if name in rise}
+    method = {"kind": "profile", "at": _at(problem, settings.optimum), "rise": rise, "step": step, "of": of}
+    return _changed(problem, method, seed)
+
+
+def global_problem(
+    problem: Problem,
+    *,
+    seed: int,
+    kind: Literal["sobol", "morris"] = "sobol",
+    samples: int | None = None,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates the design of Sobol or Morris.
+
+    Raises
+    ------
+    ProblemError
+        When SALib is not installed, or ``samples`` is wrong.
+    """
+    return _changed(problem, {"kind": kind, "samples": samples, "of": of}, seed)
+
+
+def _at(problem: Problem, optimum: FloatArray) -> dict[str, float]:
+    return dict(zip(problem.free_names, np.asarray(optimum, dtype=np.float64).tolist(), strict=True))
+
+
+def _changed(problem: Problem, method: Mapping[str, Any], seed: int) -> Problem:
+    given = {key: value for key, value in method.items() if value is not None}
+    name = f"{problem.name}, {method['kind']}"[:_LONGEST_NAME]
+    return parse_problem(problem.document() | {"name": name, "method": given, "stopping": {}, "seed": seed})
+
+
+def findings_of(
+    problem: Problem,
+    seed: int,
+    evaluations: Sequence[Evaluation],
+    *,
+    noise: Mapping[str, float] | float | None = None,
+    level: float = 0.95,
+) -> Findings:
+    """Read the evaluations of a follow-up, finished or not.
+
+    Parameters
+    ----------
+    evaluations
+        All of finished generations, in the order of generation and particle, failed ones too.
+    noise
+        Known standard deviation of a reading, base units; that of the problem file when absent. Profiles end where the
+        noise that was known when they were asked for says.
+
+    Raises
+    ------
+    StatisticsError
+        When the problem is no follow-up, or the noise is wrong.
+    """
+    calibration = Calibration(problem, seed)
+    method = problem.method
+    if isinstance(method, ParticleSwarmMethod | MonteCarloMethod):
+        raise StatisticsError(f"a job with method {method.kind} is no follow-up")
+    if isinstance(method, SensitivityMethod):
+        return _sensitivity(calibration, method, evaluations, noise, level)
+    if isinstance(method, ProfileMethod):
+        return _profiles(calibration, method, evaluations)
+    return _indices(calibration, evaluations)
+
+
+def _sensitivity(
+    calibration: Calibration,
+    method: SensitivityMethod,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+    level: float,
+) -> Findings:
+    search = sensitivity_search(calibration.space, method)
+    start = evaluations[0].objective if evaluations else None
+    position = 0
+    while search.descending:
+        size = 2 * calibration.space.dimension + 1
+        if position + size > len(evaluations):
+            return Findings(start_objective=start, notes=("the descent to the minimum has not ended",))
+        _tell(calibration, search, evaluations[position : position + size])
+        position += size
+    plan = search.plan
+    last = evaluations[position : position + len(plan.positions)]
+    if len(last) < len(plan.positions):
+        return Findings(start_objective=start, notes=("the sensitivities are not complete yet",))
+    try:
+        found = from_evaluations(calibration, plan, last, noise=noise, level=level)
+    except StatisticsError as error:
+        if noise is not None:
+            raise
+        return Findings(start_objective=start, notes=(str(error),))
+    return Findings(found, last[0].objective, start, responses=dict(last[0].responses))
+
+
+def _profiles(calibration: Calibration, method: ProfileMethod, evaluations: Sequence[Evaluation]) -> Findings:
+    search = profile_search(calibration.space, method)
+    position = 0
+    while (due := search.ask()) is not None and position + len(due) <= len(evaluations):
+        _tell(calibration, search, evaluations[position : position + len(due)])
+        position += len(due)
+    notes = []
+    if search.failed:
+        notes.append(f"the evaluation of the optimum failed ({evaluations[0].reason}): {evaluations[0].message}")
+    elif not search.finished:
+        notes.append("the profiles are not complete yet")
+    return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes))
+
+
+def _indices(calibration: Calibration, evaluations: Sequence[Evaluation]) -> Findings:
+    follow_up = calibration.follow_up
+    assert follow_up is not None
+    assert follow_up.points is not None
+    plan = follow_up.points
+    if len(evaluations) < len(plan.positions):
+        return Findings(notes=(f"{len(evaluations)} of {len(plan.positions)} evaluations of the design are done",))
+    found, notes = [], []
+    for output in ("objective", *(o.series for o in calibration.objective.observed)):
+        outputs = outputs_of(calibration, evaluations, output)
+        try:
+            found.append(analyse_design(calibration, plan, outputs, output=output, seed=calibration.seed % 2**32))
+        except SolverError as error:
+            notes.append(f"{output}: {error}")
+    return Findings(global_sensitivities=tuple(found), notes=tuple(dict.fromkeys(notes)))
+
+
+def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluation]) -> None:
+    objective = calibration.objective
+    failed = np.full(sum(o.y.size for o in objective.observed), np.nan)
+    rows = [objective.weighted_residuals(e.responses) if e.reason is None else failed for e in evaluations]
+    runs = Runs.of(np.array([e.parameters for e in evaluations]), np.array(rows))
+    search.tell(runs.objectives, runs)
+
+
+def join_findings(parts: Sequence[Findings]) -> Findings:
+    """Join what several follow-ups of one job have found; of two of a kind the first counts."""
+    with_optimum = next((part for part in parts if part.linearisation is not None), NO_FINDINGS)
+    profiles: dict[str, Profile] = {}
+    indices: dict[tuple[str, str], GlobalSensitivity] = {}
+    for part in parts:
+        for profile in part.profiles:
+            profiles.setdefault(profile.parameter, profile)
+        for index in part.global_sensitivities:
+            indices.setdefault((index.kind, index.output), index)
+    notes = dict.fromkeys(note for part in parts for note in part.notes)
+    return Findings(
+        with_optimum.linearisation,
+        with_optimum.objective,
+        with_optimum.start_objective,
+        tuple(profiles.values()),
+        tuple(indices.values()),
+        tuple(notes),
+        with_optimum.responses,
+    )

@@ -1,0 +1,45 @@
+"""The parts of a report: cards, pictures, tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Card", "Picture", "Table"]
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """Verdict on one parameter.
+
+    ``value`` is that of the polished optimum where there is one, and ``remark`` then tells that of the best evaluation.
+    """
+
+    name: str
+    symbol: str
+    value: str
+    remark: str
+    kind: str
+    words: str
+    sentence: str
+    proposals: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One figure with its heading, its caption, and whether it needs the whole width of a page."""
+
+    name: str
+    heading: str
+    caption: str
+    wide: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """One table; ``numeric`` are the indices of the columns to align to the right."""
+
+    heading: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numeric: tuple[int, ...] = ()
+    note: str = ""

@@ -1,0 +1,48 @@
+"""What was found beyond the stored evaluations of a run: by follow-ups, and by a posterior sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from solver.identifiability.follow_ups import NO_FINDINGS, Findings
+from solver.identifiability.posterior import Posterior
+
+__all__ = ["NOTHING_FURTHER", "Uncertainty"]
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """Findings of follow-ups and a posterior sample, where somebody asked for them."""
+
+    findings: Findings = NO_FINDINGS
+    posterior: Posterior | None = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What to be careful about, in sentences."""
+        found = [*self.findings.notes, *(() if self.posterior is None else self.posterior.warnings)]
+        found += [
+            f"the profile of {profile.parameter} found a lower objective than the optimum: the search had not found "
+            "the best fit"
+            for profile in self.findings.profiles
+            if profile.better is not None
+        ]
+        return tuple(f"{note[:1].upper()}{note[1:]}{'' if note.endswith('.') else '.'}" for note in found)
+
+    def summary(self, evaluations: int) -> str:
+        """Say in a sentence what a follow-up without verdicts has."""
+        findings = self.findings
+        if findings.profiles:
+            closed = [profile.parameter for profile in findings.profiles if profile.interval is not None]
+            return (
+                f"Profile objectives of {', '.join(profile.parameter for profile in findings.profiles)}; closed "
+                f"intervals: {', '.join(closed) or 'none'}."
+            )
+        if findings.global_sensitivities:
+            first = findings.global_sensitivities[0]
+            order = sorted(first.indices, key=lambda index: -index.main)
+            return f"Influence on the objective, the largest first: {', '.join(i.parameter for i in order)}."
+        return f"Nothing can be told yet after {evaluations} evaluations of this follow-up."
+
+
+NOTHING_FURTHER = Uncertainty()

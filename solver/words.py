@@ -1,0 +1,95 @@
+"""Numbers, durations and states as a reader sees them: in a report, and plain in a terminal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+__all__ = ["REASONS", "VERDICTS", "duration", "number", "reasons_in_words", "typeset", "verdict_in_words"]
+
+VERDICTS = {
+    "identified": "identified",
+    "bounded_on_one_side": "bounded on one side only",
+    "in_combination": "only in combination",
+    "not_identified": "not identified",
+    "undecided": "undecided",
+}
+"""Kind of verdict -> words."""
+
+REASONS = {
+    "max_evaluations": "maximum number of evaluations reached",
+    "max_seconds": "maximum time reached",
+    "target_objective": "objective at or below the target",
+    "stagnation_generations": "objective no longer lowered",
+    "samples_completed": "all samples evaluated",
+    "polished": "best parameters polished",
+    "design_completed": "all planned evaluations made",
+}
+"""Stop reason -> words."""
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_MISSING = "–"
+_PLAIN_MISSING = "-"
+
+
+def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
+    """Return a number with significant digits, a dash for None.
+
+    Parameters
+    ----------
+    plain
+        ``4.83e-9`` as programs read it, in place of ``4.83·10⁻⁹``.
+    """
+    if value is None:
+        return _PLAIN_MISSING if plain else _MISSING
+    if isinstance(value, int):
+        return str(value)
+    text = f"{value:.{digits}g}"
+    mantissa, exponent, power = text.partition("e")
+    if exponent and 0 <= int(power) < 7:
+        text, exponent = f"{float(text):.0f}", ""
+    if plain:
+        return f"{mantissa}e{int(power)}" if exponent else text
+    if exponent:
+        text = _power(mantissa, power)
+    return text.replace("-", "−")
+
+
+def _power(mantissa: str, power: str) -> str:
+    raised = f"10{str(int(power)).translate(_RAISED)}"
+    return raised if mantissa == "1" else f"{mantissa}·{raised}"
+
+
+def typeset(text: str) -> str:
+    """Return a sentence as it is printed: ``5.2e-08`` becomes ``5.2·10⁻⁸``, ``95%`` becomes ``95 %``."""
+    powers = re.sub(
+        r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]\d+)\b",
+        lambda found: _power(found[1], found[2]),
+        text,
+    )
+    return re.sub(r"(\d)%", "\\1\N{NO-BREAK SPACE}%", powers)
+
+
+def duration(seconds: float | None, *, plain: bool = False) -> str:
+    """Return a time span [s] in words: ``0.8 s``, ``2 min 05 s``, ``3 h 02 min``; a dash for None."""
+    if seconds is None:
+        return _PLAIN_MISSING if plain else _MISSING
+    if seconds < 0.1:
+        return f"{seconds * 1000.0:.3g} ms"
+    if seconds < 59.95:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes < 60:
+        return f"{minutes} min {rest:02d} s"
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02d} min"
+
+
+def reasons_in_words(stop_reasons: Sequence[str], *, plain: bool = False) -> str:
+    """Return stop reasons as a phrase; a dash when there are none."""
+    return ", ".join(REASONS.get(reason, reason) for reason in stop_reasons) or (_PLAIN_MISSING if plain else _MISSING)
+
+
+def verdict_in_words(kind: str) -> str:
+    """Return a kind of verdict in words."""
+    return VERDICTS.get(kind, kind.replace("_", " "))

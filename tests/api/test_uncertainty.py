@@ -1,0 +1,187 @@
+"""Follow-up jobs: sensitivities, profiles, global sensitivity; the posterior sample; known noise."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.local import calibrate
+from solver.problem import parse_problem
+from tests.api.conftest import API, App, line_problem, wait_for_end
+from workers.engine import Engine
+from workers.store.follow_ups import evaluations_in_order
+
+X = np.linspace(0.0, 3.0, 16)
+Y = 1.0 + 2.0 * X + np.random.default_rng(4).normal(0.0, 0.05, X.size)
+
+
+def noisy() -> dict[str, Any]:
+    return line_problem(
+        observations=[{"series": "y", "points": {"x": X.tolist(), "y": Y.tolist()}}],
+        method={"kind": "monte_carlo", "samples": 300},
+        stopping={},
+    )
+
+
+def textbook(noise: float | None = None) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Standard errors of intercept and slope by the normal equations."""
+    design = np.stack([np.ones_like(X), X], axis=1)
+    found = np.linalg.lstsq(design, Y, rcond=None)[0]
+    variance = np.sum((Y - design @ found) ** 2) / (X.size - 2) if noise is None else noise**2
+    errors: np.ndarray[Any, np.dtype[np.float64]] = np.sqrt(variance * np.diag(np.linalg.inv(design.T @ design)))
+    return errors
+
+
+@pytest.fixture(scope="module")
+def done(engine: Engine) -> tuple[App, str]:
+    """A finished sampling, and the application that shows it."""
+    app = App(engine.service)
+    job = app.post(f"{API}/jobs", json=noisy()).json()["id"]
+    assert wait_for_end(engine.service, job).state == "finished"
+    return app, job
+
+
+@pytest.fixture(scope="module")
+def examined(done: tuple[App, str], engine: Engine) -> tuple[App, str, str]:
+    """The same, with its sensitivities."""
+    app, job = done
+    assert app.post(f"{API}/jobs/{job}/profile").status_code == 409
+    submitted = app.post(f"{API}/jobs/{job}/sensitivity")
+    assert submitted.status_code == 201
+    assert submitted.headers["location"].endswith(submitted.json()["id"])
+    assert wait_for_end(engine.service, submitted.json()["id"]).state == "finished"
+    return app, job, submitted.json()["id"]
+
+
+def errors_of(answer: dict[str, Any]) -> list[float]:
+    return [row["standard_error"] for row in answer["linearisation"]["parameters"].values()]
+
+
+def test_sensitivities_give_the_textbook_errors(examined: tuple[App, str, str]) -> None:
+    app, job, follow_up = examined
+    found = app.get(f"{API}/jobs/{job}/uncertainty").json()
+    assert found["follow_ups"][-1] == {
+        "id": follow_up,
+        "kind": "sensitivity",
+        "state": "finished",
+        "evaluations": found["follow_ups"][-1]["evaluations"],
+    }
+    np.testing.assert_allclose(errors_of(found), textbook(), rtol=1e-5)
+    assert found["linearisation"]["at_optimum"]
+    assert errors_of(app.get(f"{API}/jobs/{follow_up}/uncertainty").json()) == errors_of(found)
+    statistics = app.get(f"{API}/jobs/{job}/statistics").json()
+    assert errors_of(statistics) == errors_of(found)
+
+
+def test_known_noise_counts_instead_of_the_residuals(examined: tuple[App, str, str]) -> None:
+    app, job, _ = examined
+    for noise in ("0.2", "y=0.2"):
+        found = app.get(f"{API}/jobs/{job}/uncertainty", params={"noise": noise}).json()
+        np.testing.assert_allclose(errors_of(found), textbook(0.2), rtol=1e-5)
+        assert found["linearisation"]["noise"] == {"origin": "known", "deviations": {"y": 0.2}}
+    page = app.get(f"{API}/jobs/{job}/report.html", params={"noise": "0.2"})
+    assert page.status_code == 200
+    for wrong in ("-1", "y", "y=", "=1", "nan"):
+        refused = app.get(f"{API}/jobs/{job}/statistics", params={"noise": wrong})
+        assert refused.status_code == 422, wrong
+        assert refused.json()["issues"][0]["path"] == "query.noise"
+    assert app.get(f"{API}/jobs/{job}/statistics", params={"noise": ["1", "y=1"]}).status_code == 422
+    assert "observed series: y" in app.get(f"{API}/jobs/{job}/statistics", params={"noise": "q=1"}).json()["detail"]
+
+
+def test_profiles_equal_those_of_this_process_bit_for_bit(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, _ = examined
+    submitted = app.post(f"{API}/jobs/{job}/profile", json={"parameters": ["b"]}, headers={"Idempotency-Key": "p"})
+    again = app.post(f"{API}/jobs/{job}/profile", json={"parameters": ["b"]}, headers={"Idempotency-Key": "p"})
+    assert (submitted.status_code, again.status_code) == (201, 200)
+    follow_up = submitted.json()["id"]
+    assert again.json()["id"] == follow_up
+    ended = wait_for_end(engine.service, follow_up)
+    assert (ended.state, ended.stop_reasons) == ("finished", ["design_completed"])
+    stored = engine.service.store.read(lambda connection: evaluations_in_order(connection, follow_up))
+    local = calibrate(parse_problem(app.get(f"{API}/jobs/{follow_up}/problem").json())).history
+    assert [e.objective for e in stored] == [r.evaluation.objective for r in local]
+    np.testing.assert_array_equal([e.parameters for e in stored], [r.evaluation.parameters for r in local])
+    (profile,) = app.get(f"{API}/jobs/{job}/uncertainty").json()["profiles"]
+    linear = app.get(f"{API}/jobs/{job}/uncertainty").json()["linearisation"]["parameters"]["b"]["interval"]
+    np.testing.assert_allclose([profile["lower"], profile["upper"]], linear, rtol=1e-4)
+    assert app.post(f"{API}/jobs/{job}/profile", json={"parameters": ["q"]}).status_code == 422
+
+
+def test_global_sensitivity_and_the_report_of_everything(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, _ = examined
+    submitted = app.post(f"{API}/jobs/{job}/global-sensitivity", json={"kind": "morris", "samples": 12})
+    assert submitted.status_code == 201
+    assert submitted.json()["max_evaluations"] == 36
+    assert wait_for_end(engine.service, submitted.json()["id"]).state == "finished"
+    found = app.get(f"{API}/jobs/{job}/uncertainty").json()["global_sensitivities"]
+    assert [(one["kind"], one["output"], one["blocks"]) for one in found] == [
+        ("morris", "objective", 12),
+        ("morris", "y", 12),
+    ]
+    names = app.get(f"{API}/jobs/{job}/figures", params={"posterior": True}).json()["items"]
+    assert {"posterior", "global_sensitivity"} <= set(names)
+    for name in ("posterior", "global_sensitivity"):
+        for form, start in (("svg", b"<?xml"), ("png", b"\x89PNG"), ("csv", name[0:0].encode())):
+            answer = app.get(f"{API}/jobs/{job}/figures/{name}.{form}", params={"posterior": True})
+            assert answer.status_code == 200
+            assert answer.content.startswith(start)
+    page = app.get(f"{API}/jobs/{job}/report.html", params={"posterior": True})
+    assert "Posterior sample" in page.text
+    assert "Elementary effects of Morris" in page.text
+    own = app.get(f"{API}/jobs/{submitted.json()['id']}/report.html")
+    assert "Influence on the objective, the largest first" in own.text
+    assert app.get(f"{API}/jobs/{submitted.json()['id']}/statistics").json()["samples"]["source"] == "follow_up"
+    refused = app.post(f"{API}/jobs/{job}/global-sensitivity", json={"samples": 100})
+    assert refused.status_code == 422
+    assert refused.json()["issues"] == [{"path": "method.samples", "message": "must be a power of two, not 100"}]
+
+
+def test_posterior_agrees_with_the_linear_interval(examined: tuple[App, str, str]) -> None:
+    app, job, _ = examined
+    found = app.get(f"{API}/jobs/{job}/posterior", params={"noise": 0.05}).json()
+    linear = app.get(f"{API}/jobs/{job}/uncertainty", params={"noise": 0.05}).json()["linearisation"]["parameters"]
+    assert found["trusted"]
+    for name, row in linear.items():
+        half = (row["interval"][1] - row["interval"][0]) / 2.0
+        assert found["medians"][name] == pytest.approx(row["value"], abs=0.1 * half)
+        assert np.diff(found["intervals"][name])[0] / 2.0 == pytest.approx(half, rel=0.1)
+
+
+def test_a_follow_up_of_another_question_is_not_taken(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, follow_up = examined
+    other = app.get(f"{API}/jobs/{follow_up}/problem").json()
+    other["observations"][0]["points"]["y"] = [y + 1.0 for y in other["observations"][0]["points"]["y"]]
+    foreign = app.post(f"{API}/jobs", json=other).json()["id"]
+    assert wait_for_end(engine.service, foreign).state == "finished"
+    listed = app.get(f"{API}/jobs/{job}/uncertainty").json()["follow_ups"]
+    assert foreign not in [f["id"] for f in listed]
+
+
+def test_what_cannot_be_followed_up(app: App) -> None:
+    queued = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    refused = app.post(f"{API}/jobs/{queued}/sensitivity")
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:geoswarm:error:no-optimum")
+    at = app.post(f"{API}/jobs/{queued}/sensitivity", json={"at": {"a": 1.0, "b": 2.0}, "polish": False})
+    assert at.status_code == 201
+    assert at.json()["max_evaluations"] == 9
+    missing = app.post(f"{API}/jobs/{queued}/sensitivity", json={"at": {"a": 1.0}})
+    assert "at: b is missing; free: a, b" in missing.json()["detail"]
+    assert app.get(f"{API}/jobs/{queued}/posterior").status_code == 422
+    for path in ("sensitivity", "profile", "global-sensitivity"):
+        assert app.post(f"{API}/jobs/0123456789abcdef/{path}").status_code == 404
+    single = line_problem(observations=[{"series": "y", "points": {"x": [1], "y": [3]}}])
+    one = app.post(f"{API}/jobs", json=single).json()["id"]
+    few = app.post(f"{API}/jobs/{one}/sensitivity", json={"at": {"a": 1.0, "b": 2.0}})
+    assert few.status_code == 422
+    assert "1 measured point cannot determine 2 free parameters" in few.json()["detail"]
+
+
+def test_answers_are_described(app: App) -> None:
+    paths = app.get("/openapi.json").json()["paths"]
+    for path, method in (("statistics", "get"), ("reweight", "post"), ("uncertainty", "get"), ("posterior", "get")):
+        operation = paths[f"{API}/jobs/{{job_id}}/{path}"][method]
+        schema = operation["responses"]["200"]["content"]["application/json"]["schema"]
+        assert schema["$ref"].endswith("Answer")

@@ -1,0 +1,84 @@
+"""``geoswarm sensitivity``, ``profile``, ``influence`` and ``posterior``: on a folder, a problem file, and a job."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from geoswarm.cli import main
+from geoswarm.client import Client
+from tests.api.test_uncertainty import noisy, textbook
+from tests.geoswarm.client.conftest import client, engine, server
+
+__all__ = ["client", "engine", "server"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sampling of a noisy line."""
+    place = tmp_path_factory.mktemp("run")
+    path = place / "problem.json"
+    path.write_text(json.dumps(noisy()), encoding="utf-8")
+    assert main(["run", str(path), "--output", str(place / "out"), "--json"]) == 0
+    return place / "out"
+
+
+def told(capsys: pytest.CaptureFixture[str]) -> dict[str, object]:
+    found: dict[str, object] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def test_a_folder_keeps_what_was_evaluated(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sensitivity", str(folder)]) == 0
+    shown = capsys.readouterr()
+    assert "standard error" in shown.out
+    assert f"Evaluations kept in {folder / 'sensitivity'}" in shown.err
+    assert main(["profile", str(folder), "--json"]) == 0
+    profiles = told(capsys)["profiles"]
+    assert [p["parameter"] for p in profiles] == ["a", "b"]  # type: ignore[attr-defined]
+    assert main(["influence", str(folder), "--kind", "morris", "--samples", "8"]) == 0
+    assert "mean |effect|" in capsys.readouterr().out
+    assert main(["posterior", str(folder), "--noise", "0.05", "--json"]) == 0
+    assert told(capsys)["trusted"] is True
+    assert main(["statistics", str(folder), "--json"]) == 0
+    row = told(capsys)["linearisation"]["parameters"]["b"]  # type: ignore[index]
+    assert row["standard_error"] == pytest.approx(textbook()[1], rel=1e-5)
+    assert main(["report", str(folder), "--figures", "--posterior", "--output", str(tmp_path)]) == 0
+    assert {"profiles.svg", "posterior.png", "global_sensitivity.csv"} <= {path.name for path in tmp_path.iterdir()}
+    assert main(["report", str(folder / "profile"), "--html", "--output", str(tmp_path)]) == 0
+    assert "Profile objectives of a, b" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    problem = str(folder / "problem.json")
+    assert main(["sensitivity", problem]) == 2
+    assert "a, b: no value; give --at NAME=VALUE" in capsys.readouterr().err
+    assert main(["sensitivity", problem, "--at", "a=1", "--at", "q=2"]) == 2
+    assert "q: no free parameter" in capsys.readouterr().err
+    assert main(["sensitivity", problem, "--at", "a=1", "--at", "b=2", "--no-polish", "--json"]) == 0
+    assert told(capsys)["linearisation"]["at_optimum"] is False  # type: ignore[index]
+    assert main(["profile", problem, "--at", "a=1", "--at", "b=2", "--parameter", "b", "--noise", "y=0.05"]) == 0
+    shown = capsys.readouterr().out
+    assert "95% from" in shown
+    assert main(["sensitivity", problem, "--noise", "much"]) == 2
+    assert "--noise much: a number, or SERIES=NUMBER, is accepted" in capsys.readouterr().err
+
+
+def test_a_job_gets_follow_up_jobs(client: Client, capsys: pytest.CaptureFixture[str]) -> None:
+    job = client.wait(client.submit(noisy()).id, timeout=60.0).id
+    url = ["--url", client.base_url]
+    assert main(["profile", job, "--parameter", "a", "--json", *url]) == 0
+    captured = capsys.readouterr()
+    assert "The sensitivities at the optimum come first." in captured.err
+    found = json.loads(captured.out)
+    assert found["job"] != job
+    assert [p["parameter"] for p in found["profiles"]] == ["a"]
+    assert main(["sensitivity", job, "--no-polish", *url]) == 0
+    assert "standard error" in capsys.readouterr().out
+    assert main(["influence", job, "--kind", "morris", "--samples", "8", *url]) == 0
+    assert main(["posterior", job, *url]) == 0
+    assert "worth" in capsys.readouterr().out
+    assert main(["profile", job, "--at", "a=1", *url]) == 2
+    assert "give it to 'sensitivity'" in capsys.readouterr().err

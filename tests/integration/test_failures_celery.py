@@ -1,0 +1,105 @@
+"""Runs that hang, fork or eat memory, pausing, cancelling and the limit of time, through real Celery workers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.integration.engines import STEADY, celery_workers, process_exists, wait_for, wait_until_ended
+from tests.integration.test_failures import misbehaving, pids
+from workers.engine import open_engine
+from workers.service import JobService
+from workers.settings import Settings
+
+pytestmark = pytest.mark.usefixtures("misbehaving_models")
+
+LIMIT = 0.7
+
+
+@pytest.fixture
+def settings(fresh_postgres_url: str, fresh_redis_url: str) -> Settings:
+    return Settings(database_url=fresh_postgres_url, broker_url=fresh_redis_url, **STEADY)
+
+
+@contextmanager
+def running(settings: Settings, processes: int) -> Iterator[JobService]:
+    with open_engine(settings) as engine, celery_workers(settings, concurrency=processes):
+        wait_for(lambda: len(engine.service.workers()) == processes, f"{processes} processes")
+        yield engine.service
+
+
+def test_bad_runs_end_within_their_limits_and_leave_nothing(settings: Settings, tmp_path: Path) -> None:
+    asked = {
+        "for_ever": ({"seconds_per_evaluation": LIMIT}, "timeout"),
+        "fork": ({"seconds_per_evaluation": LIMIT}, "timeout"),
+        "eat": ({"memory_mb": 100, "seconds_per_evaluation": 30}, "killed_memory"),
+    }
+    with running(settings, 3) as service:
+        ids = {
+            behaviour: service.submit(misbehaving(behaviour, notes=str(tmp_path / behaviour), limits=limits))[0].id
+            for behaviour, (limits, _) in asked.items()
+        }
+        for behaviour, (_, reason) in asked.items():
+            job = wait_until_ended(service, ids[behaviour])
+            assert (job.state, job.failed_evaluations, job.stop_reasons) == ("finished", 2, ["samples_completed"])
+            views = list(service.iterate_evaluations(job.id))
+            bad = [view for view in views if view.parameters["slope"] > 0]
+            assert [(view.state, view.reason, view.attempts) for view in bad] == [("failed", reason, 1)] * 2
+            assert {view.state for view in views if view not in bad} == {"finished"}
+            if reason == "timeout":
+                assert all(view.seconds is not None and LIMIT <= view.seconds < LIMIT + 2.0 for view in bad)
+            assert len(pids(tmp_path / behaviour)) >= 2
+            assert not any(process_exists(pid) for pid in pids(tmp_path / behaviour))
+
+
+def test_pause_and_cancel_reach_runs_in_their_middle(settings: Settings, tmp_path: Path) -> None:
+    notes = {action: tmp_path / action for action in ("pause", "cancel")}
+    cured = tmp_path / "cured"
+    with running(settings, 2) as service:
+        ids = {
+            action: service.submit(misbehaving("for_ever", above=-2, samples=1, notes=str(path), cured=str(cured)))[
+                0
+            ].id
+            for action, path in notes.items()
+        }
+        wait_for(lambda: all(len(pids(path)) == 1 for path in notes.values()), "two runs under way")
+        for action, path in notes.items():
+            began = time.monotonic()
+            getattr(service, action)(ids[action])
+            wait_for(lambda path=path: not process_exists(pids(path)[0]), f"the end of the run ({action})", 3.0)
+            assert time.monotonic() - began < 2.0
+        cured.touch()
+        service.resume(ids["pause"])
+        assert wait_until_ended(service, ids["pause"]).state == "finished"
+        assert [t.outcome for t in service.attempts(ids["pause"], 0, 0)] == ["stopped", "finished"]
+        assert service.get(ids["cancel"]).state == "cancelled"
+
+
+def test_the_time_of_a_job_goes_on_after_a_restart(settings: Settings) -> None:
+    problem = misbehaving(
+        "sleep",
+        above=-2,
+        seconds=0.05,
+        method={"kind": "particle_swarm", "particles": 4},
+        stopping={"max_seconds": 3.0},
+    )
+    with running(settings, 1) as service:
+        job_id = service.submit(problem)[0].id
+        wait_for(lambda: (service.get(job_id).seconds or 0.0) > 1.0, "a second of running time")
+    with open_engine(settings) as engine:  # nobody works
+        before = engine.service.get(job_id)
+        assert before.state == "running"
+    with running(settings, 1) as service:
+        after = service.get(job_id)
+        assert before.seconds is not None
+        assert after.seconds is not None
+        assert after.seconds >= before.seconds > 1.0
+        job = wait_until_ended(service, job_id)
+        assert (job.state, job.stop_reasons) == ("finished", ["max_seconds"])
+        assert job.seconds is not None
+        assert job.generations >= before.generations
+        assert 3.0 <= job.seconds < 30.0

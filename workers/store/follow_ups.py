@@ -1,0 +1,77 @@
+"""Which follow-ups a job has, and the evaluations of one in their order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, select
+
+from solver.calibration import Evaluation
+from solver.problem import Problem, parse_problem
+from solver.problem.follow_ups import FOLLOW_UPS
+from workers.store.codec import unpack_array, unpack_json, unpack_responses
+from workers.store.listing import Filters, list_evaluations
+from workers.store.tables import jobs
+
+__all__ = ["StoredFollowUp", "evaluations_in_order", "follow_ups_of"]
+
+_ROWS = 2000
+_MOST = 50
+
+
+@dataclass(frozen=True, slots=True)
+class StoredFollowUp:
+    """A follow-up: its id, kind of method, state, number of evaluations, and seed."""
+
+    id: str
+    kind: str
+    state: str
+    evaluations: int
+    seed: int
+    document: str
+
+    @property
+    def problem(self) -> Problem:
+        """Its problem."""
+        return parse_problem(unpack_json(self.document))
+
+
+def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
+    """Return the latest follow-ups of the same owner that name a job, the newest first; ``job`` is its row."""
+    # the documents are JSON without spaces; an id holds no character that LIKE or JSON knows
+    named = jobs.c.problem.like(f'%"of":"{job.id}"%')
+    owned = jobs.c.owner.is_(None) if job.owner is None else jobs.c.owner == job.owner
+    columns = (jobs.c.id, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
+    rows = connection.execute(
+        select(*columns)
+        .where(jobs.c.method.in_(list(FOLLOW_UPS)), named, owned)
+        .order_by(jobs.c.created_at.desc(), jobs.c.id)
+        .limit(_MOST)
+    )
+    return [StoredFollowUp(r.id, r.method, r.state, r.evaluations, r.seed, r.problem) for r in rows]
+
+
+def evaluations_in_order(connection: Connection, job_id: str) -> list[Evaluation]:
+    """Return the evaluations by generation and particle, up to the first that has not ended."""
+    found: list[Evaluation] = []
+    after: tuple[int, int] | None = None
+    while True:
+        page = list_evaluations(connection, job_id, Filters(), after=after, limit=_ROWS, responses=True)
+        for row in page:
+            if row.state not in ("finished", "failed"):
+                return found
+            found.append(
+                Evaluation(
+                    unpack_array(row.parameters),
+                    row.objective,
+                    {} if row.misfits is None else unpack_json(row.misfits),
+                    {} if row.responses is None else unpack_responses(row.responses),
+                    row.reason,
+                    row.message,
+                    row.seconds or 0.0,
+                )
+            )
+        if len(page) < _ROWS:
+            return found
+        after = (page[-1].generation, page[-1].particle)
