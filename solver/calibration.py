@@ -17,6 +17,7 @@ from solver.arrays import FloatArray
 from solver.errors import ForwardError
 from solver.follow_up import DESIGN_COMPLETED, FollowUp
 from solver.objective import LeastSquares, ObservedSeries
+from solver.offer import Offer
 from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem, Stopping
 from solver.search import (
     MonteCarlo,
@@ -39,9 +40,22 @@ from solver.stopping import (
     satisfied_reasons,
 )
 
-__all__ = ["SAMPLES_COMPLETED", "Best", "Calibration", "Evaluation", "Progress", "RunLog", "Step", "choose_seed"]
+__all__ = [
+    "POLISHED",
+    "SAMPLES_COMPLETED",
+    "Best",
+    "Calibration",
+    "Evaluation",
+    "Offer",
+    "Progress",
+    "Step",
+    "choose_seed",
+]
 
 SAMPLES_COMPLETED = "samples_completed"
+POLISHED = "polished"
+
+_LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,13 +163,20 @@ class Step:
 class Calibration:
     """A problem made ready: its forward run, objective, search space and stop criteria.
 
+    Parameters
+    ----------
+    problem, seed
+        What to calibrate, and what fixes all random numbers.
+    offer
+        Runs of earlier jobs; used by an accelerated search.
+
     Raises
     ------
     ProblemError
         When the forward model cannot be prepared for the observed points.
     """
 
-    def __init__(self, problem: Problem, seed: int) -> None:
+    def __init__(self, problem: Problem, seed: int, offer: Offer | None = None) -> None:
         self.problem = problem
         self.seed = seed
         self.free_names = problem.free_names
@@ -169,7 +190,12 @@ class Calibration:
             upper=np.array([p.upper for p in problem.free], dtype=np.float64),
             log=np.array([p.scale == "log" for p in problem.free], dtype=np.bool_),
             feasible=lambda x: problem.satisfies(problem.values(x.tolist())),
+            integer=np.array([p.integer for p in problem.free], dtype=np.bool_),
         )
+        self.offered = None
+        if offer is not None and len(offer.parameters):
+            rows = np.array([self.objective.weighted_residuals(r) for r in offer.responses])
+            self.offered = Runs.of(offer.parameters, rows)
         self._run = problem.model.prepare(self.grids)
         method = problem.method
         self._design = (
@@ -181,15 +207,21 @@ class Calibration:
             None if isinstance(method, ParticleSwarmMethod | MonteCarloMethod) else FollowUp(self.space, method, seed)
         )
 
-    def start(self) -> Progress:
+    def start(self, slots: int = 1) -> Progress:
         """Ask for generation 0.
+
+        Parameters
+        ----------
+        slots
+            Evaluations that can run at once now: decides the size of the generations with ``particles: auto``, once
+            and for all, because a search goes on with the number of particles in its snapshot.
 
         Raises
         ------
         InfeasibleSpaceError
             When no feasible proposal is found.
         """
-        search = self._new_search()
+        search = self._new_search(slots)
         return Progress(0, self._positions(search), 0, 0, None, 0, search.snapshot())
 
     def evaluate(self, parameters: FloatArray) -> Evaluation:
@@ -263,6 +295,8 @@ class Calibration:
         method = self.problem.method
         if isinstance(method, MonteCarloMethod) and evaluations == method.samples:
             reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))
+        if isinstance(method, ParticleSwarmMethod) and not len(positions):
+            reasons = (POLISHED, *(r for r in reasons if r != MaxEvaluations.reason))
         elif self.follow_up is not None and len(positions) == 0:
             reasons = (DESIGN_COMPLETED,)
         following = Progress(
@@ -276,11 +310,11 @@ class Calibration:
         )
         return Step(following, reasons)
 
-    def _new_search(self) -> Search:
+    def _new_search(self, slots: int) -> Search:
         method = self.problem.method
         if isinstance(method, ParticleSwarmMethod):
             initial = np.array([np.nan if p.initial is None else p.initial for p in self.problem.free])
-            return ParticleSwarm(self.space, swarm_settings(method), self.seed, initial)
+            return ParticleSwarm(self.space, swarm_settings(method, slots), self.seed, initial, self.offered)
         if isinstance(method, MonteCarloMethod):
             return MonteCarlo(self.space, monte_carlo_settings(self.problem, method), self.seed, self._design)
         assert self.follow_up is not None
@@ -299,51 +333,6 @@ class Calibration:
     def _positions(self, search: Search) -> FloatArray:
         positions = search.ask()
         return np.empty((0, self.space.dimension)) if positions is None else positions
-
-
-class RunLog:
-    """The runs of one job for a search that learns from them, kept between generations so that each is read once.
-
-    :attr:`generations` of them were added for good, with :attr:`failed` runs that have no response.
-
-    Parameters
-    ----------
-    calibration
-        Of this job.
-    """
-
-    def __init__(self, calibration: Calibration) -> None:
-        self.generations = 0
-        self.failed = 0
-        self._objective = calibration.objective
-        self._failed = np.full(sum(observed.y.size for observed in self._objective.observed), np.nan)
-        self._positions: list[FloatArray] = [np.empty((0, calibration.space.dimension))]
-        self._residuals: list[FloatArray] = [np.empty((0, self._failed.size))]
-
-    def add(self, parameters: Sequence[FloatArray], responses: Sequence[Mapping[str, FloatArray]]) -> None:
-        """Add the next generation for good; see :meth:`runs`."""
-        self._positions.append(np.array(parameters))
-        self._residuals.append(self._rows(responses))
-        self.generations += 1
-        self.failed += sum(not response for response in responses)
-
-    def runs(self, parameters: Sequence[FloatArray] = (), responses: Sequence[Mapping[str, FloatArray]] = ()) -> Runs:
-        """Return all runs, and those of one more generation that is not final yet.
-
-        Parameters
-        ----------
-        parameters
-            Natural values of the free parameters of each particle in order, each of shape (d,).
-        responses
-            Calculated values of each series; empty for a failed evaluation.
-        """
-        positions, residuals = self._positions, self._residuals
-        if parameters:
-            positions, residuals = [*positions, np.array(parameters)], [*residuals, self._rows(responses)]
-        return Runs(np.concatenate(positions), np.concatenate(residuals))
-
-    def _rows(self, responses: Sequence[Mapping[str, FloatArray]]) -> FloatArray:
-        return np.array([self._objective.weighted_residuals(r) if r else self._failed for r in responses])
 
 
 def _update_best(progress: Progress, objectives: FloatArray) -> tuple[Best | None, int]:
@@ -368,12 +357,17 @@ def stop_criteria(stopping: Stopping) -> tuple[StopCriterion, ...]:
     return tuple(criteria)
 
 
-def swarm_settings(method: ParticleSwarmMethod) -> SwarmSettings:
+def particles_for(slots: int) -> int:
+    """Size of a generation that keeps ``slots`` busy: the least multiple of them from 8 on, 200 at most."""
+    return min(slots * -(-_LEAST_AUTOMATIC // slots), _MOST_AUTOMATIC)
+
+
+def swarm_settings(method: ParticleSwarmMethod, slots: int = 1) -> SwarmSettings:
     """Translate the ``method`` section of a swarm; a coefficient not given takes the default of its form."""
     constriction = method.form == "constriction"
     coefficient = 2.05 if constriction else 1.49618
     return SwarmSettings(
-        particles=method.particles,
+        particles=particles_for(slots) if method.particles == "auto" else method.particles,
         form=method.form,
         cognitive_coefficient=_or(method.cognitive_coefficient, coefficient),
         social_coefficient=_or(method.social_coefficient, coefficient),
@@ -382,6 +376,7 @@ def swarm_settings(method: ParticleSwarmMethod) -> SwarmSettings:
         boundary=method.boundary,
         max_velocity=method.max_velocity,
         acceleration=method.acceleration,
+        polish=method.polish,
     )
 
 

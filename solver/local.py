@@ -15,11 +15,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation, Progress, RunLog, choose_seed
-from solver.errors import WorkerLostError
+from solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
+from solver.errors import Issue, ProblemError, WorkerLostError
 from solver.notebook import result_html
 from solver.problem import Problem, parse_problem
 from solver.problem.running import fatal_message
+from solver.runlog import RunKey, RunLog
 
 __all__ = [
     "CalibrationResult",
@@ -108,6 +109,7 @@ def calibrate(
     workers: int = 1,
     seed: int | None = None,
     on_generation: Callable[[GenerationRecord], None] | None = None,
+    offer: Offer | None = None,
 ) -> CalibrationResult:
     """Run a calibration to its end in this process.
 
@@ -116,29 +118,43 @@ def calibrate(
     problem
         What to calibrate.
     workers
-        Number of processes that share a generation; 1 runs everything here. Changes nothing in the result.
+        Number of processes that share a generation; 1 runs everything here. Changes nothing in the result, unless the
+        problem leaves the number of particles to it (``auto``).
     seed
         Overrides the problem's seed; with neither a fresh one is chosen and reported.
     on_generation
         Called after every generation.
+    offer
+        Runs of earlier calibrations with the same forward model, for an accelerated search to learn from.
 
     Raises
     ------
+    ProblemError
+        When the problem names jobs to start from and no ``offer`` is given.
     InfeasibleSpaceError
         When no feasible proposal is found.
     WorkerLostError
         When a worker process dies.
     """
+    if problem.warm_start and offer is None:
+        raise ProblemError(
+            [Issue("warm_start.jobs", "only the service knows its jobs; here runs are given as an offer")]
+        )
     seed = choose_seed(problem.seed if seed is None else seed)
-    calibration = Calibration(problem, seed)
+    calibration = Calibration(problem, seed, offer)
     history: list[EvaluationRecord] = []
     records: list[GenerationRecord] = []
-    log = RunLog(calibration)
+    log, responses = RunLog(calibration), list[list[dict[str, FloatArray]]]()
+    known: dict[bytes, Evaluation] = {}
+
+    def fetch(keys: Sequence[RunKey]) -> list[dict[str, FloatArray]]:
+        return [responses[generation][particle] for generation, particle in keys]
+
     began = time.monotonic()
-    progress = calibration.start()
+    progress = calibration.start(workers)
     with _evaluator(calibration, workers) as evaluate_generation:
         while True:
-            evaluations = evaluate_generation(progress.positions)
+            evaluations = evaluate_once(progress.positions, known, evaluate_generation)
             history += [EvaluationRecord(progress.generation, i, e) for i, e in enumerate(evaluations)]
             fatal = _fatal(problem, progress.generation, evaluations)
             if fatal is not None:
@@ -147,8 +163,9 @@ def calibrate(
             objectives = [e.objective for e in evaluations]
             runs = None
             if calibration.accelerated:
-                log.add([e.parameters for e in evaluations], [e.responses for e in evaluations])
-                runs = log.runs()
+                log.add([e.parameters for e in evaluations], objectives)
+                responses.append([e.responses for e in evaluations])
+                runs = log.runs(fetch)
             step = calibration.advance(progress, objectives, time.monotonic() - began, runs)
             records.append(generation_record(problem, progress.generation, objectives, step.progress))
             if on_generation is not None:
@@ -157,6 +174,18 @@ def calibrate(
                 break
             progress = step.progress
     return _result(problem, seed, step.progress, step.stop_reasons, history, records, time.monotonic() - began)
+
+
+def evaluate_once(
+    positions: FloatArray, known: dict[bytes, Evaluation], evaluate: EvaluateGeneration
+) -> list[Evaluation]:
+    """Evaluate those positions, shape (n, d), that are not ``known`` yet, each once; return all in order."""
+    keys = [position.tobytes() for position in positions]
+    new = [i for i, key in enumerate(keys) if key not in known and key not in keys[:i]]
+    if new:
+        known |= zip((keys[i] for i in new), evaluate(positions[new]), strict=True)
+    fresh = set(new)
+    return [known[key] if i in fresh else replace(known[key], seconds=0.0) for i, key in enumerate(keys)]
 
 
 def _fatal(problem: Problem, generation: int, evaluations: Sequence[Evaluation]) -> str | None:

@@ -22,6 +22,7 @@ REASONS = {
     "target_objective": "objective at or below the target",
     "stagnation_generations": "objective no longer lowered",
     "samples_completed": "all samples evaluated",
+    "polished": "best parameters polished",
     "design_completed": "all planned evaluations made",
 }
 """Stop reason -> words."""

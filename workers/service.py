@@ -33,9 +33,10 @@ from workers.retention import delete_job
 from workers.settings import Settings
 from workers.shelf import Shelf
 from workers.store import Store, jobs
-from workers.store.codec import clean_text, pack_json, unpack_json
+from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
 from workers.store.evaluations import get_evaluation, list_attempts
 from workers.store.listing import Filters, list_evaluations
+from workers.store.offers import find_offer, write_offer
 from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
 from workers.store.workers import current_work, list_workers
 from workers.trial import TrialBench
@@ -103,6 +104,8 @@ class JobService:
         ------
         IdempotencyConflictError
             When the key was used before, with another problem.
+        ProblemError
+            When a job to start from is not there or offers nothing.
         QuotaExceededError
         """
         owner = self.principal.owner
@@ -125,12 +128,16 @@ class JobService:
             "body_hash": _body_hash(problem),
         }
 
+        offer = self.store.read(lambda c: find_offer(c, problem, self._row)) if problem.warm_start else None
+
         def work(connection: Connection) -> tuple[JobView, bool]:
             same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None:
                 if owner is not None and self.principal.role != "admin":
                     check_quotas(connection, owner, values["max_evaluations"], self.settings)
                 if jobs.insert_job(connection, values):
+                    if offer is not None:
+                        write_offer(connection, values["id"], offer)
                     return self._get(connection, values["id"]), True
                 # The key was used just now, or this very insertion was committed but its answer lost.
                 same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
@@ -157,8 +164,7 @@ class JobService:
             return jobs.get_problem(connection, job_id)
 
         row = self.store.read(work)
-        document: dict[str, Any] = unpack_json(row.problem)
-        return document
+        return unpack_problem(row.problem)
 
     def list(self, *, state: str | None = None, limit: int = 50, cursor: str | None = None) -> Page[JobView]:
         """Return jobs, newest first.
@@ -381,7 +387,7 @@ class JobService:
         """Whether a stored problem is the same with the defaults of this version, which may have more of them."""
         row = jobs.get_problem(connection, job_id)
         try:
-            return row is not None and _body_hash(parse_problem(unpack_json(row.problem))) == body_hash
+            return row is not None and _body_hash(parse_problem(unpack_problem(row.problem))) == body_hash
         except ProblemError:  # no longer accepted
             return False
 

@@ -21,7 +21,7 @@ from solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_sto
 from workers.errors import JobNotFoundError
 from workers.shelf import Shelf
 from workers.store import Store, jobs
-from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_responses
+from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_problem, unpack_responses
 from workers.store.evaluations import get_evaluation
 from workers.store.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
 from workers.store.listing import Filters, list_evaluations
@@ -228,7 +228,7 @@ def _read(connection: Connection, row: Any) -> StoredJob:
     stored = jobs.get_problem(connection, job_id)
     if stored is None:
         raise JobNotFoundError(job_id)
-    problem = parse_problem(unpack_json(stored.problem))
+    problem = parse_problem(unpack_problem(stored.problem))
     samples, failures = _samples(connection, job_id, problem)
     record = RunRecord(
         id=job_id,

@@ -23,11 +23,12 @@ from workers.runner.runner import Runner
 from workers.settings import Settings
 from workers.slots import Slots
 from workers.store import Store
-from workers.store.codec import unpack_json
+from workers.store.codec import unpack_problem
 from workers.store.database import Record
 from workers.store.jobs import current_generation, get_problem
 from workers.store.line import claimable_jobs
-from workers.store.workers import count_live, forget_worker
+from workers.store.offers import read_offer
+from workers.store.workers import busy_workers, count_live, forget_worker
 from workers.tally import tally
 from workers.tracing import record_span, span
 
@@ -155,7 +156,7 @@ class Worker:
         answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
         if answer.queued:
             try:
-                progress: Progress | InfeasibleSpaceError = calibration.start()
+                progress: Progress | InfeasibleSpaceError = calibration.start(self._free_slots())
             except InfeasibleSpaceError as error:
                 progress = error
             self.runtime.start(job_id, progress)
@@ -290,7 +291,9 @@ class Worker:
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
-        calibration = Calibration(parse_problem(unpack_json(row.problem)), row.seed)
+        problem = parse_problem(unpack_problem(row.problem))
+        offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
+        calibration = Calibration(problem, row.seed, offer)
         self._calibrations[job_id] = calibration
         if len(self._calibrations) > CACHED_CALIBRATIONS:
             self._calibrations.popitem(last=False)
@@ -301,6 +304,11 @@ class Worker:
             self.runtime.give_up(job_id, message)
         except WorkersError as error:
             log.warning("job %s could not be ended: %s", job_id, error, extra={"job": job_id})
+
+    def _free_slots(self) -> int:
+        """Number of workers that hold no evaluation of another job."""
+        busy = self.store.read(lambda connection: len(busy_workers(connection)))
+        return max(1, self._live_workers - busy)
 
     def _count_live(self) -> None:
         lease = self.settings.lease_seconds

@@ -15,6 +15,7 @@ from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, not
 from geoswarm.cli.progress import progress_bar
 
 if TYPE_CHECKING:
+    from solver.calibration import Offer
     from solver.local import CalibrationResult, GenerationRecord
     from solver.problem import Problem
 
@@ -33,8 +34,18 @@ __all__ = ["run_command"]
 @click.option(
     "--seed", type=click.IntRange(0, 2**53 - 1), help="Seed in place of the problem's; the same seed, the same result."
 )
+@click.option(
+    "--warm-start",
+    "earlier",
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    multiple=True,
+    metavar="DIR",
+    help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
+)
 @json_option
-def run_command(problem: Path, workers: int, output: Path | None, seed: int | None, as_json: bool) -> None:
+def run_command(
+    problem: Path, workers: int, output: Path | None, seed: int | None, earlier: tuple[Path, ...], as_json: bool
+) -> None:
     """Calibrate a problem to its end, with figures and tables.
 
     The number of workers changes the time, never the result. Exit code 1 when no forward run succeeded.
@@ -48,8 +59,9 @@ def run_command(problem: Path, workers: int, output: Path | None, seed: int | No
         click.echo("note: limits hold in the service only; here a run that hangs must be ended by hand", err=True)
     if output is not None:
         _make_folder(output)
+    offer = _offer(loaded, earlier) if earlier else None
     with _reporting(loaded) as on_generation:
-        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation)
+        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer)
     written = [] if output is None else write_output(loaded, result, output)
     if as_json:
         echo_json(_summary(result))
@@ -59,6 +71,28 @@ def run_command(problem: Path, workers: int, output: Path | None, seed: int | No
         echo_facts(None, {"written to": str(output), "files": _listed(written)})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
+
+
+def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
+    """What earlier runs offer; a folder that offers nothing is an error."""
+    from solver.report.folder import FolderError, run_of_folder
+    from solver.warm_start import EarlierRuns, best_of, offer_of
+
+    offers = []
+    for folder in folders:
+        try:
+            stored = run_of_folder(folder)
+        except FolderError as error:
+            raise BadInputError(f"--warm-start: {error}") from error
+        samples = stored.samples
+        if not samples.responses:
+            raise BadInputError(f"--warm-start: {folder} lacks responses.npz")
+        curves = [{name: values[i] for name, values in samples.responses.items()} for i in range(samples.size)]
+        offer = offer_of(problem, EarlierRuns(stored.problem, samples.parameters, curves))
+        if isinstance(offer, str):
+            raise BadInputError(f"--warm-start: {folder} {offer}")
+        offers.append(offer)
+    return best_of(problem, offers)
 
 
 def _summary(result: CalibrationResult) -> dict[str, Any]:
@@ -168,7 +202,8 @@ def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[st
         value = number(values[name], 5)
         bounds: tuple[str, str, str, str]
         if isinstance(parameter, FreeParameter):
-            bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), parameter.scale)
+            scale = f"{parameter.scale}, integer" if parameter.integer else parameter.scale
+            bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), scale)
         else:
             kind = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"
             bounds = ("", "", "", kind)

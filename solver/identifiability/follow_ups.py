@@ -284,7 +284,7 @@ def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluatio
     objective = calibration.objective
     failed = np.full(sum(o.y.size for o in objective.observed), np.nan)
     rows = [objective.weighted_residuals(e.responses) if e.reason is None else failed for e in evaluations]
-    runs = Runs(np.array([e.parameters for e in evaluations]), np.array(rows))
+    runs = Runs.of(np.array([e.parameters for e in evaluations]), np.array(rows))
     search.tell(runs.objectives, runs)
 
 

@@ -41,6 +41,7 @@ from solver.problem.sections import (
     ProblemFile,
     Settings,
     Stopping,
+    WarmStart,
 )
 from solver.problem.weighting import scheme_factors
 
@@ -50,7 +51,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 _MOST_PARAMETERS = 100
 _MOST_OBSERVATIONS = 1000
-_FORMS = "must be exactly one of free (lower, upper, scale, initial), fixed (value) or linked (expression)"
+_FORMS = "must be exactly one of free (lower, upper, scale, initial, integer), fixed (value) or linked (expression)"
 _SETTINGS = tuple(Settings.model_fields)
 
 
@@ -111,6 +112,7 @@ class _Assembly:
         self._check_stopping(method, stopping)
         limits = self._validated(Limits, self.document.get("limits", {}), "limits")
         failures = self._validated(Failures, self.document.get("failures", {}), "failures")
+        warm_start = self._warm_start(method)
         if self.issues or not (settings and spec and model and method and stopping and limits and failures):
             raise ProblemError(self._sorted_issues())
         problem = Problem(
@@ -126,6 +128,7 @@ class _Assembly:
             weighting=settings.weighting,
             limits=limits,
             failures=failures,
+            warm_start=warm_start,
             priority=settings.priority,
         )
         unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem) or follow_up_issues(problem)
@@ -313,14 +316,24 @@ class _Assembly:
             return self._validated(METHODS[kind], section, "method")
         return None
 
+    def _warm_start(self, method: Method | None) -> tuple[str, ...]:
+        if self.document.get("warm_start") is None:
+            return ()
+        section = self._validated(WarmStart, self.document["warm_start"], "warm_start")
+        if method is not None and not (isinstance(method, ParticleSwarmMethod) and method.acceleration != "none"):
+            self._report("warm_start", "needs method particle_swarm with acceleration: response_surface")
+        return tuple(section.jobs) if section else ()
+
     def _check_stopping(self, method: Method | None, stopping: Stopping | None) -> None:
         if not isinstance(method, ParticleSwarmMethod) or stopping is None:
             return
         if stopping.is_empty:
             criteria = ", ".join(Stopping.model_fields)
             self._report("stopping", f"a particle swarm needs at least one criterion: {criteria}")
-        elif stopping.max_evaluations is not None and stopping.max_evaluations < method.particles:
-            message = f"must be at least the number of particles ({method.particles}), not {stopping.max_evaluations}"
+        elif stopping.max_evaluations is not None and stopping.max_evaluations < (
+            least := 2 if method.particles == "auto" else method.particles
+        ):
+            message = f"must be at least the number of particles ({least}), not {stopping.max_evaluations}"
             self._report("stopping.max_evaluations", message)
 
 

@@ -60,6 +60,7 @@ def estimates_in_conflict(problem: Problem) -> list[Issue]:
 
 def _points(free: tuple[FreeParameter, ...]) -> Iterator[FloatArray]:
     log = np.array([p.scale == "log" for p in free])
+    integer = np.array([p.integer for p in free])
     lower = np.array([p.lower for p in free])
     upper = np.array([p.upper for p in free])
     low = np.where(log, np.log(np.where(log, lower, 1.0)), lower)
@@ -67,7 +68,8 @@ def _points(free: tuple[FreeParameter, ...]) -> Iterator[FloatArray]:
 
     def natural(fraction: FloatArray) -> FloatArray:
         inner = low + fraction * (high - low)
-        return np.clip(np.where(log, np.exp(np.where(log, inner, 0.0)), inner), lower, upper)
+        point = np.where(log, np.exp(np.where(log, inner, 0.0)), inner)
+        return np.clip(np.where(integer, np.rint(point), point), lower, upper)
 
     centre = natural(np.full(len(free), 0.5))
     initial = np.array([np.nan if p.initial is None else p.initial for p in free])

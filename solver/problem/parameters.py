@@ -35,13 +35,17 @@ _RESERVED = {"and", "or", "not", *FUNCTIONS, *CONSTANTS}
 
 @dataclass(frozen=True, slots=True)
 class FreeParameter:
-    """To be identified between ``lower`` and ``upper`` (the parameter's unit), searched on a ``scale``."""
+    """To be identified between ``lower`` and ``upper`` (the parameter's unit), searched on a ``scale``.
+
+    With ``integer`` it takes whole numbers only.
+    """
 
     name: str
     lower: float
     upper: float
     scale: Scale = "linear"
     initial: float | None = None
+    integer: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +77,9 @@ def build_parameter(
         return FixedParameter(name, section.value), issues
     if isinstance(section, FreeSection):
         issues += _bound_mistakes(path, section)
-        return FreeParameter(name, section.lower, section.upper, section.scale, section.initial), issues
+        return FreeParameter(
+            name, section.lower, section.upper, section.scale, section.initial, section.integer
+        ), issues
     try:
         expression = parse_known(section.expression, names)
     except ExpressionError as error:
@@ -123,6 +129,13 @@ def _bound_mistakes(path: str, section: FreeSection) -> list[Issue]:
             Issue(f"{path}.{bound}", f"must be above 0 on a log scale, not {number(value)}")
             for bound, value in (("lower", lower), ("upper", upper))
             if value <= 0
+        ]
+    if section.integer:
+        given = (("lower", lower), ("upper", upper), ("initial", initial))
+        issues += [
+            Issue(f"{path}.{key}", f"must be a whole number (integer: true), not {number(value)}")
+            for key, value in given
+            if value is not None and not value.is_integer()
         ]
     if initial is not None and lower < upper and not lower <= initial <= upper:
         issues.append(

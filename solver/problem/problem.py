@@ -50,6 +50,8 @@ class Problem:
         Fixes all random numbers; None: to be chosen.
     weighting
         Scheme that took part in the weights of the observations.
+    warm_start
+        Ids of earlier jobs whose runs are offered to the search.
     limits, failures, priority
         What one evaluation may use, what its failure means, and the job's rank among others.
     """
@@ -66,6 +68,7 @@ class Problem:
     weighting: Weighting | None = None
     limits: Limits = field(default_factory=Limits)
     failures: Failures = field(default_factory=Failures)
+    warm_start: tuple[str, ...] = ()
     priority: int = 0
     free: tuple[FreeParameter, ...] = field(init=False)
     free_names: tuple[str, ...] = field(init=False)
@@ -150,6 +153,8 @@ class Problem:
             "method": self.method.model_dump(mode="json", exclude_none=True),
             "stopping": self.stopping.model_dump(mode="json", exclude_none=True),
         }
+        if self.warm_start:
+            document["warm_start"] = {"jobs": list(self.warm_start)}
         if self.weighting is not None:
             document["weighting"] = self.weighting
         if self.seed is not None:
@@ -179,4 +184,6 @@ def _section(parameter: Parameter) -> dict[str, Any]:
     if isinstance(parameter, LinkedParameter):
         return {"expression": parameter.expression.text}
     section: dict[str, Any] = {"lower": parameter.lower, "upper": parameter.upper, "scale": parameter.scale}
+    if parameter.integer:
+        section["integer"] = True
     return section if parameter.initial is None else section | {"initial": parameter.initial}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from solver.forward.registry import AnyForwardModelSpec
@@ -30,6 +30,7 @@ __all__ = [
     "Settings",
     "Scale",
     "Stopping",
+    "WarmStart",
 ]
 
 Scale: TypeAlias = Literal["linear", "log"]
@@ -44,6 +45,7 @@ class FreeSection(Section):
     upper: float = Field(description="highest value")
     scale: Scale = Field("linear", description="log: the search runs over the logarithm; both bounds above 0")
     initial: float | None = Field(None, description="estimate to start from; the first particle of the swarm")
+    integer: bool = Field(False, description="takes whole numbers only, as do its bounds")
 
 
 class FixedSection(Section):
@@ -109,11 +111,21 @@ class ObservationSection(Section):
         return self
 
 
+Particles: TypeAlias = Annotated[
+    Annotated[int, Field(ge=2, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
+    Discriminator(lambda value: "auto" if isinstance(value, str) else "number"),
+]
+
+
 class ParticleSwarmMethod(Section):
     """Particle swarm: generations of particles, each evaluated in parallel."""
 
     kind: Literal["particle_swarm"] = "particle_swarm"
-    particles: int = Field(10, ge=2, le=1000, description="particles in a generation")
+    particles: Particles = Field(
+        10,
+        description="particles in a generation; auto: chosen once, at the start, from the evaluations that can run at "
+        "once then (a multiple of them, at least 8)",
+    )
     form: Literal["constriction", "inertia_weight"] = Field("constriction", description="form of the velocity equation")
     inertia_weight: float | None = Field(
         None, ge=0, le=1, description="w; 0.7298 if absent; only with form inertia_weight"
@@ -132,7 +144,13 @@ class ParticleSwarmMethod(Section):
         0.5, gt=0, le=1, description="largest step as a fraction of the range between the bounds"
     )
     acceleration: Literal["none", "response_surface"] = Field(
-        "none", description="aims the worst particles at what all runs so far promise; none: the textbook swarm"
+        "response_surface",
+        description="aims most particles at what all runs so far promise; none: the textbook swarm",
+    )
+    polish: bool = Field(
+        False,
+        description="where an accelerated search would begin again elsewhere: polish the best by Levenberg-Marquardt "
+        "steps and end",
     )
 
     @field_validator("inertia_weight")
@@ -140,6 +158,13 @@ class ParticleSwarmMethod(Section):
     def _only_with_its_form(cls, value: float | None, info: Any) -> float | None:
         if value is not None and info.data.get("form") == "constriction":
             raise PydanticCustomError("form", "only used with form: inertia_weight; leave it out or set form")
+        return value
+
+    @field_validator("polish")
+    @classmethod
+    def _only_accelerated(cls, value: bool, info: Any) -> bool:
+        if value and info.data.get("acceleration") == "none":
+            raise PydanticCustomError("polish", "needs the stored responses of acceleration: response_surface")
         return value
 
     @model_validator(mode="after")
@@ -232,6 +257,17 @@ class Settings(Section):
     priority: int = Field(0, ge=-10, le=10, description="in the service: jobs of a higher one get more of the workers")
 
 
+class WarmStart(Section):
+    """Earlier runs to learn from."""
+
+    jobs: list[str] = Field(
+        min_length=1,
+        max_length=20,
+        description="ids of jobs of the service with the same forward model; their runs are offered to the search "
+        "(`geoswarm run --warm-start DIR` offers those of a folder)",
+    )
+
+
 class ProblemFile(Settings):
     """A calibration problem: what to calculate, what to identify, what was measured, how to search and when to stop."""
 
@@ -242,3 +278,4 @@ class ProblemFile(Settings):
     stopping: Stopping = Field(default=Stopping(), description="when to stop; a particle swarm needs one criterion")
     limits: Limits = Field(default=Limits(), description="what one evaluation may use, in the service")
     failures: Failures = Field(default=Failures(), description="what happens when an evaluation fails")
+    warm_start: WarmStart | None = Field(None, description="earlier runs that an accelerated swarm learns from")

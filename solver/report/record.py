@@ -137,4 +137,5 @@ def method_in_words(problem: Problem) -> str:
     if not isinstance(method, ParticleSwarmMethod):
         return _FOLLOW_UPS[method.kind]
     form = method.form.replace("_", " ")
-    return f"particle swarm ({form}, {method.topology}), {method.particles} particles"
+    count = "as many particles as workers suggested" if method.particles == "auto" else f"{method.particles} particles"
+    return f"particle swarm ({form}, {method.topology}), {count}"

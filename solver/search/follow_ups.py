@@ -285,7 +285,11 @@ class DesignSearch:
 
 
 def _latest(runs: Runs | None, count: int) -> FloatArray:
-    """Residuals of the current generation, the last of all runs."""
+    """Residuals of the current generation, the last of all runs, shape (count, m); nan where a run failed."""
     if runs is None:
         raise ValueError("this search needs the runs so far")
-    return runs.residuals[-count:]
+    succeeded = runs.succeeded[-count:]
+    known = runs.residuals(np.nonzero(succeeded)[0] + len(runs.positions) - count)
+    residuals: FloatArray = np.full((count, known.shape[1]), np.nan)
+    residuals[succeeded] = known
+    return residuals

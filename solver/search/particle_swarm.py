@@ -21,17 +21,15 @@ from typing import Literal
 import numpy as np
 
 from solver.arrays import FloatArray
-from solver.search.acceleration import Runs, propose
+from solver.search.acceleration import Proposer, ProposerState, Runs
 from solver.search.base import Snapshot
 from solver.search.randomness import particle_generator
 from solver.search.space import SearchSpace
 
 __all__ = ["ParticleSwarm", "SwarmSettings"]
 
+_REDRAWS = 20  # of a particle that repeats another; a space of few whole numbers may have no other
 _HALVINGS = 40  # a step is halved this often before the particle stays where it was
-_LARGEST_SHARE = 0.8  # of a generation that is aimed while that pays, and the least when it does not
-_SMALLEST_SHARE = 0.2
-_SHARE_DECAY = 0.75
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +39,7 @@ class SwarmSettings:
     Parameters
     ----------
     particles
-        Number n of particles in a generation.
+        Number n of particles in a generation; a restored swarm keeps the number that it has.
     form
         ``constriction`` or ``inertia_weight``, see the module's equations.
     cognitive_coefficient, social_coefficient
@@ -59,6 +57,8 @@ class SwarmSettings:
     acceleration
         ``none``: the textbook swarm. ``response_surface``: the worst particles of a generation are aimed at points that
         all runs so far promise (:mod:`solver.search.acceleration`).
+    polish
+        An accelerated swarm that would restart polishes its best particle instead, and ends.
     """
 
     particles: int = 10
@@ -70,6 +70,7 @@ class SwarmSettings:
     boundary: Literal["reflect", "absorb", "resample"] = "reflect"
     max_velocity: float = 0.5
     acceleration: Literal["none", "response_surface"] = "none"
+    polish: bool = False
 
     @property
     def weights(self) -> tuple[float, float, float]:
@@ -98,6 +99,8 @@ class ParticleSwarm:
         Together with generation and particle it fixes every random number.
     initial
         The user's estimate, natural values, shape (d,), nan where not given; becomes particle 0.
+    offered
+        Runs of earlier jobs; an accelerated swarm aims its first generation by them, and runs the best of them again.
 
     Raises
     ------
@@ -106,7 +109,12 @@ class ParticleSwarm:
     """
 
     def __init__(
-        self, space: SearchSpace, settings: SwarmSettings, seed: int, initial: FloatArray | None = None
+        self,
+        space: SearchSpace,
+        settings: SwarmSettings,
+        seed: int,
+        initial: FloatArray | None = None,
+        offered: Runs | None = None,
     ) -> None:
         self._space = space
         self._settings = settings
@@ -118,10 +126,15 @@ class ParticleSwarm:
         for i in range(n):
             random = particle_generator(seed, 0, i)
             self._position[i], self._velocity[i] = self._draw(random, initial if i == 0 else None)
-        self._best_position = self._position.copy()
         self._best_objective = np.full(n, np.inf)
-        self._share = _LARGEST_SHARE
-        self._aimed: list[int] = []
+        self._proposer = _proposer(space, settings, seed)
+        if self._proposer is not None:
+            estimated = initial is not None and not np.isnan(initial).all()
+            self._position = self._proposer.first(self._position, keep=int(estimated))
+            if offered is not None:
+                self._take_offer(self._proposer, offered, first=int(estimated))
+        self._separate()
+        self._best_position = self._position.copy()
 
     @classmethod
     def restore(cls, space: SearchSpace, settings: SwarmSettings, seed: int, snapshot: Snapshot) -> ParticleSwarm:
@@ -133,9 +146,8 @@ class ParticleSwarm:
         swarm._velocity = np.array(snapshot["velocity"])
         swarm._best_position = np.array(snapshot["best_position"])
         swarm._best_objective = np.array([np.inf if f is None else f for f in snapshot["best_objective"]])
-        # Absent in what earlier versions stored: there was no aim.
-        swarm._share = snapshot.get("share", _LARGEST_SHARE)
-        swarm._aimed = snapshot.get("aimed", [])
+        state = snapshot.get("proposer")  # absent in what earlier versions stored
+        swarm._proposer = _proposer(space, settings, seed, None if state is None else ProposerState.from_json(state))
         return swarm
 
     def snapshot(self) -> Snapshot:
@@ -146,12 +158,13 @@ class ParticleSwarm:
             "velocity": self._velocity.tolist(),
             "best_position": self._best_position.tolist(),
             "best_objective": [f if math.isfinite(f) else None for f in self._best_objective.tolist()],
-            "share": self._share,
-            "aimed": self._aimed,
+            "proposer": None if self._proposer is None else self._proposer.state.to_json(),
         }
 
-    def ask(self) -> FloatArray:
-        """Positions of the current generation, shape (n, d), natural values."""
+    def ask(self) -> FloatArray | None:
+        """Positions of the current generation, shape (n, d), natural values; None when the best is polished."""
+        if self._proposer is not None and self._proposer.finished:
+            return None
         return self._space.to_natural(self._position)
 
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
@@ -161,38 +174,52 @@ class ParticleSwarm:
         """
         if objectives.shape != self._best_objective.shape:
             raise ValueError(f"objectives has shape {objectives.shape}, expected {self._best_objective.shape}")
-        if self._aimed:
-            paid = objectives[self._aimed].min() < self._best_objective.min()
-            self._share = _LARGEST_SHARE if paid else max(_SMALLEST_SHARE, _SHARE_DECAY * self._share)
         better = objectives < self._best_objective
         self._best_objective = np.where(better, objectives, self._best_objective)
         self._best_position = np.where(better[:, None], self._position, self._best_position)
         self.generation += 1
         before = self._position.copy()
-        informants = [self._informant(i) for i in range(self._settings.particles)]
+        informants = [self._informant(i) for i in range(len(before))]
         for i, informant in enumerate(informants):
             random = particle_generator(self._seed, self.generation, i)
             if math.isfinite(self._best_objective[informant]):
                 self._position[i], self._velocity[i] = self._move(i, self._best_position[informant], random)
             else:
                 self._position[i], self._velocity[i] = self._draw(random, None)
-        self._aimed = []
-        if runs is not None and self._settings.acceleration == "response_surface":
-            self._aim(objectives, before, runs)
+        if self._proposer is not None and runs is not None:
+            worst_first = np.argsort(-self._best_objective, kind="stable").astype(np.int64)
+            aimed = self._proposer.propose(self.generation, self._position, worst_first, runs)
+            for i, point in aimed.items():
+                self._position[i], self._velocity[i] = point, self._limit(point - before[i])
+        self._separate()
 
-    def _aim(self, objectives: FloatArray, before: FloatArray, runs: Runs) -> None:
-        """Replace the moves of the worst particles by proposals; their velocity leads from where they were."""
-        count = max(1, round(self._share * self._settings.particles))
-        proposals = propose(self._space, runs, self._seed, self.generation, count)
-        worst_first = np.argsort(-objectives, kind="stable")
-        self._aimed = worst_first[: len(proposals)].tolist()
-        for i, proposal in zip(self._aimed, proposals, strict=True):
-            self._position[i] = proposal
-            self._velocity[i] = self._limit(proposal - before[i])
+    def _take_offer(self, proposer: Proposer, offered: Runs, first: int) -> None:
+        """Aim generation 0 by offered runs; of the particles from ``first`` on, the first one repeats the best run."""
+        if not offered.succeeded.any():
+            return
+        others = np.arange(len(self._position) - 1, first, -1)
+        for i, point in proposer.propose(0, self._position, others, offered).items():
+            self._position[i] = point
+        best = offered.positions[int(np.argmin(offered.objectives))]
+        self._position[first] = self._space.snapped(self._space.to_search(best))
+
+    def _separate(self) -> None:
+        """Draw a particle anew that rounds to the same whole numbers as one before it."""
+        if not self._space.integer.any():
+            return
+        n = len(self._position)
+        taken: set[bytes] = set()
+        for i in range(n):
+            random = particle_generator(self._seed, self.generation, n + i)
+            for _ in range(_REDRAWS):
+                if self._space.to_natural(self._position[i]).tobytes() not in taken:
+                    break
+                self._position[i], self._velocity[i] = self._draw(random, None)
+            taken.add(self._space.to_natural(self._position[i]).tobytes())
 
     def _informant(self, particle: int) -> int:
         """Index of the best personal best in the neighbourhood of a particle; the lowest index of equal ones."""
-        n = self._settings.particles
+        n = len(self._best_objective)
         if self._settings.topology == "global":
             neighbours = np.arange(n)
         else:
@@ -244,3 +271,11 @@ class ParticleSwarm:
             return np.clip(position, lower, upper), np.where(outside, 0.0, velocity)
         anew = lower + random.random(position.size) * (upper - lower)
         return np.where(outside, anew, position), np.where(outside, 0.0, velocity)
+
+
+def _proposer(
+    space: SearchSpace, settings: SwarmSettings, seed: int, state: ProposerState | None = None
+) -> Proposer | None:
+    if settings.acceleration == "none":
+        return None
+    return Proposer(space, seed, state, polish=settings.polish)

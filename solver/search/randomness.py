@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["design_generator", "particle_generator"]
+__all__ = ["design_generator", "particle_generator", "proposer_generator"]
 
 _DESIGN = 2**32 - 1  # a generation number that no search reaches: the stream of a whole sampling design
 
@@ -20,3 +20,8 @@ def particle_generator(seed: int, generation: int, particle: int) -> np.random.G
 def design_generator(seed: int) -> np.random.Generator:
     """Return the random stream of a sampling design that is drawn as a whole."""
     return particle_generator(seed, _DESIGN, 0)
+
+
+def proposer_generator(seed: int, generation: int) -> np.random.Generator:
+    """Return the random stream of what aims particles of a generation."""
+    return particle_generator(seed, generation, _DESIGN)

@@ -32,6 +32,10 @@ class SearchSpace:
         Whether a parameter is searched on a log scale, shape (d,).
     feasible
         Tells whether a natural parameter vector, shape (d,), satisfies all constraints.
+    integer
+        Whether a parameter takes whole numbers only, shape (d,); none does if absent. In search coordinates it moves
+        on from half a unit below its lower to half a unit above its upper bound, so that all values are equally
+        likely, and is rounded in natural values.
     """
 
     names: tuple[str, ...]
@@ -39,6 +43,11 @@ class SearchSpace:
     upper: FloatArray
     log: BoolArray
     feasible: Callable[[FloatArray], bool] = field(repr=False)
+    integer: BoolArray = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+
+    def __post_init__(self) -> None:
+        if self.integer.size == 0:
+            object.__setattr__(self, "integer", np.zeros(self.dimension, dtype=np.bool_))
 
     @property
     def dimension(self) -> int:
@@ -48,12 +57,12 @@ class SearchSpace:
     @property
     def search_lower(self) -> FloatArray:
         """Lower bounds in search coordinates, shape (d,)."""
-        return self.to_search(self.lower)
+        return self.to_search(self.lower - 0.5 * self.integer)
 
     @property
     def search_upper(self) -> FloatArray:
         """Upper bounds in search coordinates, shape (d,)."""
-        return self.to_search(self.upper)
+        return self.to_search(self.upper + 0.5 * self.integer)
 
     def to_search(self, natural: FloatArray) -> FloatArray:
         """Convert natural values, shape (..., d), to search coordinates."""
@@ -61,9 +70,14 @@ class SearchSpace:
             return np.where(self.log, np.log(np.where(self.log, natural, 1.0)), natural)
 
     def to_natural(self, search: FloatArray) -> FloatArray:
-        """Convert search coordinates, shape (..., d), to natural values inside the bounds (rounding of exp is cut)."""
+        """Convert search coordinates, shape (..., d), to natural values inside the bounds."""
         natural = np.where(self.log, np.exp(np.where(self.log, search, 0.0)), search)
+        natural = np.where(self.integer, np.rint(natural), natural)
         return np.clip(natural, self.lower, self.upper)
+
+    def snapped(self, search: FloatArray) -> FloatArray:
+        """Round integer parameters of points in search coordinates, shape (..., d); the others stay as they are."""
+        return np.where(self.integer, self.to_search(self.to_natural(search)), search)
 
     def from_unit(self, unit: FloatArray) -> FloatArray:
         """Convert places between the bounds, shape (..., d), 0 to 1 in search coordinates, to natural values."""

@@ -15,6 +15,7 @@ HEADINGS = {
     "plots": "Extra `plots`",
     "statistics": "Extra `statistics`",
     "parquet": "Extra `parquet`",
+    "bench": "Extra `bench`",
     "dev": "Extra `dev`",
 }
 

@@ -22,7 +22,7 @@ def decay_document(**changes: Any) -> dict[str, Any]:
             "rate": {"lower": 0.01, "upper": 10.0, "scale": "log"},
         },
         "observations": [{"series": "y", "points": {"x": x.tolist(), "y": (3.0 * np.exp(-0.7 * x)).tolist()}}],
-        "method": {"kind": "particle_swarm", "particles": 8},
+        "method": {"kind": "particle_swarm", "particles": 8, "acceleration": "none"},
         "stopping": {"max_evaluations": 800, "target_objective": 1e-8},
         "seed": 11,
     }

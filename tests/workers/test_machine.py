@@ -30,7 +30,9 @@ from workers.coordinator.machine import (
 )
 from workers.errors import InvalidTransitionError
 
-PROBLEM = line(stopping={"max_evaluations": 24})
+# the textbook swarm: these tests make up objectives for which there are no responses
+SWARM = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
+PROBLEM = line(method=SWARM, stopping={"max_evaluations": 24})
 CALIBRATION = calibration(PROBLEM)
 START = CALIBRATION.start()
 SUCCESS = st.floats(0, 1e6)

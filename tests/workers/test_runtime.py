@@ -242,16 +242,21 @@ def test_pause_keeps_results_and_resume_goes_on_with_the_same_bits(
 
 
 def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
-    store: Store, settings: Settings, service: JobService, make_worker: MakeWorker, job_id: str
+    store: Store, settings: Settings, service: JobService, make_worker: MakeWorker
 ) -> None:
+    # a search that learns from the runs goes through the database after each generation
+    swarm = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
+    problem = line(method=swarm, stopping={"max_evaluations": 60})
+    textbook, expected = calibration(problem), expected_history(problem)
+    job_id = service.submit(problem)[0].id
     runtime = Runtime(store, settings)
     store.write(lambda c: c.execute(update(jobs).values(typical_seconds=1e-5)))
-    hand = Hand(runtime, job_id, "w1")
+    hand = Hand(runtime, job_id, "w1", textbook)
     hand.take()
     assert hand.claim is not None
     assert hand.claim.job is not None
     worker = make_worker()
-    whole = worker._run(hand.claim, CALIBRATION)
+    whole = worker._run(hand.claim, textbook)
     assert len(whole.leaps) == 10
     service.pause(job_id)
     assert hand.exchange(whole).claim is None
@@ -259,12 +264,12 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     assert (view.state, view.generations) == ("paused", 0)
     assert len(service.evaluations(job_id, state="finished").items) == 6
     service.resume(job_id)
-    other = Hand(runtime_for(store, settings), job_id, "w2")
+    other = Hand(runtime_for(store, settings), job_id, "w2", textbook)
     other.take()
     other.hand_in()
     hand.exchange(whole)  # far too late
     finish(other)
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected
     assert [g.number for g in service.generations(job_id)] == list(range(10))
 
 

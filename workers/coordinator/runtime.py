@@ -8,14 +8,17 @@ level, and there is one order of locks.
 from __future__ import annotations
 
 from collections.abc import MutableMapping, Sequence
+from dataclasses import replace
 from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection
 
-from solver.calibration import Calibration, Progress, RunLog
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Progress
 from solver.errors import InfeasibleSpaceError
 from solver.problem import parse_problem
 from solver.problem.running import Failures
+from solver.runlog import RunKey, RunLog
 from workers.coordinator.machine import (
     ENDED_STATES,
     CancelRequested,
@@ -29,14 +32,14 @@ from workers.coordinator.machine import (
     apply,
 )
 from workers.coordinator.retry import begin_retry, finish_retry
-from workers.coordinator.session import Session
+from workers.coordinator.session import Closed, Due, Session
 from workers.coordinator.tries import expire_cell
 from workers.coordinator.work import Claim, Exchange, HandIn
 from workers.errors import JobNotFoundError
 from workers.settings import Settings
 from workers.store import Store
-from workers.store.codec import unpack_json
-from workers.store.evaluations import Board, load_board, renew_leases
+from workers.store.codec import unpack_problem
+from workers.store.evaluations import Board, count_failed, list_positions, list_responses, load_board, renew_leases
 from workers.store.jobs import LockedJob, get_problem, lock_job, save_job
 
 __all__ = ["Runtime"]
@@ -92,7 +95,7 @@ class Runtime:
         row = get_problem(connection, locked.id)
         state = None if locked.row.retry_to in ENDED_STATES else "cancelled"
         if row is not None:
-            problem = parse_problem(unpack_json(row.problem))
+            problem = parse_problem(unpack_problem(row.problem))
             finish_retry(connection, locked, problem, gap=self.settings.lease_seconds, state=state)
 
     def start(self, job_id: str, progress: Progress | InfeasibleSpaceError) -> None:
@@ -134,14 +137,36 @@ class Runtime:
             The worker turns to this job now: the others move up in the line.
         """
 
-        def work(connection: Connection) -> Exchange:
+        def work(connection: Connection, what: HandIn, closed: Closed | None) -> tuple[Exchange, Due | None]:
             locked = lock_job(connection, job_id)
             if locked is None:
-                return Exchange()
-            session = Session(self.settings, self.logs, connection, locked, worker, calibration, live_workers)
-            return session.run(hand_in, want, taken_up)
+                return Exchange(), None
+            log = self.logs.get(calibration)
+            session = Session(self.settings, log, connection, locked, worker, calibration, live_workers)
+            return session.run(what, want, taken_up, closed), session.due
 
-        return self.store.write(work)
+        answer, due = self.store.write(lambda connection: work(connection, hand_in, None))
+        while due is not None:
+            closed = self._close(job_id, calibration, due)
+            answer, due = self.store.write(lambda connection, closed=closed: work(connection, HandIn(), closed))  # type: ignore[misc]
+        return answer
+
+    def _close(self, job_id: str, calibration: Calibration, due: Due) -> Closed:
+        """Close a generation with all runs so far. They are final, and no transaction is open while it searches."""
+        generation = due.joined.generation
+        log = self.logs.setdefault(calibration, RunLog(calibration))
+        if log.failed != self.store.read(lambda connection: count_failed(connection, job_id, log.generations)):
+            log = self.logs[calibration] = RunLog(calibration)  # some were run again since, with success
+        if log.generations <= generation:
+            found = self.store.read(lambda c: list_positions(c, job_id, log.generations, generation))
+            for number in range(log.generations, generation + 1):
+                log.add(*found[number])
+
+        def fetch(keys: Sequence[RunKey]) -> list[dict[str, FloatArray]]:
+            return self.store.read(lambda connection: list_responses(connection, job_id, keys))
+
+        joined = replace(due.joined, runs=log.runs(fetch))
+        return Closed(generation, apply(due.job, joined, calibration))
 
     def renew(self, claim: Claim, worker: str) -> None:
         """Renew the leases of a claim."""
@@ -198,4 +223,4 @@ class Runtime:
 def read_failures(connection: Connection, job_id: str) -> Failures:
     """Return what the problem of a job says about failures."""
     row = get_problem(connection, job_id)
-    return Failures() if row is None else Failures.model_validate(unpack_json(row.problem).get("failures", {}))
+    return Failures() if row is None else Failures.model_validate(unpack_problem(row.problem).get("failures", {}))

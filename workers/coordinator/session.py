@@ -4,27 +4,52 @@ from __future__ import annotations
 
 import itertools
 import statistics
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from sqlalchemy import Connection
 
-from solver.calibration import Calibration, RunLog
-from solver.search import Runs
+from solver.calibration import Calibration
+from solver.runlog import RunLog
 from workers.coordinator.evaluation import Claimed, Duplicated, settle
-from workers.coordinator.machine import DispatchGeneration, GenerationJoined, JobBroken, Joined, Transition, apply
+from workers.coordinator.machine import (
+    DispatchGeneration,
+    GenerationJoined,
+    Job,
+    JobBroken,
+    Joined,
+    Transition,
+    apply,
+)
 from workers.coordinator.retry import finish_retry, open_retries
 from workers.coordinator.tries import give_back, record_result
 from workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
 from workers.settings import Settings
 from workers.store.codec import unpack_array
-from workers.store.evaluations import Board, Cell, count_failed, list_runs, load_board, write_new
+from workers.store.evaluations import Board, Cell, load_board, reuse, write_new
 from workers.store.jobs import LockedJob, save_job
 from workers.store.line import note_served
 
-__all__ = ["Session"]
+__all__ = ["Closed", "Due", "Session"]
 
 ENOUGH_MEASURED = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Due:
+    """A complete generation of a search that learns from all runs: to be closed with no transaction open."""
+
+    job: Job
+    joined: GenerationJoined
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """What the state machine made of it; holds if the job still stands there."""
+
+    generation: int
+    transition: Transition
 
 
 class Session:
@@ -33,7 +58,7 @@ class Session:
     def __init__(
         self,
         settings: Settings,
-        logs: MutableMapping[Calibration, RunLog],
+        log: RunLog | None,
         connection: Connection,
         locked: LockedJob,
         worker: str,
@@ -42,7 +67,7 @@ class Session:
     ) -> None:
         self.settings = settings
         self.sizing = Sizing(settings.cheap_seconds, settings.burst_seconds, settings.single_seconds)
-        self.logs = logs
+        self.log = log
         self.connection = connection
         self.locked = locked
         self.worker = worker
@@ -53,9 +78,13 @@ class Session:
         self.typical: float | None = locked.row.typical_seconds
         self.job = None if locked.row.progress is None else locked.job()
         self.fatal: str | None = None
+        self.due: Due | None = None
 
-    def run(self, hand_in: HandIn, want: bool, taken_up: bool) -> Exchange:
-        """Do it; see :meth:`workers.coordinator.runtime.Runtime.exchange`."""
+    def run(self, hand_in: HandIn, want: bool, taken_up: bool, closed: Closed | None = None) -> Exchange:
+        """Do it; see :meth:`workers.coordinator.runtime.Runtime.exchange`.
+
+        When :attr:`due` is set afterwards, a generation has to be closed: do that and come again with ``closed``.
+        """
         if self.state == "queued":
             return Exchange(queued=True)
         if self.locked.row.retry_to is not None:
@@ -71,9 +100,11 @@ class Session:
             self._take_in(board, hand_in, hand_in.generation, hand_in.results)
         if self.fatal is not None and self.state == "running" and self.job is not None:
             self._save([apply(self.job, JobBroken(self.fatal))], [])
-        if self.state == "running" and board is not None and board.complete:
-            board = self._advance(board)
+        while self.state == "running" and board is not None and board.complete:
+            board = self._advance(board, closed)
             dispatched = board is not None
+            if self.due is not None:
+                return Exchange()
         if self.state != "running" or board is None:
             if board is not None:
                 board.write(self.connection)
@@ -157,30 +188,36 @@ class Session:
             fatal = record_result(self.connection, board, result, self.worker, self.failures)
             self.fatal = self.fatal or fatal
 
-    def _advance(self, board: Board) -> Board | None:
-        """Close a complete generation; return the next one's board, None when the job has ended."""
+    def _advance(self, board: Board, closed: Closed | None) -> Board | None:
+        """Close a complete generation; return the next one's board, None when the job has ended or this is due."""
         board.write(self.connection)
         values = [cell.values for cell in board.cells]
-        results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
         if self.job is None:
             raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
-        seconds = self.locked.run_seconds(self.settings.lease_seconds)
-        runs = self._runs(board.generation) if self.calibration.accelerated else None
-        transition = apply(self.job, GenerationJoined(board.generation, results, seconds, runs), self.calibration)
+        if closed is not None and closed.generation == board.generation:
+            transition = closed.transition
+        else:
+            results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
+            event = GenerationJoined(board.generation, results, self.locked.run_seconds(self.settings.lease_seconds))
+            if self.calibration.accelerated:  # takes its time: the database must not wait
+                self.due = Due(self.job, event)
+                return None
+            transition = apply(self.job, event, self.calibration)
         succeeded = [v["seconds"] for v in values if v["reason"] is None]
         self.typical = statistics.median(succeeded) if succeeded else self.typical
         self._save([transition], [])
-        return _dispatched(self.locked.id, transition) if transition.job.state == "running" else None
+        if transition.job.state != "running":
+            return None
+        following = _dispatched(self.locked.id, transition)
+        if self._worth_reuse(following):
+            reuse(self.connection, following)
+        return following
 
-    def _runs(self, generation: int) -> Runs:
-        """All runs so far. Only earlier generations go into the log: this one is final when the commit succeeds."""
-        log = self.logs.setdefault(self.calibration, RunLog(self.calibration))
-        if log.failed != count_failed(self.connection, self.locked.id, log.generations):
-            log = self.logs[self.calibration] = RunLog(self.calibration)  # some were run again since, with success
-        found = list_runs(self.connection, self.locked.id, log.generations, generation)
-        for number in range(log.generations, generation):
-            log.add(*found[number])
-        return log.runs(*found[generation])
+    def _worth_reuse(self, board: Board) -> bool:
+        """Whether to look for earlier runs of the same parameters: where there are some, or a run costs more."""
+        if self.log is not None:
+            return self.log.repeats(np.array([unpack_array(cell.parameters) for cell in board.cells]))
+        return self.typical is not None and self.typical > self.settings.cheap_seconds
 
     def _save(self, transitions: Sequence[Transition], finished_at: Sequence[float]) -> None:
         save_job(

@@ -21,6 +21,7 @@ __all__ = [
     "to_optional_datetime",
     "unpack_array",
     "unpack_json",
+    "unpack_problem",
     "unpack_responses",
 ]
 
@@ -48,6 +49,14 @@ def pack_json(value: Any) -> str:
 def unpack_json(text: str) -> Any:
     """Invert :func:`pack_json`."""
     return json.loads(text)
+
+
+def unpack_problem(text: str) -> dict[str, Any]:
+    """Return a stored problem document with what earlier versions did not write: their swarms were not accelerated."""
+    document: dict[str, Any] = json.loads(text)
+    if document["method"]["kind"] == "particle_swarm":
+        document["method"].setdefault("acceleration", "none")
+    return document
 
 
 def pack_array(array: FloatArray) -> bytes:

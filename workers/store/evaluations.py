@@ -6,7 +6,20 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, and_, bindparam, delete, exists, func, insert, select, text, update
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    and_,
+    bindparam,
+    delete,
+    exists,
+    func,
+    insert,
+    select,
+    text,
+    tuple_,
+    update,
+)
 
 from solver.arrays import FloatArray
 from workers.coordinator.evaluation import EvaluationStatus
@@ -21,15 +34,18 @@ __all__ = [
     "count_failed",
     "get_evaluation",
     "list_attempts",
-    "list_runs",
+    "list_positions",
+    "list_responses",
     "load_board",
     "overdue",
     "renew_leases",
+    "reuse",
     "still_wanted",
     "write_new",
 ]
 
 WORTH_COPYING = 50  # rows
+ROWS_AT_ONCE = 200  # keys in one statement
 
 RESULT_COLUMNS = (
     "state",
@@ -267,19 +283,62 @@ def count_failed(connection: Connection, job_id: str, before: int) -> int:
     return connection.scalar(select(func.count()).where(failed)) or 0
 
 
-def list_runs(
+def list_positions(
     connection: Connection, job_id: str, first: int, last: int
-) -> dict[int, tuple[list[FloatArray], list[dict[str, FloatArray]]]]:
-    """Return parameters and responses (empty: failed) of generations ``first`` to ``last``, particles in order."""
-    columns = (evaluations.c.generation, evaluations.c.parameters, evaluations.c.responses)
+) -> dict[int, tuple[list[FloatArray], list[float | None]]]:
+    """Return parameters and objectives (None: failed) of generations ``first`` to ``last``, particles in order."""
+    columns = (evaluations.c.generation, evaluations.c.parameters, evaluations.c.objective)
     condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation.between(first, last))
     order = (evaluations.c.generation, evaluations.c.particle)
-    found: dict[int, tuple[list[FloatArray], list[dict[str, FloatArray]]]] = {}
-    for generation, parameters, responses in connection.execute(select(*columns).where(condition).order_by(*order)):
-        positions, curves = found.setdefault(generation, ([], []))
+    found: dict[int, tuple[list[FloatArray], list[float | None]]] = {}
+    for generation, parameters, objective in connection.execute(select(*columns).where(condition).order_by(*order)):
+        positions, objectives = found.setdefault(generation, ([], []))
         positions.append(unpack_array(parameters))
-        curves.append({} if responses is None else unpack_responses(responses))
+        objectives.append(objective)
     return found
+
+
+def list_responses(connection: Connection, job_id: str, keys: Sequence[tuple[int, int]]) -> list[dict[str, FloatArray]]:
+    """Return the responses of successful evaluations, given by generation and particle, in the order of the keys."""
+    place = tuple_(evaluations.c.generation, evaluations.c.particle)
+    columns = (evaluations.c.generation, evaluations.c.particle, evaluations.c.responses)
+    found: dict[tuple[int, int], dict[str, FloatArray]] = {}
+    for start in range(0, len(keys), ROWS_AT_ONCE):
+        condition = and_(evaluations.c.job_id == job_id, place.in_(keys[start : start + ROWS_AT_ONCE]))
+        for generation, particle, responses in connection.execute(select(*columns).where(condition)):
+            found[generation, particle] = unpack_responses(responses)
+    return [found[key] for key in keys]
+
+
+def reuse(connection: Connection, board: Board) -> None:
+    """Give cells of a new board the counted results that the same parameters had earlier in the job."""
+    pending = {cell.parameters: cell for cell in board.cells if not cell.status.done}
+    condition = and_(
+        evaluations.c.job_id == board.job_id,
+        evaluations.c.generation < board.generation,
+        evaluations.c.state.in_(("finished", "failed")),
+        evaluations.c.parameters.in_(list(pending)),
+    )
+    rows = connection.execute(
+        select(evaluations, database_now().label("now"))
+        .where(condition)
+        .order_by(evaluations.c.generation, evaluations.c.particle)
+    ).all()
+    earlier: dict[bytes, Record] = {}
+    for row in rows:
+        earlier.setdefault(row.parameters, row)
+    for cell in board.cells:
+        if cell.parameters in earlier and not cell.status.done:
+            row = earlier[cell.parameters]
+            kept = ("objective", "misfits", "responses", "reason", "message", "log")
+            columns = {name: row._mapping[name] for name in kept}
+            cell.set(
+                EvaluationStatus(row.state, 1, row.worker),
+                **columns,
+                started_at=row.now,
+                finished_at=row.now,
+                seconds=0.0,
+            )
 
 
 def list_attempts(connection: Connection, job_id: str, generation: int, particle: int) -> Sequence[Record]:

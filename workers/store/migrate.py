@@ -14,7 +14,7 @@ from workers.settings import mask_url
 
 __all__ = ["HEAD", "upgrade"]
 
-HEAD = "0003"
+HEAD = "0004"
 """Revision that this program works with: the newest in ``migrations/versions``."""
 
 log = logging.getLogger(__name__)

@@ -158,6 +158,16 @@ evaluations = Table(
     ),
 )
 
+offers = Table(
+    "offers",
+    metadata,
+    _job(key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("parameters", LargeBinary, nullable=False),
+    Column("responses", LargeBinary, nullable=False),
+)
+"""Runs of earlier jobs that a job learns from, as they were when it was submitted: its history depends on them."""
+
 attempts = Table(
     "attempts",
     metadata,

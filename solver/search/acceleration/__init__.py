@@ -1,16 +1,19 @@
 """Proposals learned from all runs so far: fewer forward runs for the same answer.
 
-==========================  ===================================================================
-``runs``                    what has been calculated: positions, weighted residual vectors
-``residual_surface``        a cubic radial-basis model of the residual vector
-``levenberg_marquardt``     bounded least squares on a model
-``proposer``                where to aim particles next
-==========================  ===================================================================
+====================  =================================================================
+``runs``              what has been calculated: positions, weighted residual vectors
+``residual_surface``  response surface of the residual vector, and its minima
+``local_models``      Gauss-Newton and quadratic models around one run
+``covariance``        covariance-adapting moves
+``basins``            restarts that keep the elite
+``candidates``        the arms: ways to find a point that is worth a run
+``proposer``          which particles are aimed where
+====================  =================================================================
 """
 
 from __future__ import annotations
 
-from solver.search.acceleration.proposer import propose
+from solver.search.acceleration.proposer import Proposer, ProposerState
 from solver.search.acceleration.runs import Runs
 
-__all__ = ["Runs", "propose"]
+__all__ = ["Proposer", "ProposerState", "Runs"]

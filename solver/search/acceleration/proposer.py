@@ -1,167 +1,318 @@
-"""Where to aim particles next, learned from all runs so far.
+"""Re-aims some particles of a generation at points that all runs so far make promising.
 
-Four kinds of proposals, in this order, until enough are found; each is kept only when it is feasible and new:
-
-1. minima of the response surface of the residual vector over the whole space, the lowest first;
-2. Gauss-Newton points: residuals linear in the parameters, fitted to the runs next to the best one, in their reach;
-3. the minimum of a surface of those near runs alone;
-4. points that promise little misfit where nothing was calculated yet (after Regis & Shoemaker 2007).
-
-All in unit coordinates: 0 at the lower, 1 at the upper bound of a parameter in search coordinates. The cost is bounded:
-a surface is built from the best runs, at most :data:`LARGEST_MODEL` of them.
+The proposer goes through a pattern of arms and takes one point from each until its share of the generation is used;
+the other particles fly on as a textbook swarm. Its share shrinks while its proposals do not pay and grows when they do.
+It is a pure function of the seed, the generation, the history and its own JSON-able state.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from solver.arrays import FloatArray, IntArray
-from solver.search.acceleration.levenberg_marquardt import Linearised, minimise
-from solver.search.acceleration.residual_surface import ResidualSurface
+from solver.search.acceleration.basins import Basins
+from solver.search.acceleration.candidates import Arms, Knowledge, selection
+from solver.search.acceleration.covariance import CovarianceMoves
+from solver.search.acceleration.polishing import Polishing, polish_pattern
 from solver.search.acceleration.runs import Runs
-from solver.search.randomness import particle_generator
+from solver.search.randomness import proposer_generator
 from solver.search.space import SearchSpace
 
-__all__ = ["LARGEST_MODEL", "propose"]
+__all__ = ["Proposer", "ProposerState"]
 
-LARGEST_MODEL: Final = 150
-"""Runs that a surface is built from at most."""
-
-_PROPOSER: Final = 2**31  # a particle number that no swarm reaches: the random stream of a generation's proposals
-_CLOUD: Final = 1000  # points at which the surface is looked at over the whole space
-_NEAR_ELITE: Final = 60  # further ones around each of the best runs
-_ELITE: Final = 10
-_STARTS: Final = 12  # descents on the surface
-_START_DISTANCE: Final = 0.08
-_SURFACE_SHARE: Final = 0.4  # of the proposals; the others keep the surface honest
-_REACH: Final = 0.02  # minima closer than this are one
-_CLOSEST: Final = 1.0e-4  # to a point that was calculated before
-_EXPLORATION: Final = (0.4, 0.7)  # weight of a low objective against a large distance, in turn
+VECTOR_PATTERN = (
+    "surface:1",
+    "surface:plain",
+    "gauss_newton:0:1",
+    "surface:10",
+    "gauss_newton:1:1",
+    "surface:0.1",
+    "gauss_newton:2:1",
+    "gauss_newton:0:0.4",
+    "far",
+    "surface:1",
+    "covariance",
+    "surface:plain",
+)
+SCALAR_PATTERN = (
+    "quadratic:0:1",
+    "scalar_surface",
+    "covariance",
+    "quadratic:0:0.3",
+    "quadratic:1:1",
+    "scalar_surface",
+    "covariance",
+    "covariance",
+    "quadratic:2:1",
+    "far",
+)
+RESTARTED_PATTERN = (
+    "surface:1",
+    "far",
+    "gauss_newton:0:1",
+    "scalar_surface",
+    "surface:plain",
+    "covariance",
+    "gauss_newton:1:1",
+    "far",
+    "quadratic:0:1",
+    "gauss_newton:2:1",
+    "gauss_newton:0:0.4",
+    "covariance",
+)
+FIRST_DRAWS = 40
+MOST_SHARE, LEAST_SHARE = 0.9, 0.4
+PATIENCE, SCALAR_PATIENCE = 3, 6
+MISLEADING = 1.0  # decades of the objective by which a surface is off in the median
+NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
 @dataclass(frozen=True, slots=True)
-class _Known:
-    """Successful runs in unit coordinates: points (n, d), residuals (n, m), order from best to worst."""
+class ProposerState:
+    """What the proposer remembers between generations, besides the history.
 
-    points: FloatArray
-    residuals: FloatArray
-    order: IntArray
+    ``share`` of the generation that it aims; ``aimed``: the arm of each aimed particle of the current one;
+    ``covariance``: state of the covariance-adapting moves; ``polishing``: given when the end has begun; ``hold_out``:
+    how far the first surface of the generation was off at runs left out, see :class:`ResidualSurface`.
+    """
+
+    share: float = MOST_SHARE
+    basins: Basins = field(default_factory=Basins)
+    aimed: Mapping[int, str] = field(default_factory=dict)
+    covariance: dict[str, Any] | None = None
+    polishing: Polishing | None = None
+    hold_out: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return a JSON-able form that :meth:`from_json` restores exactly."""
+        return {
+            "share": self.share,
+            "basins": self.basins.to_json(),
+            "aimed": [[particle, arm] for particle, arm in self.aimed.items()],
+            "covariance": self.covariance,
+            "polishing": None if self.polishing is None else self.polishing.to_json(),
+            "hold_out": self.hold_out,
+        }
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> ProposerState:
+        """Invert :meth:`to_json`."""
+        aimed = dict(data["aimed"])
+        polishing = data["polishing"]
+        return cls(
+            data["share"],
+            Basins.from_json(data["basins"]),
+            aimed,
+            data["covariance"],
+            None if polishing is None else Polishing(**polishing),
+            data["hold_out"],
+        )
+
+
+class Proposer:
+    """Proposes points for particles of a swarm.
+
+    Parameters
+    ----------
+    space, seed
+        Where, and what fixes the random numbers together with the generation.
+    state
+        Of an earlier proposer that this one goes on from.
+    polish
+        Where a basin is finished: polish the best of all and end, in place of a restart.
+    """
+
+    def __init__(
+        self, space: SearchSpace, seed: int, state: ProposerState | None = None, *, polish: bool = False
+    ) -> None:
+        self._polish = polish
+        self.state = state or ProposerState()
+        self._space = space
+        self._seed = seed
+        self._lower = space.search_lower
+        self._range = space.search_upper - space.search_lower
 
     @property
-    def best(self) -> int:
-        return int(self.order[0])
+    def finished(self) -> bool:
+        """Whether the best is polished."""
+        return self.state.polishing is not None and self.state.polishing.done
 
+    def first(self, drawn: FloatArray, keep: int) -> FloatArray:
+        """Spread the first generation: each particle is the farthest of 40 random points from those before it.
 
-def propose(space: SearchSpace, runs: Runs, seed: int, generation: int, count: int) -> FloatArray:
-    """Return up to ``count`` points worth calculating, search coordinates, shape (k, d), the most promising first.
+        Parameters
+        ----------
+        drawn
+            Feasible search coordinates, shape (n, d).
+        keep
+            So many of the first stay as they are (the user's estimate).
+        """
+        random = proposer_generator(self._seed, 0)
+        chosen = list(self._unit(drawn[: max(keep, 1)]))
+        for fallback in self._unit(drawn[len(chosen) :]):
+            draws = [u for u in random.random((FIRST_DRAWS, fallback.size)) if self._feasible(u)]
+            points = np.array([*draws, fallback])
+            nearest = ((points[:, None, :] - np.array(chosen)[None]) ** 2).sum(axis=2).min(axis=1)
+            chosen.append(points[int(np.argmax(nearest))])
+        return self._search(np.array(chosen))
 
-    Deterministic: the same runs give the same bits, whatever the number of threads of the linear algebra library.
-    """
-    lower, width = space.search_lower, space.search_upper - space.search_lower
-    everywhere = (space.to_search(runs.positions) - lower) / width
-    succeeded = runs.succeeded
-    points, residuals = everywhere[succeeded], runs.residuals[succeeded]
-    if len(points) < space.dimension + 2:
-        return np.empty((0, space.dimension))
-    order = np.argsort(runs.objectives[succeeded], kind="stable").astype(np.int64)
-    known = _Known(points, residuals, order)
-    random = particle_generator(seed, generation, _PROPOSER)
-    chosen: list[FloatArray] = []
-    with threadpool_limits(limits=1):
-        for point, apart in _candidates(known, random, count, everywhere, chosen):
-            if len(chosen) == count:
+    def propose(self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs) -> dict[int, FloatArray]:
+        """Return where particles are aimed instead of where the swarm moved them, search coordinates by particle.
+
+        Parameters
+        ----------
+        generation
+            Number of the generation to come.
+        moved
+            Search coordinates that the swarm gave it, shape (n, d). A particle that would repeat a run is aimed too.
+        worst_first
+            Particles in the order in which they are aimed.
+        runs
+            All evaluations so far; the last n of them are the generation before, in particle order. Before the first
+            generation: those that earlier jobs offer.
+        """
+        # one thread: the order of summation in BLAS, and so the last bits, may depend on their number
+        with _threadpools().limit(limits=1, user_api="blas"):
+            return self._propose(generation, moved, worst_first, runs)
+
+    def _propose(self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs) -> dict[int, FloatArray]:
+        objectives = runs.objectives
+        covariance = self._tell_covariance(runs.positions[-len(moved) :], objectives[-len(moved) :])
+        order = np.argsort(objectives, kind="stable")[: int(runs.succeeded.sum())]
+        if order.size < 2:
+            self.state = replace(self.state, aimed={})
+            return {}
+        every = self._unit(self._space.to_search(runs.positions))
+        before = self.state.basins
+        chosen = order[selection(before.outside(every[order]))]
+        known, values, residuals = every[chosen], objectives[chosen], runs.residuals(chosen)
+        scalar = residuals.shape[1] == 1 and bool((residuals >= 0.0).all() or (residuals <= 0.0).all())
+        patience = SCALAR_PATIENCE if scalar else PATIENCE
+        basins = before.after(every[order], objectives[order], patience)
+        polishing = self.state.polishing
+        if polishing is not None:
+            polishing = polishing.after(float(objectives[order[0]]))
+        elif self._polish and basins.restarts > before.restarts:
+            polishing = Polishing(float(objectives[order[0]]))
+        if polishing is not None:
+            basins = before  # it stays where it is
+        failed = every[~runs.succeeded]
+
+        def admissible(point: FloatArray) -> bool:
+            return (
+                bool(basins.outside(point[None])[0])
+                and self._feasible(point)
+                and not self._likely_to_fail(point, every, failed)
+                and not self._repeats(self._search(point), runs)
+            )
+
+        knowledge = Knowledge(
+            known, values, residuals, basins.outside(known), every, admissible, self._snapped, self._space.integer
+        )
+        arms = Arms(knowledge, proposer_generator(self._seed, generation), covariance)
+        share = 1.0 if polishing else self._share(basins, self.state.hold_out)
+        slots = max(1, round(share * len(moved)))
+        repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
+        if polishing:
+            pattern = polish_pattern(len(moved), scalar=scalar)
+        else:
+            pattern = SCALAR_PATTERN if scalar else self._vector_pattern(basins, generation)
+            if self._space.integer.any():
+                pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, "step") if k % 3 == 1 else (a,)))
+        proposals = self._fill(arms, pattern, slots + len(repeated), generation)
+        # in particle order, so that the most promising runs come first where runs go one by one
+        particles = sorted([*worst_first[:slots].tolist(), *repeated])
+        aimed = dict(zip(particles, proposals, strict=False))
+        self.state = ProposerState(
+            share=self.state.share if polishing else share,
+            basins=basins,
+            aimed={particle: arm for particle, (arm, _) in aimed.items()},
+            covariance=None if arms.covariance is None else arms.covariance.state(),
+            polishing=polishing,
+            hold_out=arms.hold_out,
+        )
+        return {particle: point for particle, (_, point) in aimed.items()}
+
+    def _fill(self, arms: Arms, pattern: tuple[str, ...], slots: int, generation: int) -> list[tuple[str, FloatArray]]:
+        # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
+        first = 0 if 2 * slots >= len(pattern) else (generation * slots) % len(pattern)
+        proposals: list[tuple[str, FloatArray]] = []
+        while len(proposals) < slots:
+            before = len(proposals)
+            for wanted in (*pattern[first:], *pattern[:first]):
+                if len(proposals) == slots:
+                    break
+                arm, point = wanted, arms.take(wanted)
+                if point is None:
+                    arm, point = "near", arms.take("near")
+                if point is not None:
+                    proposals.append((arm, self._search(point)))
+            if len(proposals) == before:
                 break
-            distance = np.sqrt(np.sum((everywhere - point) ** 2, axis=1)).min()
-            others = min((float(np.linalg.norm(point - other)) for other in chosen), default=np.inf)
-            if distance > _CLOSEST and others > apart and space.is_feasible(lower + point * width):
-                chosen.append(point)
-    return lower + np.array(chosen).reshape(-1, space.dimension) * width
+        return proposals
+
+    @staticmethod
+    def _vector_pattern(basins: Basins, generation: int) -> tuple[str, ...]:
+        """After a restart the residuals have misled once: every other generation trusts the objective alone."""
+        if basins.restarts == 0:
+            return VECTOR_PATTERN
+        return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
+
+    def _share(self, basins: Basins, hold_out: float | None) -> float:
+        """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step.
+
+        The steps are longer where the surface predicts runs that are left out badly.
+        """
+        if self.state.basins.best is None and basins.restarts == 0:
+            return self.state.share  # the first generation tells nothing yet
+        if basins.gained:
+            return min(MOST_SHARE, 1.5 * self.state.share)
+        misleading = hold_out is not None and hold_out > MISLEADING
+        return max(LEAST_SHARE, (0.8 if misleading else 0.9) * self.state.share)
+
+    def _tell_covariance(self, asked: FloatArray, objectives: FloatArray) -> CovarianceMoves | None:
+        if self.state.covariance is None:
+            return None
+        moves = CovarianceMoves(self.state.covariance)
+        points = self._unit(self._space.to_search(asked))
+        for particle, arm in self.state.aimed.items():
+            if arm == "covariance":
+                moves.tell(points[particle], float(objectives[particle]))
+        return None if moves.exhausted else moves
+
+    def _repeats(self, point: FloatArray, runs: Runs) -> bool:
+        return bool((runs.positions == self._space.to_natural(point)).all(axis=1).any())
+
+    @staticmethod
+    def _likely_to_fail(point: FloatArray, every: FloatArray, failed: FloatArray) -> bool:
+        """Whether most of the nearest evaluations failed, the nearer the weightier."""
+        if not len(failed):
+            return False
+        distances = np.sqrt(((every - point) ** 2).sum(axis=1))
+        bad = np.sqrt(((failed - point) ** 2).sum(axis=1))
+        reach = np.partition(distances, min(NEIGHBOURS, len(distances)) - 1)[min(NEIGHBOURS, len(distances)) - 1]
+        weigh = 1.0 / (distances[distances <= reach] + 1e-9)
+        return float((1.0 / (bad[bad <= reach] + 1e-9)).sum()) > MOST_FAILED * float(weigh.sum())
+
+    def _feasible(self, point: FloatArray) -> bool:
+        return self._space.is_feasible(self._search(point))
+
+    def _snapped(self, unit: FloatArray) -> FloatArray:
+        return self._unit(self._space.snapped(self._search(unit))) if self._space.integer.any() else unit
+
+    def _unit(self, search: FloatArray) -> FloatArray:
+        return (search - self._lower) / self._range
+
+    def _search(self, unit: FloatArray) -> FloatArray:
+        return self._lower + unit * self._range
 
 
-def _candidates(
-    known: _Known, random: np.random.Generator, count: int, everywhere: FloatArray, chosen: list[FloatArray]
-) -> Iterator[tuple[FloatArray, float]]:
-    """Candidates with the distance that they must keep from those chosen before."""
-    used = np.sort(known.order[:LARGEST_MODEL])
-    surface = ResidualSurface(known.points[used], known.residuals[used])
-    cloud = _cloud(known, random)
-    modelled = surface.objective(cloud)
-    share = max(1, round(_SURFACE_SHARE * count))
-    for point in _minima(surface, known, cloud, modelled):
-        if len(chosen) >= share:
-            break
-        yield point, _REACH
-    yield from _local_points(known)
-    for weight in _EXPLORATION:
-        for point in _unexplored(cloud, modelled, everywhere, chosen, weight):
-            before = len(chosen)
-            yield point, _REACH
-            if len(chosen) > before:
-                break
-
-
-def _cloud(known: _Known, random: np.random.Generator) -> FloatArray:
-    d = known.points.shape[1]
-    elite = np.repeat(known.points[known.order[:_ELITE]], _NEAR_ELITE, axis=0)
-    near = elite + 0.1 * random.standard_normal(elite.shape)
-    return np.vstack([random.random((_CLOUD, d)), np.clip(near, 0.0, 1.0)])
-
-
-def _minima(surface: ResidualSurface, known: _Known, cloud: FloatArray, modelled: FloatArray) -> list[FloatArray]:
-    """Local minima of the surface, the lowest first, from starts that are apart."""
-    starts = [known.points[known.best]]
-    for i in np.argsort(modelled, kind="stable"):
-        if len(starts) == _STARTS:
-            break
-        if min(float(np.linalg.norm(cloud[i] - start)) for start in starts) > _START_DISTANCE:
-            starts.append(cloud[i])
-    lower, upper = np.zeros(cloud.shape[1]), np.ones(cloud.shape[1])
-    found = [minimise(surface.linearised, start, lower, upper) for start in starts]
-    return [point for point, _ in sorted(found, key=lambda pair: pair[1])]
-
-
-def _local_points(known: _Known) -> Iterator[tuple[FloatArray, float]]:
-    """Gauss-Newton points, and the minimum of a local surface, around the best run."""
-    n, d = known.points.shape
-    centre, residual = known.points[known.best], known.residuals[known.best]
-    distance = np.sqrt(np.sum((known.points - centre) ** 2, axis=1))
-    nearest = np.argsort(distance, kind="stable")
-    apart = 0.05 * _REACH
-    for wanted in (2 * d + 2, 4 * d + 2):
-        near = nearest[: min(wanted, n)]
-        weight = 1.0 / (distance[near] + 1.0e-3 + distance[near[1:]].min())
-        design = np.hstack([np.ones((len(near), 1)), known.points[near] - centre]) * weight[:, None]
-        jacobian = np.linalg.lstsq(design, known.residuals[near] * weight[:, None], rcond=1.0e-10)[0][1:].T
-
-        def linear(x: FloatArray, jacobian: FloatArray = jacobian) -> tuple[FloatArray, FloatArray]:
-            return residual + jacobian @ (x - centre), jacobian
-
-        yield _within(linear, centre, distance[near].max()), apart
-    if n > 2 * (d + 2):
-        near = np.sort(nearest[: min(4 * (d + 1), n)])
-        local = ResidualSurface(known.points[near], known.residuals[near])
-        yield _within(local.linearised, centre, distance[nearest[min(2 * d + 1, n - 1)]]), apart
-
-
-def _within(model: Linearised, centre: FloatArray, reach: float) -> FloatArray:
-    return minimise(model, centre, np.maximum(0.0, centre - reach), np.minimum(1.0, centre + reach))[0]
-
-
-def _unexplored(
-    cloud: FloatArray, modelled: FloatArray, everywhere: FloatArray, chosen: list[FloatArray], weight: float
-) -> list[FloatArray]:
-    """Points of the cloud by the weighted sum of their modelled objective (logarithm) and closeness to known points."""
-    known = np.vstack([everywhere, *chosen])
-    distance = np.full(len(cloud), np.inf)
-    for point in known:
-        distance = np.minimum(distance, np.sum((cloud - point) ** 2, axis=1))
-    distance = np.sqrt(distance)
-    low = np.log(modelled + 1.0e-300)
-    low = (low - low.min()) / (np.ptp(low) + 1.0e-12)
-    close = 1.0 - distance / (distance.max() + 1.0e-12)
-    return [cloud[i] for i in np.argsort(weight * low + (1.0 - weight) * close, kind="stable")[:200]]
+@cache
+def _threadpools() -> ThreadpoolController:
+    return ThreadpoolController()

@@ -2,38 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
+from solver.arrays import BoolArray, FloatArray, IntArray
 
 __all__ = ["Runs"]
 
 
 @dataclass(frozen=True, slots=True)
 class Runs:
-    """All evaluations of a job in (generation, particle) order.
+    """All evaluations that a search learns from: those offered by earlier jobs, then (generation, particle) in order.
 
     Parameters
     ----------
     positions
         Natural values of the free parameters, shape (N, d).
+    objectives
+        f of every run, shape (N,); inf where it failed.
     residuals
-        Weighted residual vectors, shape (N, m), such that the squared length of a row is its objective:
-        sqrt(w_g w_h / m_g) (y_calc - y_meas) over all series. Rows of failed evaluations are nan.
+        Gives the weighted residual vectors of chosen successful runs, indices (k,) -> (k, m), such that the squared
+        length of a row is its objective: sqrt(w_g w_h / m_g) (y_calc - y_meas) over all series. A function, because
+        only a selection is ever looked at and all of them may be too many for memory.
     """
 
     positions: FloatArray
-    residuals: FloatArray
+    objectives: FloatArray
+    residuals: Callable[[IntArray], FloatArray]
 
-    @property
-    def objectives(self) -> FloatArray:
-        """f of every run, shape (N,); inf where it failed."""
-        squared = np.sum(self.residuals * self.residuals, axis=1)
-        return np.where(np.isfinite(squared), squared, np.inf)
+    @classmethod
+    def of(cls, positions: FloatArray, residuals: FloatArray) -> Runs:
+        """From residual vectors in memory, shape (N, m); rows of failed evaluations are nan."""
+        squared = np.sum(residuals * residuals, axis=1)
+        return cls(positions, np.where(np.isfinite(squared), squared, np.inf), lambda chosen: residuals[chosen])
 
     @property
     def succeeded(self) -> BoolArray:
         """Whether a run has a residual vector, shape (N,)."""
-        return np.asarray(np.isfinite(self.residuals).all(axis=1))
+        return np.asarray(np.isfinite(self.objectives))

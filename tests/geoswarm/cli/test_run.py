@@ -164,3 +164,20 @@ def test_interrupted_run_tells_the_best_so_far(
     captured = capsys.readouterr()
     assert "Best after 24 evaluations: objective" in captured.err
     assert "Interrupted." in captured.err
+
+
+def test_a_warm_start_takes_the_runs_of_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sampling = {"method": {"kind": "monte_carlo", "samples": 60}, "stopping": None}
+    aimed = {"method": {"kind": "particle_swarm", "particles": 8}}
+    assert main(["run", write(tmp_path, **sampling), "--output", str(tmp_path / "first"), "--json"]) == 0
+    evaluations = []
+    for options in ([], ["--warm-start", str(tmp_path / "first")]):
+        capsys.readouterr()
+        assert main(["run", write(tmp_path, **aimed), "--json", *options]) == 0
+        evaluations.append(json.loads(capsys.readouterr().out)["evaluations"])
+    assert evaluations[1] <= evaluations[0]
+    other = {"forward_model": {"kind": "formula", "series": {"y": "amplitude * exp(-rate * x / 2)"}}}
+    assert main(["run", write(tmp_path, **aimed, **other), "--warm-start", str(tmp_path / "first")]) == 2
+    assert "first has another forward model" in capsys.readouterr().err
+    assert main(["run", write(tmp_path, **aimed), "--warm-start", str(tmp_path)]) == 2
+    assert "lacks result.json" in capsys.readouterr().err

@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration, Evaluation, Progress, RunLog
+from solver.arrays import FloatArray
+from solver.calibration import Calibration, Evaluation, Progress
 from solver.errors import ProblemError
 from solver.identifiability import StatisticsError
 from solver.identifiability.follow_ups import (
@@ -20,6 +21,7 @@ from solver.identifiability.follow_ups import (
 )
 from solver.local import calibrate
 from solver.problem import Problem, parse_problem
+from solver.runlog import RunLog
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)
@@ -77,12 +79,15 @@ def test_profiles_run_as_a_job_and_can_go_on_after_any_generation() -> None:
     problem = profile_problem(LINE, found, seed=3)
     calibration = Calibration(problem, 3)
     progress, log, evaluations = calibration.start(), RunLog(calibration), []
+    responses: list[list[dict[str, FloatArray]]] = []
     while True:
         progress = Progress.from_json(json.loads(json.dumps(progress.to_json(), allow_nan=False)))
         done = [calibration.evaluate(x) for x in progress.positions]
         evaluations += done
-        log.add([e.parameters for e in done], [e.responses for e in done])
-        step = calibration.advance(progress, [e.objective for e in done], 1.0, log.runs())
+        log.add([e.parameters for e in done], [e.objective for e in done])
+        responses.append([e.responses for e in done])
+        runs = log.runs(lambda keys: [responses[generation][particle] for generation, particle in keys])
+        step = calibration.advance(progress, [e.objective for e in done], 1.0, runs)
         if step.stop_reasons:
             break
         progress = step.progress

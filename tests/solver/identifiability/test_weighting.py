@@ -109,7 +109,7 @@ def test_shares_add_up() -> None:
 
 def test_an_optimum_that_leaves_the_swarms_region_is_told() -> None:
     stopping = {"max_evaluations": 400}
-    problem = two_series(method={"kind": "particle_swarm"}, stopping=stopping)
+    problem = two_series(method={"kind": "particle_swarm", "acceleration": "none"}, stopping=stopping)
     changed = reweight(problem, samples_of(problem), weights={"near": 0.0, "far": 1.0})
     assert changed.best_after != changed.best_before
     assert any("swarm did not search there" in w or "edge of the sampled region" in w for w in changed.warnings)

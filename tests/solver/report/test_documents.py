@@ -102,7 +102,7 @@ def test_a_swarm_is_polished_and_its_parameters_are_identified(swarm: Run) -> No
     assert values["lambda_star"] == pytest.approx(0.082, rel=0.03)
     assert values["kappa_star"] == pytest.approx(0.051, rel=0.03)
     assert values["c"] == pytest.approx(25.0, rel=0.05)
-    assert content.cards[0].remark.startswith("polished; best evaluation 0.07")
+    assert content.cards[0].remark.startswith("polished; best evaluation 0.08")
     (table,) = (table for table in content.tables if table.heading == "Parameters")
     assert [row[5] for row in table.rows if row[0].startswith("μ*")] == ["fixed"]
     assert any("Samples are particles of a swarm" in note or "swarm" in note for note in content.notes)

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration, RunLog
+from solver.calibration import Calibration
 from solver.local import CalibrationResult, calibrate
 from solver.problem import Problem, load_problem, parse_problem
+from solver.runlog import RunLog
 from tests.solver.problems import decay_problem
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -51,22 +52,34 @@ def test_the_same_seed_gives_the_same_history_for_any_number_of_workers() -> Non
     assert objectives(calibrate(problem, workers=2)) == objectives(calibrate(problem))
 
 
-def test_the_share_falls_while_aiming_does_not_pay_and_recovers() -> None:
-    calibration = Calibration(decay_problem(method=ACCELERATED), seed=4)
+def shares_of(problem: Problem, generations: int) -> list[float]:
+    calibration = Calibration(problem, seed=4)
     log, progress = RunLog(calibration), calibration.start()
-    shares = []
-    for generation in range(12):
+    shares, responses = [], []
+    for _ in range(generations):
         evaluations = [calibration.evaluate(position) for position in progress.positions]
-        log.add([e.parameters for e in evaluations], [e.responses for e in evaluations])
-        told = [e.objective for e in evaluations]
-        if generation < 6:  # as if nothing after the first generation was any better
-            told = [1.0 + generation] * len(told)
-        progress = calibration.advance(progress, told, 1.0, log.runs()).progress
-        shares.append(progress.snapshot["share"])
+        values = [e.objective for e in evaluations]
+        log.add([e.parameters for e in evaluations], values)
+        responses.append([e.responses for e in evaluations])
+        runs = log.runs(lambda keys: [responses[generation][particle] for generation, particle in keys])
+        progress = calibration.advance(progress, values, 1.0, runs).progress
         json.dumps(progress.to_json(), allow_nan=False)
-    assert shares[0] == 0.8
-    assert shares[5] < 0.4
-    assert 0.8 in shares[6:]
+        shares.append(progress.snapshot["proposer"]["share"])
+    return shares
+
+
+def test_the_share_stays_while_aiming_pays_and_falls_to_its_least_when_it_does_not() -> None:
+    assert shares_of(decay_problem(method=ACCELERATED), 4) == [0.9] * 4
+    flat = {"kind": "formula", "series": {"y": "0 * amplitude + 0 * rate + 0 * x"}}
+    falling = shares_of(decay_problem(forward_model=flat, method=ACCELERATED), 12)
+    assert falling == sorted(falling, reverse=True)
+    assert (falling[0], falling[-1]) == (0.9, 0.4)
+
+
+def test_no_run_is_made_twice() -> None:
+    result = calibrate(decay_problem(method=ACCELERATED, stopping={"max_evaluations": 300}))
+    positions = np.array([record.evaluation.parameters for record in result.history])
+    assert len(np.unique(positions, axis=0)) == len(positions) == 300
 
 
 def test_an_accelerated_search_needs_the_runs() -> None:

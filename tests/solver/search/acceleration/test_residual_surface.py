@@ -6,55 +6,99 @@ import numpy as np
 import pytest
 
 from solver.arrays import FloatArray
-from solver.search.acceleration.residual_surface import ResidualSurface
+from solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
 
 
 def points(count: int, dimension: int) -> FloatArray:
     return np.random.default_rng(count).random((count, dimension))
 
 
-def test_a_linear_residual_vector_is_modelled_exactly() -> None:
-    matrix, shift = np.random.default_rng(0).normal(size=(3, 40)), np.random.default_rng(1).normal(size=40)
-    known = points(12, 3)
-    surface = ResidualSurface(known, known @ matrix + shift)
-    asked = points(7, 3)
-    expected = np.sum((asked @ matrix + shift) ** 2, axis=1)
-    np.testing.assert_allclose(surface.objective(asked), expected, rtol=1e-10)
+def curved(at: FloatArray) -> FloatArray:
+    """Three residuals that vanish at (0.4, 0.6)."""
+    a, b = at[:, 0] - 0.4, at[:, 1] - 0.6
+    return np.stack([a + 0.5 * b * b, b - 0.3 * a * b, 0.2 * np.sin(a + b)], axis=1)
 
 
-def test_interpolates_what_it_was_given() -> None:
-    known = points(30, 2)
-    residuals = np.stack([np.sin(3 * known[:, 0]), np.exp(known[:, 1]), known[:, 0] * known[:, 1]], axis=1)
-    surface = ResidualSurface(known, residuals)
-    np.testing.assert_allclose(surface.objective(known), np.sum(residuals**2, axis=1), rtol=1e-8)
+def best_first(count: int) -> tuple[FloatArray, FloatArray]:
+    at = points(count, 2)
+    order = np.argsort((curved(at) ** 2).sum(axis=1))
+    return at[order], curved(at[order])
+
+
+@pytest.mark.parametrize("dimension", [1, 3, 10])
+def test_linear_functions_are_reproduced(dimension: int) -> None:
+    matrix = np.random.default_rng(0).normal(size=(dimension, 4))
+    known, asked = points(2 * dimension + 4, dimension), points(7, dimension)
+    surface = CubicSurface(known, known @ matrix + 3.0)
+    np.testing.assert_allclose(surface(asked), asked @ matrix + 3.0, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(surface.hold_out, known @ matrix + 3.0, rtol=1e-5, atol=1e-5)
+
+
+def test_interpolates_what_it_was_given_even_twice() -> None:
+    known = np.concatenate([points(30, 2), points(30, 2)[:3]])
+    surface = CubicSurface(known, curved(known))
+    np.testing.assert_allclose(surface(known), curved(known), atol=1e-6)
 
 
 def test_error_falls_as_points_are_added() -> None:
+    asked = 0.1 + 0.8 * points(200, 2)
+
     def worst(count: int) -> float:
-        known, asked = points(count, 2), 0.2 + 0.6 * points(200, 2)
-        truth = np.cos(2 * asked[:, 0]) * np.exp(asked[:, 1])
-        surface = ResidualSurface(known, (np.cos(2 * known[:, 0]) * np.exp(known[:, 1]))[:, None])
-        return float(np.abs(np.sqrt(surface.objective(asked)) - np.abs(truth)).max())
+        known = points(count, 2)
+        return float(np.abs(CubicSurface(known, curved(known))(asked) - curved(asked)).max())
 
-    assert worst(160) < 0.3 * worst(40) < 0.3
+    assert worst(160) < 0.3 * worst(30) < 0.3
 
 
-def test_points_in_a_plane_are_no_obstacle() -> None:
-    known = points(12, 3)
-    known[:, 2] = 0.5
-    surface = ResidualSurface(known, known[:, :2] - 0.3)
-    assert surface.objective(np.array([[0.3, 0.3, 0.5]]))[0] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_jacobian_is_of_second_order() -> None:
-    known = points(40, 3)
-    residuals = np.stack([np.sin(3 * known[:, 0]) * known[:, 2], np.exp(known[:, 1])], axis=1)
-    surface = ResidualSurface(known, residuals)
-    at, direction = np.array([0.4, 0.5, 0.6]), np.array([0.6, -0.5, 0.3])
-    z, jacobian = surface.linearised(at)
+def test_slopes_are_of_second_order() -> None:
+    surface = CubicSurface(points(40, 2), curved(points(40, 2)))
+    at, direction = np.array([[0.4, 0.5]]), np.array([0.6, -0.5])
+    values, slopes = surface.with_slopes(at)
+    np.testing.assert_allclose(values, surface(at), rtol=1e-12)
     errors = [
-        float(np.linalg.norm(surface.linearised(at + h * direction)[0] - z - h * jacobian @ direction))
-        for h in (0.02, 0.01, 0.005)
+        float(np.linalg.norm(surface(at + h * direction) - values - h * slopes @ direction)) for h in (4e-3, 2e-3)
     ]
-    orders = [np.log2(a / b) for a, b in itertools.pairwise(errors)]
-    assert all(1.8 < order < 2.2 for order in orders), orders
+    assert 3.5 < errors[0] / errors[1] < 4.5
+
+
+def test_hold_out_is_the_prediction_without_the_point() -> None:
+    known = points(15, 2)
+    left_out = CubicSurface(np.delete(known, 4, axis=0), np.delete(curved(known), 4, axis=0))
+    np.testing.assert_allclose(CubicSurface(known, curved(known)).hold_out[4], left_out(known[4:5])[0], rtol=1e-5)
+
+
+@pytest.mark.parametrize("outputs", [1, 3, 200])
+def test_components_keep_the_objective(outputs: int) -> None:
+    known = points(25, 3)
+    residuals = (known - 0.3) @ np.random.default_rng(1).normal(size=(3, outputs))
+    components = Components.of(residuals, 2)
+    assert components.values.shape[1] <= min(outputs, 12)
+    np.testing.assert_allclose((components.values**2).sum(axis=1), (residuals**2).sum(axis=1), rtol=1e-8)
+    assert components.rest == pytest.approx(0.0, abs=1e-10)
+
+
+def test_what_no_component_explains_is_in_the_rest() -> None:
+    noise = np.random.default_rng(2).normal(size=(1, 100))
+    residuals = points(40, 2)[:, :1] * np.ones((1, 100)) + 0.0 * noise
+    residuals = np.concatenate([residuals, 1e-3 * np.random.default_rng(3).normal(size=(40, 100))], axis=1)
+    components = Components.of(residuals, 2)
+    total = (components.values**2).sum(axis=1) + components.rest
+    np.testing.assert_allclose(total, (residuals**2).sum(axis=1), rtol=1e-3, atol=1e-4)
+
+
+@pytest.mark.parametrize("compression", [None, 0.1, 1.0, 10.0])
+def test_minima_are_those_of_the_function(compression: float | None) -> None:
+    known, residuals = best_first(60)
+    surface = ResidualSurface(known, Components.of(residuals, 2), 0.1, compression)
+    ends, values = minimise(surface, points(6, 2))
+    np.testing.assert_allclose(ends[np.argmin(values)], [0.4, 0.6], atol=1e-2)
+    assert np.all((ends >= 0.0) & (ends <= 1.0))
+
+
+def test_hold_out_error_tells_smooth_from_random() -> None:
+    known, residuals = best_first(60)
+    errors = [ResidualSurface(known, Components.of(residuals, 2), 0.1, 1.0).hold_out_error]
+    random = np.random.default_rng(5).normal(size=(60, 3))
+    errors.append(ResidualSurface(known, Components.of(random, 2), 0.1, 1.0).hold_out_error)
+    assert 0.0 < errors[0] < 0.1 < errors[1] < 10.0
+    assert all(a < b for a, b in itertools.pairwise(errors))

@@ -1,0 +1,78 @@
+"""Restarts: which region the search works in, and which it has finished with. The best of all is never lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import BoolArray, FloatArray
+
+__all__ = ["Basins"]
+
+_RADIUS = 0.05  # half the width of a finished basin in the unit box
+_WORTH = 0.02  # a relative decrease of the objective that counts
+_REMEMBERED = 6  # finished basins: an older one may have been left too early and is tried again
+
+
+@dataclass(frozen=True, slots=True)
+class Basins:
+    """Finished basins (centres in the unit box) and the state of the one being worked on.
+
+    ``best`` is None before its first evaluation; ``waiting`` counts generations without a worthwhile decrease,
+    ``gained`` tells whether the last one had it.
+    """
+
+    finished: tuple[tuple[float, ...], ...] = ()
+    best: float | None = None
+    waiting: int = 0
+    restarts: int = 0
+    gained: bool = False
+
+    def outside(self, points: FloatArray) -> BoolArray:
+        """Tell which points, shape (n, d), are in no finished basin."""
+        inside = np.zeros(len(points), dtype=np.bool_)
+        for centre in self.finished:
+            inside |= np.abs(points - np.array(centre)).max(axis=1) <= _RADIUS
+        return ~inside
+
+    def after(self, points: FloatArray, objectives: FloatArray, patience: int) -> Basins:
+        """Return the state after a generation.
+
+        Parameters
+        ----------
+        points, objectives
+            Of all successful runs so far, unit box, shapes (n, d) and (n,).
+        patience
+            Generations without a worthwhile decrease after which a basin is finished.
+        """
+        current, open_ = self, self.outside(points)
+        if not open_.any():  # nothing left: begin again
+            current = Basins(restarts=self.restarts + 1)
+            open_ = current.outside(points)
+        candidates = np.where(open_, objectives, np.inf)
+        lowest = int(np.argmin(candidates))
+        best = float(candidates[lowest])
+        if current.best is None or best < current.best * (1.0 - _WORTH):
+            return Basins(current.finished, best, 0, current.restarts, gained=current.best is not None)
+        if current.waiting + 1 < patience:
+            return Basins(current.finished, current.best, current.waiting + 1, current.restarts)
+        finished = (*current.finished, tuple(points[lowest].tolist()))[-_REMEMBERED:]
+        return Basins(finished, None, 0, current.restarts + 1)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return a JSON-able form."""
+        return {
+            "finished": [list(centre) for centre in self.finished],
+            "best": self.best,
+            "waiting": self.waiting,
+            "restarts": self.restarts,
+            "gained": self.gained,
+        }
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Basins:
+        """Invert :meth:`to_json`."""
+        finished = tuple(tuple(centre) for centre in data["finished"])
+        return cls(finished, data["best"], data["waiting"], data["restarts"], data["gained"])

@@ -1,0 +1,285 @@
+"""One generation's candidates: each arm is a way to find the next point that is worth a forward run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solver.arrays import BoolArray, FloatArray, IntArray
+from solver.search.acceleration.covariance import CovarianceMoves
+from solver.search.acceleration.local_models import (
+    gauss_newton_point,
+    levenberg_point,
+    neighbour_distance,
+    quadratic_point,
+)
+from solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
+
+__all__ = ["Arms", "Knowledge", "selection"]
+
+_BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fitted to
+_RANDOM_STARTS, _STARTS = 64, 14
+_CENTRES, _APART = 4, 0.08
+_SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
+_TRIES, _ASKED, _STEP_DRAWS = 60, 20, 200
+_CONTRACTION, _SHORTEST_PROBE = 0.3, 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class Knowledge:
+    """What the arms learn from: successful evaluations, best first, and where nothing new is to be found.
+
+    Parameters
+    ----------
+    points, objectives
+        In the unit box, shape (n, d), and f, shape (n,).
+    residuals
+        Shape (n, m); m = 1 when only the objective is known.
+    open
+        Whether a point is in no finished basin, shape (n,).
+    evaluated
+        All points so far, failed ones included, shape (N, d).
+    admissible
+        Whether a point of the unit box may be proposed.
+    snapped
+        The point of the unit box that is evaluated instead of a given one: integer parameters are rounded.
+    integer
+        Which parameters that concerns, shape (d,).
+    """
+
+    points: FloatArray
+    objectives: FloatArray
+    residuals: FloatArray
+    open: BoolArray
+    evaluated: FloatArray
+    admissible: Callable[[FloatArray], bool]
+    snapped: Callable[[FloatArray], FloatArray]
+    integer: BoolArray
+
+
+def selection(open_: BoolArray) -> IntArray:
+    """Choose the runs that models are fitted to, as indices of all successful ones, best first: at most 140.
+
+    The best 60; the best 40 others outside finished basins (else a converged basin would fill the models alone); and,
+    evenly over the rest, 40 that hold a surface down elsewhere.
+
+    Parameters
+    ----------
+    open_
+        Whether a run is in no finished basin, shape (n,), best first.
+    """
+    n = open_.size
+    if n <= _BEST_POINTS + _OPEN_POINTS + _SPREAD_POINTS:
+        return np.arange(n)
+    others = np.arange(_BEST_POINTS, n)
+    first = others[np.argsort(~open_[_BEST_POINTS:], kind="stable")[:_OPEN_POINTS]]
+    rest = np.setdiff1d(others, first)
+    spread = rest[np.linspace(0, rest.size - 1, _SPREAD_POINTS).round().astype(np.int64)]
+    return np.unique(np.concatenate([np.arange(_BEST_POINTS), first, spread]))
+
+
+@dataclass
+class Arms:
+    """Ways to propose; ``take`` gives the next point of one of them, or None. Points taken are remembered."""
+
+    knowledge: Knowledge
+    random: np.random.Generator
+    covariance: CovarianceMoves | None
+    taken: list[FloatArray] = field(default_factory=list)
+    _minima: dict[float | None, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+    hold_out: float | None = None
+    _searched: int = 0
+    _probed: int = 0
+    _stepped: int = 0
+    _step_surface: ResidualSurface | None = None
+    _directions: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+
+    def __post_init__(self) -> None:
+        known = self.knowledge
+        n, d = known.points.shape
+        self._components = Components.of(known.residuals, d)
+        level = float(known.objectives[min(n - 1, d + 1)])
+        self._scale = max(float(np.sqrt(level / known.residuals.shape[1])), 1e-150)
+        # the scalar surfaces need a floor, else the logarithm of a perfect fit rules them
+        self._floor = max(1e-3 * level, 1e-300)
+        opened = np.nonzero(known.open)[0]
+        best = opened if opened.size else np.arange(n)
+        self._bases = known.points[best[:8]]
+        self._centres = self._spread_out(best)
+
+    def take(self, arm: str) -> FloatArray | None:
+        """Return the next point of an arm; d is the number of parameters, e the number of its centre, best first.
+
+        ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without;
+        ``gauss_newton:e:reach``, ``quadratic:e:reach`` of the local models; ``scalar_surface`` of log f;
+        ``covariance``; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer
+        parameter; ``levenberg:damping`` and ``probe`` polish the best of all.
+        """
+        kind, _, detail = arm.partition(":")
+        point: FloatArray | None
+        if kind == "surface":
+            point = self._surface_minimum(None if detail == "plain" else float(detail))
+        elif kind in ("gauss_newton", "quadratic"):
+            number, _, reach = detail.partition(":")
+            point = self._local(kind, int(number), float(reach))
+        elif kind == "scalar_surface":
+            point = self._scalar_surface()
+        elif kind == "covariance":
+            point = self._covariance()
+        elif kind == "near":
+            point = self._near_point()
+        elif kind == "levenberg":
+            points, rows, centre = self._like(self._centres[0])
+            point = self._new(levenberg_point(points, self._components.values[rows], centre, float(detail)), 0.0)
+        elif kind == "step":
+            point = self._other_whole_number()
+        elif kind == "probe":
+            point = self._probe()
+        else:
+            point = self._far_point()
+        if point is not None:
+            self.taken.append(point)
+        return point
+
+    def _like(self, run: int) -> tuple[FloatArray, IntArray, int]:
+        """Points with the same whole numbers as a run, their indices, and its place among them.
+
+        Local models vary the other parameters alone, as soon as there are d + 2 such runs.
+        """
+        known = self.knowledge
+        same = (known.points == known.points[run])[:, known.integer].all(axis=1)
+        rows = np.nonzero(same)[0] if same.sum() >= known.points.shape[1] + 2 else np.arange(len(same))
+        return known.points[rows], rows, int(np.nonzero(rows == run)[0][0])
+
+    def _spread_out(self, best: np.ndarray) -> list[int]:
+        centres: list[int] = []
+        for i in best.tolist():
+            away = all(np.abs(self.knowledge.points[i] - self.knowledge.points[j]).max() > _APART for j in centres)
+            if away:
+                centres.append(i)
+            if len(centres) == _CENTRES:
+                break
+        return centres
+
+    def _new(self, candidate: FloatArray, apart: float) -> FloatArray | None:
+        """Return the point that would be evaluated, if it may be and lies apart from all others."""
+        known = self.knowledge
+        point = known.snapped(candidate)
+        near = [float(np.abs(known.evaluated - point).max(axis=1).min())]
+        near += [float(np.abs(other - point).max()) for other in self.taken]
+        return point if min(near) > apart and known.admissible(point) else None
+
+    def _first_new(self, candidates: Iterable[FloatArray], apart: float) -> FloatArray | None:
+        return next((p for c in candidates if (p := self._new(c, apart)) is not None), None)
+
+    def _surface_minimum(self, compression: float | None) -> FloatArray | None:
+        known = self.knowledge
+        if compression not in self._minima:
+            surface = ResidualSurface(known.points, self._components, self._scale, compression)
+            if self.hold_out is None and np.isfinite(error := surface.hold_out_error):
+                self.hold_out = error
+            drawn = self.random.random((_RANDOM_STARTS, known.points.shape[1]))
+            promising = np.argsort(surface.objective(drawn), kind="stable")[:_STARTS]
+            ends, values = minimise(surface, np.concatenate([self._bases, drawn[promising]]))
+            order = np.argsort(values, kind="stable")
+            self._minima[compression] = ends[order], values[order]
+        return self._first_new(self._minima[compression][0], _SURFACE_APART)
+
+    def _local(self, kind: str, number: int, reach: float) -> FloatArray | None:
+        known = self.knowledge
+        if number >= len(self._centres):
+            return None
+        points, rows, centre = self._like(self._centres[number])
+        if kind == "gauss_newton":
+            point = gauss_newton_point(points, self._components.values[rows], centre, reach)
+        else:
+            found = quadratic_point(points, known.objectives[rows], centre, reach)
+            if found is None:
+                return None
+            point = found
+        return self._new(point, _LOCAL_APART)
+
+    def _scalar_surface(self) -> FloatArray | None:
+        """The best of many random points around the elite, by a surface of log f and by distance to known points."""
+        known, random = self.knowledge, self.random
+        d = known.points.shape[1]
+        surface = CubicSurface(known.points, np.log(known.objectives + self._floor)[:, None])
+        elite = self._bases[:4]
+        drawn = [random.random((150, d))]
+        for width in (0.2, 0.05, 0.01):
+            around = elite[random.integers(len(elite), size=150)]
+            drawn.append(around + width * random.standard_normal((150, d)))
+        points = np.clip(np.concatenate(drawn), 0.0, 1.0)
+        values = surface(points)[:, 0]
+        nearest = np.abs(points[:, None, :] - self._occupied()[None]).max(axis=2).min(axis=1)
+        weight = (0.95, 0.8, 0.5)[self._searched % 3]
+        self._searched += 1
+        score = weight * (values - values.min()) / max(float(np.ptp(values)), 1e-12)
+        score += (1.0 - weight) * (1.0 - nearest / max(float(nearest.max()), 1e-12))
+        order = np.argsort(score, kind="stable")[:_TRIES]
+        return self._first_new(points[order], 1e-4)
+
+    def _covariance(self) -> FloatArray | None:
+        if self.covariance is None:
+            d = self.knowledge.points.shape[1]
+            mean = self._bases[0] if self.random.random() < 0.5 else np.asarray(self.random.random(d))
+            self.covariance = CovarianceMoves.begin(mean, 0.2)
+        return self._first_new((self.covariance.ask(self.random) for _ in range(_ASKED)), 0.0)
+
+    def _near_point(self) -> FloatArray | None:
+        """A point around one of the best, at a random distance of all orders: local models need it."""
+        known, random = self.knowledge, self.random
+        for _ in range(_TRIES):
+            base = self._bases[random.integers(min(3, len(self._bases)))]
+            width = 0.15 * 10.0 ** (-1.5 * random.random())
+            point = np.asarray(np.clip(base + width * random.standard_normal(known.points.shape[1]), 0.0, 1.0))
+            found = self._new(point, _LOCAL_APART)
+            if found is not None:
+                return found
+        return None
+
+    def _other_whole_number(self) -> FloatArray | None:
+        """One of the best with another value of one integer parameter, the others where the surface is lowest then.
+
+        Between whole numbers a surface knows nothing, so its minima alone may stay at one value.
+        """
+        known, random = self.knowledge, self.random
+        base = self._bases[self._stepped % min(3, len(self._bases))]
+        which = np.nonzero(known.integer)[0]
+        changed = int(which[random.integers(which.size)])
+        self._stepped += 1
+        wide = random.random((_STEP_DRAWS // 2, base.size))
+        close = base + 0.1 * random.standard_normal((_STEP_DRAWS // 2, base.size))
+        points = np.clip(np.concatenate([wide, close]), 0.0, 1.0)
+        points[:, changed] = random.random()
+        points = known.snapped(points)
+        if self._step_surface is None:
+            self._step_surface = ResidualSurface(known.points, self._components, self._scale, 1.0)
+        order = np.argsort(self._step_surface.objective(points), kind="stable")[:_TRIES]
+        return self._first_new(points[order], _LOCAL_APART)
+
+    def _probe(self) -> FloatArray | None:
+        """Go on from the best in a direction of its own: the next slopes there will be better."""
+        known, random = self.knowledge, self.random
+        d = known.points.shape[1]
+        centre = known.points[self._centres[0]]
+        if self._probed % d == 0:
+            self._directions = np.linalg.qr(random.standard_normal((d, d)))[0]
+        direction = self._directions[self._probed % d] * (1.0 if self._probed // d % 2 == 0 else -1.0)
+        self._probed += 1
+        points, _, middle = self._like(self._centres[0])
+        length = _CONTRACTION * max(neighbour_distance(points, middle), _SHORTEST_PROBE)
+        ends = (np.clip(centre + sign * length * direction, 0.0, 1.0) for sign in (1.0, -1.0))
+        return self._first_new(ends, 0.0)
+
+    def _far_point(self) -> FloatArray | None:
+        """The farthest from everything evaluated among random points."""
+        points = self.random.random((_TRIES, self.knowledge.points.shape[1]))
+        nearest = ((points[:, None, :] - self._occupied()[None]) ** 2).sum(axis=2).min(axis=1)
+        return self._first_new(points[np.argsort(-nearest, kind="stable")], 0.0)
+
+    def _occupied(self) -> FloatArray:
+        # the selected points suffice here: what matters is the distance to the known regions
+        return np.concatenate([self.knowledge.points, *[p[None] for p in self.taken]])

@@ -1,0 +1,47 @@
+"""The end of a polished search: when it begins, and when nothing is left to gain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["Polishing", "polish_pattern"]
+
+_WORTH = 1e-3  # a relative decrease of the objective that counts
+_PATIENCE = 2
+_LONGEST = 10  # generations
+_DAMPINGS = ("0", "1e-3", "1e-1", "1e-5", "1")
+
+
+@dataclass(frozen=True, slots=True)
+class Polishing:
+    """``best`` objective so far, ``generations`` polished, and how many of them gained nothing in a row."""
+
+    best: float
+    generations: int = 0
+    waiting: int = 0
+
+    @property
+    def done(self) -> bool:
+        """Whether the last generations gained nothing, or it went on for long enough."""
+        return self.waiting >= _PATIENCE or self.generations >= _LONGEST
+
+    def after(self, best: float) -> Polishing:
+        """Return the state after a generation."""
+        gained = best < self.best * (1.0 - _WORTH)
+        return Polishing(min(best, self.best), self.generations + 1, 0 if gained else self.waiting + 1)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return a JSON-able form."""
+        return {"best": self.best, "generations": self.generations, "waiting": self.waiting}
+
+
+def polish_pattern(particles: int, *, scalar: bool) -> tuple[str, ...]:
+    """Arms of a polishing generation: at most half of it steps with different damping, the rest probes."""
+    steps = (
+        ("quadratic:0:1", "quadratic:0:0.3", "quadratic:0:0.1")
+        if scalar
+        else tuple(f"levenberg:{d}" for d in _DAMPINGS)
+    )
+    steps = steps[: max(1, particles // 2)]
+    return (*steps, *["probe"] * (particles - len(steps)))

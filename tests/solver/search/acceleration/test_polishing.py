@@ -1,0 +1,92 @@
+"""The end of a polished search."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from solver.calibration import Calibration
+from solver.errors import ProblemError
+from solver.local import calibrate
+from solver.problem import Problem, parse_problem
+from solver.search.acceleration.local_models import levenberg_point
+from solver.search.acceleration.polishing import Polishing, polish_pattern
+from tests.solver.problems import decay_document
+
+POLISHED = {"kind": "particle_swarm", "particles": 10, "polish": True}
+
+
+def noisy() -> Problem:
+    """A decay with scatter, so that the least objective is not zero."""
+    document = decay_document(method=POLISHED, stopping={"max_evaluations": 600})
+    points = document["observations"][0]["points"]
+    points["y"] = (np.array(points["y"]) + 0.05 * np.random.default_rng(1).standard_normal(21)).tolist()
+    return parse_problem(document)
+
+
+def test_a_polished_search_ends_by_itself_at_the_minimum_that_scipy_finds() -> None:
+    problem = noisy()
+    calibration = Calibration(problem, 1)
+
+    def residuals(values: np.ndarray) -> np.ndarray:
+        return np.asarray(calibration.objective.weighted_residuals(calibration.evaluate(values).responses))
+
+    least = least_squares(residuals, [3.0, 0.7], xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    for seed in range(4):
+        result = calibrate(problem, seed=seed)
+        assert result.stop_reasons == ("polished",)
+        assert result.objective == pytest.approx(2.0 * least.cost, rel=1e-6)
+        assert result.best is not None
+        np.testing.assert_allclose(result.best.parameters, least.x, rtol=1e-3)
+        assert result.evaluations <= 200
+
+
+def test_any_number_of_particles_and_a_scalar_can_be_polished() -> None:
+    for particles in (2, 5):
+        document = noisy().document() | {"method": POLISHED | {"particles": particles}}
+        assert calibrate(parse_problem(document), seed=1).stop_reasons == ("polished",)
+    single = decay_document(
+        forward_model={"kind": "formula", "series": {"y": "(amplitude - 3)**2 + (rate - 0.7)**2 + 0.1 + 0 * x"}},
+        observations=[{"series": "y", "points": {"x": [0.0], "y": [0.0]}}],
+        method=POLISHED,
+        stopping={"max_evaluations": 1000},
+    )
+    result = calibrate(parse_problem(single), seed=1)
+    assert result.stop_reasons == ("polished",)
+    assert result.objective == pytest.approx(0.01, rel=1e-4)
+
+
+def test_polish_needs_stored_responses() -> None:
+    with pytest.raises(ProblemError, match="needs the stored responses"):
+        parse_problem(decay_document(method=POLISHED | {"acceleration": "none"}))
+
+
+def test_it_ends_when_two_generations_gain_nothing_or_after_ten() -> None:
+    state = Polishing(1.0)
+    assert not state.after(0.9995).done
+    assert state.after(0.9995).after(0.9994).done
+    assert not state.after(0.9995).after(0.5).done
+    for number in range(9):
+        state = state.after(0.5 ** (number + 1))
+        assert not state.done
+    assert state.after(0.0).done
+    assert Polishing(**state.to_json()) == state
+
+
+def test_half_of_a_polishing_generation_are_steps() -> None:
+    assert [arm.partition(":")[0] for arm in polish_pattern(2, scalar=False)] == ["levenberg", "probe"]
+    arms = polish_pattern(12, scalar=False)
+    assert len(arms) == 12
+    assert sum(arm.startswith("levenberg") for arm in arms) == 5
+    assert polish_pattern(4, scalar=True)[:2] == ("quadratic:0:1", "quadratic:0:0.3")
+
+
+def test_damping_shortens_the_step_and_none_solves_linear_residuals() -> None:
+    random = np.random.default_rng(1)
+    points = 0.5 + 0.2 * (random.random((12, 3)) - 0.5)
+    matrix, target = random.standard_normal((5, 3)), np.array([0.55, 0.45, 0.5])
+    components = (points - target) @ matrix.T
+    np.testing.assert_allclose(levenberg_point(points, components, 0, 0.0), target, atol=1e-6)
+    lengths = [np.linalg.norm(levenberg_point(points, components, 0, d) - points[0]) for d in (0.0, 0.1, 1.0, 10.0)]
+    assert lengths == sorted(lengths, reverse=True)

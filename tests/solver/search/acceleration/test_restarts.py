@@ -1,0 +1,65 @@
+"""Restarts and covariance moves: state that survives JSON, finished basins, the elite."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from solver.search.acceleration.basins import Basins
+from solver.search.acceleration.covariance import CovarianceMoves
+
+
+def test_a_basin_is_finished_after_generations_without_gain() -> None:
+    points = np.array([[0.2, 0.2], [0.8, 0.8]])
+    basins = Basins()
+    for _ in range(5):
+        basins = basins.after(points, np.array([1.0, 3.0]), patience=4)
+    assert basins.finished == ((0.2, 0.2),)
+    assert (basins.restarts, basins.best, basins.gained) == (1, None, False)
+    assert basins.outside(np.array([[0.22, 0.2], [0.3, 0.2]])).tolist() == [False, True]
+    # now the best outside counts
+    assert basins.after(points, np.array([1.0, 3.0]), 4).best == 3.0
+    assert Basins.from_json(json.loads(json.dumps(basins.to_json()))) == basins
+
+
+def test_a_small_gain_does_not_count_and_a_large_one_does() -> None:
+    points = np.array([[0.5]])
+    basins = Basins().after(points, np.array([1.0]), 4)
+    assert basins.after(points, np.array([0.99]), 4).waiting == 1
+    assert basins.after(points, np.array([0.9]), 4).waiting == 0
+
+
+def test_when_everything_is_finished_it_begins_again() -> None:
+    basins = Basins(finished=((0.5,),), restarts=1).after(np.array([[0.5]]), np.array([1.0]), 4)
+    assert (basins.finished, basins.restarts, basins.best) == ((), 2, 1.0)
+
+
+def test_covariance_moves_minimise_and_survive_json_bit_for_bit() -> None:
+    target = np.array([0.3, 0.7, 0.5])
+    moves = CovarianceMoves.begin(np.full(3, 0.5), 0.2)
+    for generation in range(60):
+        state = moves.state()
+        moves = CovarianceMoves(state)  # as every generation of a search does
+        restored = CovarianceMoves(json.loads(json.dumps(state, allow_nan=False)))
+        random, again = np.random.default_rng(generation), np.random.default_rng(generation)
+        for _ in range(3):  # fewer than a population
+            point = moves.ask(random)
+            assert restored.ask(again).tobytes() == point.tobytes()
+            objective = float(((point - target) ** 2).sum()) if generation != 5 else np.inf
+            moves.tell(point, objective)
+            restored.tell(point, objective)
+        assert json.dumps(restored.state()) == json.dumps(moves.state())
+    assert np.abs(moves.ask(np.random.default_rng(0)) - target).max() < 0.1
+    assert not moves.exhausted
+
+
+def test_covariance_moves_end_when_they_have_contracted() -> None:
+    moves = CovarianceMoves.begin(np.array([0.5]), 0.01)
+    random = np.random.default_rng(1)
+    for _ in range(500):
+        if moves.exhausted:
+            break
+        point = moves.ask(random)
+        moves.tell(point, float((point[0] - 0.5) ** 2))
+    assert moves.exhausted

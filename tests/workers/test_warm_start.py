@@ -1,0 +1,111 @@
+"""Jobs that learn from earlier ones, and runs that are not made twice, in the service as in process."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.calibration import Offer
+from solver.errors import ProblemError
+from solver.local import calibrate
+from solver.problem import parse_problem
+from solver.warm_start import EarlierRuns, best_of, offer_of
+from tests.solver.problems import decay_document
+from tests.workers.conftest import MakeWorker
+from workers.access import Principal
+from workers.service import JobService
+from workers.store.workers import see_worker
+
+AIMED = {"kind": "particle_swarm", "particles": 6}
+
+
+def document(**changes: Any) -> dict[str, Any]:
+    return decay_document(**{"method": AIMED, "stopping": {"max_evaluations": 30}, **changes})
+
+
+def run(service: JobService, make_worker: MakeWorker, body: dict[str, Any]) -> str:
+    job = service.submit(parse_problem(body))[0].id
+    worker = make_worker()
+    while service.get(job).state in ("queued", "running"):
+        worker.serve(job)
+    return job
+
+
+def history(service: JobService, job: str) -> list[tuple[list[float], float | None]]:
+    return [(list(e.parameters.values()), e.objective) for e in service.iterate_evaluations(job)]
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_a_job_learns_from_an_earlier_one_as_a_run_in_process_does(
+    service: JobService, make_worker: MakeWorker
+) -> None:
+    sampling = document(method={"kind": "monte_carlo", "samples": 40}, stopping=None)
+    source = run(service, make_worker, sampling)
+    warm = service.submit(parse_problem(document(warm_start={"jobs": [source]})))[0].id
+    service.delete(source)  # what it offers is stored with the job
+    worker = make_worker()
+    worker.serve(warm)
+    for _ in range(20):  # other workers, which know nothing of it, go on
+        make_worker().serve(warm)
+    assert service.get(warm).state == "finished"
+    problem, earlier = parse_problem(document()), calibrate(parse_problem(sampling)).history
+    runs = EarlierRuns(
+        parse_problem(sampling),
+        np.array([r.evaluation.parameters for r in earlier]),
+        [r.evaluation.responses for r in earlier],
+    )
+    offer = offer_of(problem, runs)
+    assert isinstance(offer, Offer)
+    expected = calibrate(problem, offer=best_of(problem, [offer]))
+    assert history(service, warm) == [
+        (r.evaluation.parameters.tolist(), r.evaluation.objective) for r in expected.history
+    ]
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_a_job_that_is_not_there_or_offers_nothing_is_named(service: JobService, make_worker: MakeWorker) -> None:
+    source = run(service, make_worker, document())
+    with pytest.raises(ProblemError, match=r"warm_start.jobs\[1\]: there is no job 0123456789abcdef"):
+        service.submit(parse_problem(document(warm_start={"jobs": [source, "0123456789abcdef"]})))
+    other = {"kind": "formula", "series": {"y": "amplitude * exp(-rate * x / 2)"}}
+    with pytest.raises(ProblemError, match="has another forward model"):
+        service.submit(parse_problem(document(forward_model=other, warm_start={"jobs": [source]})))
+    stranger = service.on_behalf_of(Principal("alice", "submit"))
+    with pytest.raises(ProblemError, match="there is no job"):
+        stranger.submit(parse_problem(document(warm_start={"jobs": [source]})))
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_the_same_parameters_are_run_once(service: JobService, make_worker: MakeWorker) -> None:
+    whole = {"lower": 1, "upper": 4, "integer": True}
+    body = document(parameters={"amplitude": whole, "rate": whole}, stopping={"max_evaluations": 48})
+    job = run(service, make_worker, body)
+    evaluations = list(service.iterate_evaluations(job))
+    made = [tuple(e.parameters.values()) for e in evaluations if e.seconds]
+    assert len(made) == len(set(made)) == 16
+    expected = calibrate(parse_problem(body))
+    assert history(service, job) == [
+        (r.evaluation.parameters.tolist(), r.evaluation.objective) for r in expected.history
+    ]
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_an_automatic_generation_has_the_size_that_was_recorded(service: JobService, make_worker: MakeWorker) -> None:
+    method = {"kind": "particle_swarm", "particles": "auto"}
+    problem = parse_problem(document(method=method))
+    job = service.submit(problem)[0].id
+    crew = [make_worker() for _ in range(4)]
+    for worker in crew[:3]:
+        service.store.write(lambda connection, worker=worker: see_worker(connection, worker.identity))  # type: ignore[misc]
+    crew[0].serve(job)
+    service.store.write(lambda connection: see_worker(connection, crew[3].identity))  # changes nothing any more
+    while service.get(job).state == "running":
+        crew[3].serve(job)
+    sizes = [len(service.evaluations(job, generation=g).items) for g in range(service.get(job).generations)]
+    assert sizes == [9] * len(sizes)
+    fixed = parse_problem(document(method={"kind": "particle_swarm", "particles": 9}))
+    assert history(service, job) == [
+        (r.evaluation.parameters.tolist(), r.evaluation.objective) for r in calibrate(fixed).history
+    ]
