@@ -1,0 +1,1 @@
+"""Finite elements: six-node triangles and interfaces under phases of loading and creep, tension positive."""
