@@ -12,6 +12,7 @@ HEADINGS = {
     "dependencies": "Base",
     "server": "Extra `server`",
     "plots": "Extra `plots`",
+    "mesh": "Extra `mesh`",
     "statistics": "Extra `statistics`",
     "dev": "Extra `dev`",
 }
