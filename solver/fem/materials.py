@@ -1,4 +1,4 @@
-"""Materials that phases assign to the regions and interfaces of a mesh, and their constants as the kernels read them."""
+"""Materials that phases assign to regions and interfaces, and their constants as the kernels read them."""
 
 from __future__ import annotations
 
