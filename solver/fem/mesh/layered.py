@@ -113,6 +113,7 @@ def _grid_coordinates(geometry: SectionGeometry, columns: ColumnPlan) -> tuple[F
             (cut.x + shift, cut_positions(geometry, cut, cut.x + shift, cut.x_bottom + shift))
             for shift in ((0.0,) if cut.width is None else (-half, half))
         ]
+    anchors += _guards(geometry, anchors, boundaries)
     anchors.sort(key=lambda anchor: anchor[0])
     places = np.array([place for place, _ in anchors])
     depths = np.array([x for _, x in anchors])
@@ -126,6 +127,25 @@ def _grid_coordinates(geometry: SectionGeometry, columns: ColumnPlan) -> tuple[F
         x.append(x_of[:, [number]] + share * (x_of[:, [number + 1]] - x_of[:, [number]]))
         y.append(y_of[:, [number]] + share * (y_of[:, [number + 1]] - y_of[:, [number]]))
     return np.concatenate(x, axis=1), np.concatenate(y, axis=1)
+
+
+def _guards(
+    geometry: SectionGeometry, anchors: list[tuple[float, list[float]]], boundaries: int
+) -> list[tuple[float, list[float]]]:
+    """Vertical columns on both sides of each inclined cut, so that it tilts only the columns near it."""
+    ends = [anchor[0] for anchor in anchors[:2]]
+    spans = []
+    for cut in geometry.cuts:
+        half = 0.5 * (cut.width or 0.0)
+        spans.append((min(cut.x, cut.x_bottom) - half, max(cut.x, cut.x_bottom) + half))
+    spans.sort()
+    guards = []
+    for number, (low, high) in enumerate(spans):
+        before = spans[number - 1][1] if number else ends[0]
+        after = spans[number + 1][0] if number + 1 < len(spans) else ends[1]
+        reach = 1.5 * (high - low) + 1e-3 * (ends[1] - ends[0])
+        guards += [low - min(reach, 0.45 * (low - before)), high + min(reach, 0.45 * (after - high))]
+    return [(x, [x] * boundaries) for x in guards]
 
 
 class _Grid:

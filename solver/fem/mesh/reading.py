@@ -41,7 +41,7 @@ def load_meshio(purpose: str) -> Any:
         raise MeshError(f"{purpose} needs meshio: pip install 'geoswarm[mesh]'") from error
 
 
-def read_mesh(path: Path, interfaces: Sequence[str] = (), scale: float = 1.0) -> Mesh:
+def read_mesh(path: Path, interfaces: Sequence[str] = (), scale: float = 1.0, *, keep_lines: bool = False) -> Mesh:
     """Read a mesh of triangles.
 
     Three-node triangles get mid-side nodes halfway along their straight edges; clockwise ones are turned round.
@@ -52,6 +52,8 @@ def read_mesh(path: Path, interfaces: Sequence[str] = (), scale: float = 1.0) ->
         Names of lines inside the body along which it is opened. Other lines inside the body are left out.
     scale
         Length of the file's unit, m.
+    keep_lines
+        Whether lines inside the body stay among the boundaries, for somebody who will open the mesh later.
 
     Raises
     ------
@@ -68,7 +70,7 @@ def read_mesh(path: Path, interfaces: Sequence[str] = (), scale: float = 1.0) ->
         reason = str(error) or type(error).__name__
         raise MeshError(f"{path}: cannot be read as a mesh: {reason}") from error
     try:
-        return _assembled(_Content.of(content), tuple(interfaces), scale)
+        return _assembled(_Content.of(content), tuple(interfaces), scale, keep_lines)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
 
@@ -108,7 +110,7 @@ def mesh_of_tables(
         {name: np.array([line[:2] for line in edges], dtype=np.int64).reshape(-1, 2) for name, edges in lines.items()},
         dict(points),
     )
-    return _assembled(content, tuple(interfaces), 1.0)
+    return _assembled(content, tuple(interfaces), 1.0, False)
 
 
 @dataclass
@@ -181,7 +183,7 @@ def _names(content: Any, number: int, block: Any) -> list[str | None]:
     return names
 
 
-def _assembled(content: _Content, interfaces: tuple[str, ...], scale: float) -> Mesh:
+def _assembled(content: _Content, interfaces: tuple[str, ...], scale: float, keep_lines: bool) -> Mesh:
     unknown = [name for name in interfaces if name not in content.lines]
     if unknown:
         known = ", ".join(content.lines) or "none"
@@ -199,7 +201,9 @@ def _assembled(content: _Content, interfaces: tuple[str, ...], scale: float) -> 
         triangles=triangles,
         regions=np.array([names.index(name) for name in content.regions], dtype=np.int32),
         region_names=names,
-        boundaries=_boundaries({name: edges for name, edges in lines.items() if name not in interfaces}, sides),
+        boundaries=_boundaries(
+            {name: edges for name, edges in lines.items() if name not in interfaces}, sides, keep_lines
+        ),
         points={name: int(kept[node]) for name, node in content.points.items() if kept[node] >= 0},
     )
     if interfaces:
@@ -242,14 +246,16 @@ def _sides(triangles: IndexArray) -> dict[frozenset[int], list[tuple[int, int, i
 
 
 def _boundaries(
-    lines: Mapping[str, list[tuple[int, int]]], sides: Mapping[frozenset[int], list[tuple[int, int, int]]]
+    lines: Mapping[str, list[tuple[int, int]]],
+    sides: Mapping[frozenset[int], list[tuple[int, int, int]]],
+    keep_lines: bool,
 ) -> dict[str, IndexArray]:
     boundaries = {}
     for name, edges in lines.items():
         owners = [sides.get(frozenset(edge), []) for edge in edges]
         if not all(owners):
             raise MeshError(f"line {name} is no side of the triangles; lines along their edges are accepted")
-        outer = [owner[0] for owner in owners if len(owner) == 1]
+        outer = [owner[0] for owner in owners if len(owner) == 1 or keep_lines]
         if outer:
             boundaries[name] = np.array(outer, dtype=np.int32)
     return boundaries

@@ -77,7 +77,7 @@ def test_points_are_where_they_are_said_to_be(slope: LayeredMesh) -> None:
             assert cover is not None
             depth = float(cover.at(np.array([x]))[0]) + 2.0
         assert y == pytest.approx(surface - depth, abs=1e-9)
-    assert mesh.nodes[mesh.points["B"], 0] == pytest.approx(330.0, abs=1e-9)
+    assert mesh.nodes[mesh.points["B"], 0] == mesh.nodes[mesh.points["base_of_B"], 0] == pytest.approx(330.0, abs=1e-9)
 
 
 def test_a_mesh_moves_smoothly_with_depth_thickness_and_angle(slope: LayeredMesh) -> None:
