@@ -103,6 +103,15 @@ def mesh_of_tables(
     MeshError
         The mesh is not sound.
     """
+    tables = {
+        "triangles": triangles,
+        **{f"line {name}": np.array(edges) for name, edges in lines.items()},
+        **{f"point {name}": np.array([node]) for name, node in points.items()},
+    }
+    for what, table in tables.items():
+        wrong = table[(table < 0) | (table >= len(nodes))]
+        if wrong.size:
+            raise MeshError(f"{what}: node {wrong[0]} does not exist; nodes 0 to {len(nodes) - 1} do")
     content = _Content(
         nodes,
         triangles,
