@@ -18,7 +18,7 @@ __all__ = ["factorise", "solve_factorised"]
 
 @kernel
 def _eliminate(F: FloatArray, pivots: int) -> bool:
-    """Eliminate the first ``pivots`` rows of a front (m, m): four at a time, then one update of the rest by all four."""
+    """Eliminate the first ``pivots`` rows of a front (m, m): four at a time, then the rest by these four."""
     m = F.shape[0]
     k = 0
     while k < pivots:

@@ -25,8 +25,8 @@ class Fronts(NamedTuple):
 
     ``offset`` (f,) place in the buffer, ``size`` (f,) rows, ``pivots`` (f,) rows that are eliminated here, ``start``
     (f + 1,) into ``rows``, the dofs of each front; ``parent`` (f,), -1 at a root; ``place``, parallel to ``rows``, row
-    of the parent for those that are not eliminated here. ``element_front`` (e,) and ``element_node`` (e, 6): front of an
-    element and the numbers of its nodes there; ``diagonal`` (dofs,) place of each pivot in the buffer.
+    of the parent for those that are not eliminated here. ``element_front`` (e,) and ``element_node`` (e, 6): front of
+    an element and the numbers of its nodes there; ``diagonal`` (dofs,) place of each pivot in the buffer.
     """
 
     offset: IntArray
