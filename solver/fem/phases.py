@@ -138,6 +138,8 @@ class Control:
         Keep a factorisation as long as the residual falls at least by ``keep_ratio`` an iteration.
     smallest_step
         Part of the load, or of logarithmic time, below which a step is not cut any more.
+    blend_below
+        Part of the load up to which a step that fails is tried again with elastic stiffness mixed into the tangent.
     time_tolerance
         Creep phases: local error of displacement over the largest displacement of the phase.
     creep_step
@@ -150,7 +152,8 @@ class Control:
     iterations: int = 25
     modified: bool = False
     keep_ratio: float = 0.2
-    smallest_step: float = 1.0e-4
+    smallest_step: float = 1.0e-3
+    blend_below: float = 0.02
     time_tolerance: float = 1.0e-3
     creep_step: float = 2.0
     largest_steps: int = 5000

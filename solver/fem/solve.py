@@ -193,6 +193,7 @@ class Calculation:
             tables.interface_constants,
             edges,
             owner,
+            0.0,
             places,
         )
         fixed, target = fixed_dofs(self.mesh, self._fixities, tables.material, phase.fixities is not None)

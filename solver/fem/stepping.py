@@ -21,6 +21,10 @@ __all__ = ["PhaseSteps", "Work"]
 _EASY: Final = 6
 """Iterations up to which the next step may be longer."""
 
+_BLEND: Final = 0.1
+_PATIENCE: Final = 6
+"""The last attempt at a step: share of elastic stiffness at plastic points, and how many times the iterations."""
+
 _FIRST_CREEP: Final = 0.1
 _SMALLEST_CREEP: Final = 1.0e-8
 
@@ -165,11 +169,16 @@ class PhaseSteps:
         dead = self.start_forces + load * (self.end_forces - self.start_forces)
         edge_loads = load * self.edge_loads
         self._trouble = ""
-        guesses = [self._last * (length / self._last_length)] if self._last_length > 0.0 else []
-        for guess in [*guesses, np.zeros(self.fixed.shape[0])]:
-            self._increment = guess
+        rest = np.zeros(self.fixed.shape[0])
+        attempts = [(rest, 0.0, 1)]
+        if self._last_length > 0.0:
+            attempts.insert(0, (self._last * (length / self._last_length), 0.0, 1))
+        if length <= self.control.blend_below:
+            attempts.append((rest, _BLEND, _PATIENCE))
+        for guess, blend, patience in attempts:
+            self._increment = guess.copy()
             status, iterations, factorisations, residual = newton_step(
-                self.body,
+                self.body._replace(blend=blend),
                 self.positions,
                 self._increment,
                 log_time,
@@ -183,7 +192,7 @@ class PhaseSteps:
                 self.fronts,
                 self.floor,
                 self.control.tolerance,
-                self.control.iterations,
+                patience * self.control.iterations,
                 self.control.modified,
                 self.control.keep_ratio,
             )

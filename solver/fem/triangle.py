@@ -1,10 +1,10 @@
 """Six-node triangles: internal forces and their exact derivative.
 
 With an updated mesh a step is taken from the positions x at its beginning: strain increment and rotation come from the
-gradient of the displacement increment on the mid-step positions (Hughes & Winget 1980), the old stress is turned by the
-rotation, and the forces are those of the new stress on the new positions. The tangent is the derivative of all that;
-for an isotropic material the turned old stress needs no more than the tangent by strain. At small strain all three
-configurations are the mesh at the beginning of the phase.
+gradient of the displacement increment on the mid-step positions (Hughes & Winget 1980), stress is turned by half the
+rotation before the material sees it and by the other half after, and the forces are those of the new stress on the new
+positions. The tangent is the derivative of all that; for an isotropic material the turned old stress needs no more than
+the tangent by strain. At small strain all three configurations are the mesh at the beginning of the phase.
 """
 
 from __future__ import annotations
@@ -68,6 +68,15 @@ def _gradients(slopes: FloatArray, x: FloatArray, g: FloatArray) -> float:
 
 
 @kernel
+def _turn(stress: FloatArray, c: float, s: float) -> None:
+    """Turn a stress (4,) in place by the angle whose cosine and sine are given."""
+    sxx, syy, sxy = stress[0], stress[1], stress[3]
+    stress[0] = c * c * sxx + s * s * syy - 2.0 * c * s * sxy
+    stress[1] = s * s * sxx + c * c * syy + 2.0 * c * s * sxy
+    stress[3] = c * s * (sxx - syy) + (c * c - s * s) * sxy
+
+
+@kernel
 def _point_update(
     constants: FloatArray,
     soil: SoftSoilCreep,
@@ -75,6 +84,7 @@ def _point_update(
     strain: FloatArray,
     log_time: float,
     log_pp: float,
+    blend: float,
     new: FloatArray,
     C: FloatArray,
 ) -> tuple[float, int]:
@@ -108,6 +118,14 @@ def _point_update(
             new,
             C,
         )
+        if limit > 0 and blend > 0.0:
+            lame = bulk - 2.0 / 3.0 * shear
+            for i in range(4):
+                for j in range(4):
+                    elastic = lame if i < 3 and j < 3 else 0.0
+                    if i == j:
+                        elastic += 2.0 * shear if i < 3 else shear
+                    C[i, j] += blend * (elastic - C[i, j])
         return log_pp, limit
     new_pp, active = planar_creep(stress, strain, log_time - math.log(soil.tau), log_pp, soil, new, C)
     return new_pp, min(active, 1)
@@ -199,20 +217,21 @@ def assemble_triangles(
             strain[0], strain[1], strain[2], strain[3] = -gxx, -gyy, -around, -(gxy + gyx)
             for i in range(4):
                 stress[i] = -old.stress[e, point, i]
-            half_spin = 0.0
+            half_spin, c, s = 0.0, 1.0, 0.0
             if updated:
                 half_spin = 0.25 * (gyx - gxy)
-                scale = 1.0 / (1.0 + half_spin * half_spin)
-                c, s = (1.0 - half_spin * half_spin) * scale, 2.0 * half_spin * scale
-                sxx, syy, sxy = stress[0], stress[1], stress[3]
-                stress[0] = c * c * sxx + s * s * syy - 2.0 * c * s * sxy
-                stress[1] = s * s * sxx + c * c * syy + 2.0 * c * s * sxy
-                stress[3] = c * s * (sxx - syy) + (c * c - s * s) * sxy
-            new_pp, limit = _point_update(constants, soil, stress, strain, log_time, old.log_pp[e, point], sigma, C)
+                c = 1.0 / math.sqrt(1.0 + half_spin * half_spin)
+                s = half_spin * c
+                _turn(stress, c, s)
+            new_pp, limit = _point_update(
+                constants, soil, stress, strain, log_time, old.log_pp[e, point], body.blend, sigma, C
+            )
             if limit < 0:
                 return e + count
             new.log_pp[e, point] = new_pp
             new.plastic[e, point] = limit > 0
+            if updated:
+                _turn(sigma, c, s)
             for i in range(4):
                 sigma[i] = -sigma[i]
                 new.stress[e, point, i] = sigma[i]
@@ -241,11 +260,12 @@ def assemble_triangles(
                     E[3, 2 * n], E[3, 2 * n + 1] = a00 * by + a10 * bx, a01 * by + a11 * bx
                     spin[2 * n] = 0.5 * (a10 * bx - a00 * by) * turn
                     spin[2 * n + 1] = 0.5 * (a11 * bx - a01 * by) * turn
-                # A turned old stress gives the turned result of a strain turned back: spin of strain and new stress.
+                # The law is isotropic: an old stress turned by half the spin gives the turned result of a strain that
+                # is turned back.
                 for m in range(12):
-                    E[0, m] -= spin[m] * strain[3]
-                    E[1, m] += spin[m] * strain[3]
-                    E[3, m] += 2.0 * spin[m] * (strain[0] - strain[1])
+                    E[0, m] -= 0.5 * spin[m] * strain[3]
+                    E[1, m] += 0.5 * spin[m] * strain[3]
+                    E[3, m] += spin[m] * (strain[0] - strain[1])
             else:
                 for n in range(6):
                     E[0, 2 * n], E[0, 2 * n + 1] = g[0, n], 0.0
@@ -258,6 +278,10 @@ def assemble_triangles(
                     S[i, m] = c0 * E[0, m] + c1 * E[1, m] + c2 * E[2, m] + c3 * E[3, m]
             if updated:
                 for m in range(12):
+                    s0, s1, s3 = S[0, m], S[1, m], S[3, m]
+                    S[0, m] = c * c * s0 + s * s * s1 - 2.0 * c * s * s3
+                    S[1, m] = s * s * s0 + c * c * s1 + 2.0 * c * s * s3
+                    S[3, m] = c * s * (s0 - s1) + (c * c - s * s) * s3
                     S[0, m] -= 2.0 * weight * spin[m] * sigma[3]
                     S[1, m] += 2.0 * weight * spin[m] * sigma[3]
                     S[3, m] += weight * spin[m] * (sigma[0] - sigma[1])

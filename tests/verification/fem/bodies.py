@@ -10,7 +10,7 @@ from solver.arrays import FloatArray
 from solver.fem.mesh.mesh import Mesh
 from solver.fem.mesh.quadratic import boundary_edges, midpoints, six_node_triangles
 
-__all__ = ["block", "graded", "moved", "node_at", "slope", "stacked"]
+__all__ = ["block", "embankment", "graded", "moved", "node_at", "slope", "stacked"]
 
 
 def graded(start: float, end: float, count: int, ratio: float = 1.0) -> FloatArray:
@@ -102,6 +102,15 @@ def slope(crest: float, toe: float, below: float, columns: tuple[int, int, int],
         return np.column_stack([across, nodes[:, 1] * top])
 
     return moved(unit, change)
+
+
+def embankment(crest: float, columns: int, rows: int) -> Mesh:
+    """Slope 2:1, 10 m high, on a rigid base at the level of its toe; "right" is its face."""
+    unit = block(np.linspace(0.0, 1.0, columns + 1), np.linspace(0.0, 10.0, rows + 1))
+    return moved(
+        unit,
+        lambda nodes: np.column_stack([nodes[:, 0] * (crest + 2.0 * (10.0 - nodes[:, 1])), nodes[:, 1]]),
+    )
 
 
 def node_at(mesh: Mesh, x: float, y: float) -> int:
