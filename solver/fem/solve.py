@@ -29,8 +29,8 @@ from solver.fem.stepping import PhaseSteps
 
 __all__ = ["Calculation", "solve_phases"]
 
-_FLOOR = 1.0e-9
-"""kPa: out-of-balance below this stress times the size of the mesh is none."""
+_FLOOR = 1.0e-4
+"""kPa: forces are never taken for smaller than this stress on the size of the mesh."""
 
 _BALANCED = 1.0e-3
 """Share of the tolerance at which a creep phase needs no step for its instant load."""
@@ -220,7 +220,7 @@ class Calculation:
             edge_loads,
             fixed,
             target,
-            _FLOOR * self._size,
+            _FLOOR * self._size * (self._size if self._axisymmetric else 1.0),
             record,
         )
         return steps, history

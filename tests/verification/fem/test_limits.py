@@ -61,25 +61,26 @@ def test_griffiths_and_lane_slope_fails_at_a_strength_reduction_of_about_1_4() -
 
 
 def _infinite_slope(factor: float) -> bool:
-    """Whether a slab of an infinite slope (10 degree, 30 m, phi = 20 degree) stands with its strength reduced."""
+    """Whether a slab of an infinite slope (10 degree, 30 m, c = 20 kPa, phi = 20 degree) stands with its strength reduced."""
     angle, depth, weight, length = math.radians(10.0), 30.0, 20.0, 60.0
     tangent = math.tan(angle)
     mesh = moved(
         block(graded(0.0, length, 6), graded(-depth, 0.0, 8)),
         lambda x: x - np.column_stack([0.0 * x[:, 0], tangent * x[:, 0]]),
     )
-    # Stress at failure grows with depth: on planes along the slope, and from the circle that touches the limit there.
+    # Stress grows with depth: on planes along the slope, and from the circle that touches the limit at failure.
     normal, shear = -weight * math.cos(angle) ** 2, weight * math.sin(angle) * math.cos(angle)
-    along = 2.0 * (normal - shear * tangent) - normal
+    strength = math.tan(math.radians(20.0)) / factor
+    along = 2.0 * (normal - shear * strength) - normal
     c, s = math.cos(angle), math.sin(angle)
-    sigma_x = c * c * along + s * s * normal - 2.0 * s * c * shear
+    sigma_x = c * c * along + s * s * normal + 2.0 * s * c * shear
     sigma_xy = -sigma_x * tangent
     ends = (
         Traction("left", x_slope=sigma_x, y_slope=sigma_xy, level=0.0),
         Traction("right", x_slope=-sigma_x, y_slope=-sigma_xy, level=-length * tangent),
     )
-    friction = math.degrees(math.atan(math.tan(math.radians(20.0)) / factor))
-    soil = MohrCoulomb(1.0e5, 0.3, 0.0, friction, unit_weight=weight)
+    friction = math.degrees(math.atan(strength))
+    soil = MohrCoulomb(1.0e5, 0.3, 20.0 / factor, friction, friction, unit_weight=weight)
     phase = Phase(
         "weight",
         "gravity",
@@ -96,8 +97,11 @@ def _infinite_slope(factor: float) -> bool:
 
 
 def test_an_infinite_slope_fails_at_its_factor_of_safety() -> None:
-    assert _infinite_slope(2.0642 * 0.97)
-    assert not _infinite_slope(2.0642 * 1.03)
+    angle, weight = math.radians(10.0), 20.0 * 30.0
+    resisting = 20.0 + weight * math.cos(angle) ** 2 * math.tan(math.radians(20.0))
+    safety = resisting / (weight * math.sin(angle) * math.cos(angle))
+    assert _infinite_slope(0.98 * safety)
+    assert not _infinite_slope(1.02 * safety)
 
 
 def test_a_block_slides_on_its_interface_at_60_kn_per_metre() -> None:
