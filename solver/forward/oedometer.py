@@ -27,6 +27,9 @@ class OedometerSpec(StagedLoadSpec):
 
     kind: Literal["oedometer"] = "oedometer"
     initial_stress: float = Field(gt=0.0, description="Vertical stress before the first stage, kPa.")
+    diameter: float | None = Field(
+        None, gt=0.0, description="Diameter of the ring, m (finite_element; the ring is smooth, so it has no effect)."
+    )
     K0: float | None = Field(
         None, gt=0.0, description="Initial ratio of horizontal to vertical stress; K0nc unless given."
     )
@@ -47,6 +50,11 @@ class OedometerModel(StagedLoadModel):
         ("axial_strain", "Engineering axial strain: settlement over the initial height.", "axial strain", ""),
     )
     lateral_ratio: ClassVar[float] = -1.0
+
+    @property
+    def radius(self) -> float:
+        """That of the ring; as large as the height unless a diameter is given."""
+        return self.spec.height if self.spec.diameter is None else 0.5 * self.spec.diameter
 
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
         """Horizontal stress K0 times the vertical one; p_p = OCR p_eq, or p_eq under the vertical stress plus POP.

@@ -73,9 +73,7 @@ class VectorSection(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    points: list[Name] = Field(
-        min_length=1, max_length=200, description="Points; the first has the number 1."
-    )
+    points: list[Name] = Field(min_length=1, max_length=200, description="Points; the first has the number 1.")
     start: float = Field(0.0, ge=0.0, description="Beginning of the period, day since the zero of time.")
     end: float = Field(gt=0.0, description="End of the period, day since the zero of time.")
 

@@ -23,7 +23,7 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, A
     folder = tmp_path_factory.mktemp("paper")
     text = StringIO()
     with redirect_stdout(text):
-        assert main(["paper", "all", "--repeats", "3", "--output", str(folder), "--json"]) == 0
+        assert main(["paper", "A", "B", "--repeats", "3", "--output", str(folder), "--json"]) == 0
     return folder, json.loads(text.getvalue())
 
 

@@ -19,7 +19,7 @@ from solver.forward.formula import FormulaSpec
 from solver.forward.registry import GROUP, find_spec, kinds, parse_spec
 from solver.problem import parse_problem, problem_schema
 
-BUILT_IN = ("formula", "combined", "oedometer", "isotropic_compression")
+BUILT_IN = ("formula", "combined", "oedometer", "isotropic_compression", "section", "finite_element")
 
 
 class LineSpec(ForwardModelSpec):
