@@ -16,7 +16,7 @@ from solver.fem.mesh.mesh import IndexArray
 
 __all__ = ["Fronts", "plan_fronts"]
 
-_LEAF: Final = 4
+_LEAF: Final = 8
 """Elements that are not halved any more."""
 
 
@@ -146,7 +146,7 @@ def _dissect(elements: IndexArray, centres: FloatArray, nodes: int) -> tuple[lis
             parent[root] = front
         return [front]
 
-    def _append(own: IntArray) -> int:
+    def _append(own: IndexArray) -> int:
         done[own] = True
         pivots.append(own.astype(np.int64))
         parent.append(-1)

@@ -63,7 +63,9 @@ def material_tables(
     mesh: Mesh, materials: Mapping[str, Material | InterfaceMaterial], active: frozenset[str]
 ) -> MaterialTables:
     """Tables for the active regions and interfaces; a region that is active and has no material is a ValueError."""
-    regions, constants, weight = [], [], []
+    regions: list[int] = []
+    constants: list[FloatArray] = []
+    weight: list[float] = []
     for name in mesh.region_names:
         material = materials.get(name)
         if name not in active:
@@ -75,7 +77,8 @@ def material_tables(
         regions.append(len(constants))
         constants.append(material.constants())
         weight.append(material.unit_weight)
-    faces, face_constants = [], []
+    faces: list[int] = []
+    face_constants: list[FloatArray] = []
     for name in mesh.interface_names:
         material = materials.get(name)
         if name not in active:
@@ -169,7 +172,7 @@ def edge_owners(mesh: Mesh, edges: IndexArray) -> tuple[IntArray, IntArray]:
     known = {int(mid) for mid in edges[:, 2]}
     sides: dict[tuple[int, int, int], int] = {}
     # A mid-side node inside the body belongs to two triangles; the edge's direction tells which one is meant.
-    for e in np.flatnonzero(np.isin(mesh.triangles[:, 3:], edges[:, 2]).any(axis=1)):
+    for e in np.flatnonzero(np.isin(mesh.triangles[:, 3:], edges[:, 2]).any(axis=1)).tolist():
         triangle = mesh.triangles[e]
         for a, b, m in ((0, 1, 3), (1, 2, 4), (2, 0, 5)):
             if int(triangle[m]) in known:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
+from solver.arrays import BoolArray, FloatArray, IntArray
 from solver.fem.body import Body, State
 from solver.fem.initial import creep_scale, point_coordinates, preconsolidation, stress_at_rest
 from solver.fem.materials import CONSTANTS, ELASTIC, InterfaceMaterial, Material, SoftSoilCreepMaterial
@@ -25,7 +25,7 @@ from solver.fem.setup import (
     material_tables,
     weights,
 )
-from solver.fem.stepping import PhaseSteps
+from solver.fem.stepping import PhaseSteps, Recorder
 
 __all__ = ["Calculation", "solve_phases"]
 
@@ -156,9 +156,9 @@ class Calculation:
         chosen: IntArray = np.flatnonzero((self.mesh.regions == region) & (tables.material >= 0))
         return chosen
 
-    def _place(self, placed: object, tables: MaterialTables) -> None:
+    def _place(self, placed: Mapping[str, Material | InterfaceMaterial], tables: MaterialTables) -> None:
         """Set the preconsolidation of regions that get soft soil creep."""
-        for name, material in dict(placed).items():  # type: ignore[call-overload]
+        for name, material in placed.items():
             if isinstance(material, SoftSoilCreepMaterial):
                 chosen = self._triangles(name, tables)
                 self._state.log_pp[chosen] = preconsolidation(self._state.stress[chosen], material)
@@ -214,7 +214,7 @@ class Calculation:
             self._fronts,
             self.positions,
             self._state,
-            State(*(array.copy() for array in self._state)),
+            _copied(self._state),
             self._balanced_forces(body, fixed),
             end_forces,
             edge_loads,
@@ -225,7 +225,7 @@ class Calculation:
         )
         return steps, history
 
-    def _balanced_forces(self, body: Body, fixed: object) -> FloatArray:
+    def _balanced_forces(self, body: Body, fixed: BoolArray) -> FloatArray:
         """Forces that the present stresses carry, whatever the materials say to them."""
         elastic = np.zeros((1, CONSTANTS))
         elastic[0, 0], elastic[0, 2] = ELASTIC, 1.0
@@ -238,7 +238,7 @@ class Calculation:
         dofs = self.mesh.nodes.size
         inner, outer, zero = np.zeros(dofs), np.zeros(dofs), np.zeros(dofs)
         loads = np.zeros((body.edges.shape[0], 7))
-        spare = State(*(array.copy() for array in self._state))
+        spare = _copied(self._state)
         assemble(
             bare,
             self.positions,
@@ -317,9 +317,13 @@ class Calculation:
         )
 
 
+def _copied(state: State) -> State:
+    return State(state.stress.copy(), state.log_pp.copy(), state.plastic.copy(), state.traction.copy())
+
+
 def _ignore(time: float, moved: FloatArray) -> None:
     """Record nothing."""
 
 
-def _until(record: object, last: float) -> object:
-    return lambda time, moved: record(time, moved) if time <= last else None  # type: ignore[operator]
+def _until(record: Recorder, last: float) -> Recorder:
+    return lambda time, moved: record(time, moved) if time <= last else None

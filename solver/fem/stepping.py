@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -16,7 +16,10 @@ from solver.fem.newton import CONVERGED, SINGULAR, newton_step
 from solver.fem.ordering import Fronts
 from solver.fem.phases import Control, Phase
 
-__all__ = ["PhaseSteps", "Work"]
+__all__ = ["PhaseSteps", "Recorder", "Work"]
+
+Recorder: TypeAlias = Callable[[float, FloatArray], None]
+"""Is told the moment and the displacements (2 n,) since the beginning of the phase."""
 
 _EASY: Final = 6
 """Iterations up to which the next step may be longer."""
@@ -60,7 +63,7 @@ class PhaseSteps:
     fixed: BoolArray
     target: FloatArray
     floor: float
-    record: Callable[[float, FloatArray], None]
+    record: Recorder
     moved: FloatArray = field(init=False)
     """(2 n,): displacement since the beginning of the phase."""
     work: Work = field(default_factory=Work)

@@ -177,13 +177,14 @@ def assemble_triangles(
         -1, or the number of a triangle that is turned inside out (number) or whose material found no stress
         (number + number of triangles).
     """
-    count = body.triangles.shape[0]
+    count: int = body.triangles.shape[0]
     start, mid, end, moved = np.empty((6, 2)), np.empty((6, 2)), np.empty((6, 2)), np.empty((6, 2))
     gm, g = np.empty((2, 6)), np.empty((2, 6))
     stress, strain, sigma, C = np.empty(4), np.empty(4), np.empty(4), np.empty((4, 4))
     E, S, K = np.empty((4, 12)), np.empty((4, 12)), np.empty((12, 12))
     spin, f, hoop = np.zeros(12), np.empty(12), np.zeros(6)
     updated, axisymmetric = body.updated, body.axisymmetric
+
     for e in range(count):
         if body.material[e] < 0:
             continue

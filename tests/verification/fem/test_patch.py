@@ -58,7 +58,7 @@ def test_curved_sides_pass_the_patch_test() -> None:
 @pytest.mark.parametrize("slant", [0.0, 0.4])
 def test_uniform_tractions_pass_through_an_interface(slant: float) -> None:
     lower = block(graded(0.0, 3.0, 3), graded(0.0, 1.0, 2), distortion=0.2, name="lower")
-    upper = moved(block(graded(0.0, 3.0, 3), graded(0.0, 1.0, 2), name="upper"), lambda x: x + [0.0, 1.0])
+    upper = moved(block(graded(0.0, 3.0, 3), graded(0.0, 1.0, 2), name="upper"), lambda x: x + np.array([0.0, 1.0]))
     mesh = moved(stacked(lower, upper), lambda x: x + np.column_stack([0.0 * x[:, 0], slant * x[:, 0]]))
     stress = np.array([[-30.0, 6.0], [6.0, -20.0]])
     rise = np.hypot(1.0, slant)
@@ -111,9 +111,7 @@ def _errors(cells: int) -> tuple[float, float]:
     def exact(x: FloatArray) -> FloatArray:
         return np.stack([np.exp(x[..., 0]) * np.cos(x[..., 1]), -np.exp(x[..., 0]) * np.sin(x[..., 1])], axis=-1)
 
-    phase = Phase(
-        "rate", materials={"soil": ELASTIC}, fixities=everywhere(mesh, exact(mesh.nodes)), load_step=1.0
-    )
+    phase = Phase("rate", materials={"soil": ELASTIC}, fixities=everywhere(mesh, exact(mesh.nodes)), load_step=1.0)
     result = solve_phases(mesh, [phase], control=TIGHT)[0]
     displacement, stress = 0.0, 0.0
     for xi, eta in np.random.default_rng(0).dirichlet((1.0, 1.0, 1.0), 12)[:, :2]:
