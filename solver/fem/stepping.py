@@ -28,7 +28,7 @@ _BLEND: Final = 0.1
 _PATIENCE: Final = 6
 """The last attempt at a step: share of elastic stiffness at plastic points, and how many times the iterations."""
 
-_FIRST_CREEP: Final = 0.1
+_FIRST_CREEP: Final = 0.01
 _SMALLEST_CREEP: Final = 1.0e-8
 
 

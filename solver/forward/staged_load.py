@@ -281,7 +281,10 @@ class StagedLoadModel(ABC):
             spec.initial_stress,
             _UNIT_WEIGHT if spec.unit_weight is None else spec.unit_weight,
             spec.geometry == "updated",
-            Control(time_tolerance=_TIME_TOLERANCE * spec.tolerance),
+            Control(
+                tolerance=min(1.0e-6, 1.0e-4 * _TIME_TOLERANCE * spec.tolerance),
+                time_tolerance=min(_TIME_TOLERANCE * spec.tolerance, 0.1),
+            ),
         )
 
     @property
