@@ -86,7 +86,7 @@ EXAMPLES = (
         {"lambda_star": 1.42, "kappa_star": 0.60, "mu_star": 0.145, "phi": 10.7, "G": 5160.0},
         noise=5e-3,
         seed=1575,
-        decimals=1,
+        decimals=0,
         source="identified set of the creeping slope in Meier et al. 2008, on a look-alike of its section",
     ),
     Example(
