@@ -25,6 +25,12 @@ class ControlSection(BaseModel):
         1.0e-3, gt=0.0, le=0.1, description="Error of a time step of creep over the displacement of its phase."
     )
     creep_step: float = Field(2.0, gt=0.0, le=5.0, description="Largest time step of creep, as logarithm of time.")
+    largest_steps: int = Field(
+        500, ge=1, le=100_000, description="Most steps of one phase; a calculation that needs more has diverged."
+    )
+    smallest_step: float = Field(
+        1.0e-3, gt=0.0, le=1.0, description="Part of the load below which a step is not cut any more."
+    )
     modified_newton: bool = Field(False, description="Keep a factorisation over iterations as long as they converge.")
 
 

@@ -32,6 +32,8 @@ def control_of(section: ControlSection) -> Control:
         time_tolerance=section.time_tolerance,
         creep_step=section.creep_step,
         modified=section.modified_newton,
+        smallest_step=section.smallest_step,
+        largest_steps=section.largest_steps,
     )
 
 
