@@ -30,8 +30,8 @@ def slope_pictures(problem: Problem, values: Mapping[str, float]) -> dict[str, P
         "measured (synthetic)": np.stack([measured["gps.ux"], measured["gps.uy"]], axis=1),
         "calculated": survey[[mesh.points[name] for name in points]],
     }
-    below = [name for name in points if name != points[0]]
-    profiles = {name: depth_profile(mesh, survey, name, _SHEAR_ZONE) for name in below[:4]}
+    # Further up the columns lean with the secondary shear zone.
+    profiles = {name: depth_profile(mesh, survey, name, _SHEAR_ZONE) for name in points[-4:]}
     x, y = mesh.nodes[mesh.points[points[0]]].tolist()
     nodes: list[list[object]] = [[*place, *u] for place, u in zip(mesh.nodes.tolist(), survey.tolist(), strict=True)]
     triangles: list[list[object]] = [

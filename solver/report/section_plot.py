@@ -95,7 +95,8 @@ def vectors_figure(
     longest = max(float(np.linalg.norm(v, axis=1).max()) for v in vectors.values())
     low, high, bottom, top = _limits(mesh.nodes)
     length = _LONGEST_ARROW * (high - low) / max(longest, 1e-300)
-    view = (low, high, bottom, top + 0.05 * (high - low))
+    margin = 0.05 * (high - low)
+    view = (low, high + margin, bottom, top + margin)
     with drawing():
         figure = Figure(figsize=(_WIDTH, 3.0 + _panel_height(view)), layout="constrained")
         figure.suptitle(title, weight="bold")
@@ -218,6 +219,6 @@ def _round_down(value: float) -> float:
 
 
 def _round_factor(nodes: FloatArray, displacement: FloatArray) -> float:
-    """About a twentieth of the body's width for the largest displacement, and never less than 1."""
+    """About a fortieth of the body's width for the largest displacement, and never less than 1."""
     largest = float(np.linalg.norm(displacement, axis=1).max())
-    return max(1.0, _round_down(0.05 * float(np.ptp(nodes[:, 0])) / max(largest, 1e-12)))
+    return max(1.0, _round_down(0.025 * float(np.ptp(nodes[:, 0])) / max(largest, 1e-12)))

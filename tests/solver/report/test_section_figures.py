@@ -38,7 +38,7 @@ def test_the_deformed_mesh_tells_its_factor(mesh: Mesh) -> None:
     displacement[:, 0] = 0.02
     figure = deformed_figure("Three years", mesh, displacement)
     factor = float(re.search(r"× ([\d.e+]+)", figure.get_suptitle())[1])  # type: ignore[index]
-    assert 0.02 * 1080.0 < factor * 0.02 <= 0.05 * 1080.0
+    assert 0.01 * 1080.0 < factor * 0.02 <= 0.025 * 1080.0
     drawn = figure.axes[0].collections[0].get_paths()[0].vertices
     assert drawn[:, 0].min() - mesh.nodes[mesh.triangles[0], 0].min() == pytest.approx(0.02 * factor, rel=1e-9)
     assert deformed_figure("Given", mesh, displacement, 3.0).get_suptitle().endswith("× 3")
