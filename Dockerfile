@@ -7,7 +7,7 @@ COPY api api
 COPY workers workers
 COPY solver solver
 RUN python -m venv /opt/geoswarm \
- && /opt/geoswarm/bin/pip install --no-cache-dir --disable-pip-version-check '.[server,plots,statistics]'
+ && /opt/geoswarm/bin/pip install --no-cache-dir --disable-pip-version-check '.[server,plots,mesh,statistics]'
 
 FROM python:3.12-slim
 COPY --from=build /opt/geoswarm /opt/geoswarm

@@ -14,7 +14,8 @@ from solver.problem.follow_ups import FOLLOW_UPS
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "problem-file.md"
-KINDS = ("oedometer", "isotropic_compression", "formula", "combined")
+KINDS = ("oedometer", "isotropic_compression", "section", "finite_element", "formula", "combined")
+EXAMPLES = {"oedometer": "oedometer", "isotropic_compression": "isotropic_compression", "section": "slope"}
 
 INTRODUCTION = """\
 # The problem file
@@ -203,9 +204,16 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
     parts = [f"### kind: {kind}", schema["description"].replace("``", "`"), fields(schema, definitions)]
     below = f"forward_model_{kind}_"
     for name, definition in definitions.items():
-        if name.startswith(below):
-            used_by = next(key for key, rule in schema["properties"].items() if name in str(rule))
-            parts += [f"Each entry of `{used_by}`:", fields(definition, definitions)]
+        shared = kind == "finite_element" and f"forward_model_section_{name.removeprefix(below)}" in definitions
+        if name.startswith(below) and not shared:
+            users = [definitions[f"forward_model_{kind}"], *definitions.values()]
+            used_by, rule = next(
+                item for user in users for item in user.get("properties", {}).items() if name in str(item[1])
+            )
+            law = definition["properties"].get("law", {}).get("const")
+            each = "Each entry" if rule.get("type") in ("array", "object") else "Keys"
+            what = f"{each} of `{used_by}`" if law is None else f"An entry of `{used_by}` with law `{law}`"
+            parts += [f"{what}: {first_line(definition)}", fields(definition, definitions)]
     if kind == "formula":
         parts.append("Every name in an expression other than `x` is a parameter, without limits.")
     elif kind == "combined":
@@ -213,11 +221,21 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
             "Series are named `part.series`. Parts share parameters by name; a parameter `part.name` is the value for "
             "that part alone and goes before the shared one."
         )
+    elif kind == "finite_element":
+        parts.append("What is not told here is as for `section`. Parameters are the names in the expressions.")
     else:
-        example = (ROOT / "examples" / kind / "problem.yaml").read_text(encoding="utf-8")
+        example = (ROOT / "examples" / EXAMPLES[kind] / "problem.yaml").read_text(encoding="utf-8")
         model = parse_spec(read_document(example, "yaml")["forward_model"]).build()
+        if kind == "section":
+            parts.append("Parameters are the names in the expressions. In examples/slope they and the series are:")
         parts += ["Parameters:", parameters(model.parameters), "Series:", series(model.series)]
     return "\n\n".join(parts)
+
+
+def first_line(definition: dict[str, Any]) -> str:
+    """The first line of a section's description, as the continuation of a sentence."""
+    text = definition.get("description", "").splitlines()[0].removesuffix(".").replace("``", "`")
+    return text[:1].lower() + text[1:]
 
 
 def parameters(infos: Iterable[Any]) -> str:
@@ -290,6 +308,8 @@ def kind_of(rule: dict[str, Any], definitions: dict[str, Any]) -> str:
             words = (kind_of(part, definitions) for part in rule[choice] if part.get("type") != "null")
             return " or ".join(dict.fromkeys(words))
     if rule.get("type") == "array":
+        if "items" not in rule or "prefixItems" in rule.get("items", {}):
+            return "points" if "items" in rule else "pair of numbers"
         return f"list of {plural(kind_of(rule['items'], definitions))}"
     if rule.get("type") == "object":
         return "mapping"
@@ -299,6 +319,8 @@ def kind_of(rule: dict[str, Any], definitions: dict[str, Any]) -> str:
 
 def plural(words: str) -> str:
     """The plural of a kind of value."""
+    if words.startswith("whole number"):
+        return words.replace("whole number", "whole numbers", 1)
     noun, _, rest = words.partition(" ")
     return words if noun == "text" else f"{noun}s{f' {rest}' if rest else ''}"
 

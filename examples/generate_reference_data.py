@@ -82,6 +82,14 @@ EXAMPLES = (
         source="identified set of the isotropic compression test in Meier et al. 2008",
     ),
     Example(
+        "slope",
+        {"lambda_star": 1.42, "kappa_star": 0.60, "mu_star": 0.145, "phi": 10.7, "G": 5160.0},
+        noise=5e-3,
+        seed=1575,
+        decimals=0,
+        source="identified set of the creeping slope in Meier et al. 2008, on a look-alike of its section",
+    ),
+    Example(
         "formula",
         {"s_end": 0.62, "t_half": 140.0},
         noise=2e-3,
@@ -114,10 +122,13 @@ def reading_times(stages: list[dict[str, float]]) -> list[float]:
 
 
 def _times_of(forward_model: Mapping[str, Any], series: str) -> list[float]:
-    """Return the reading times [day] of a series."""
+    """Return the reading times [day] of a series, or the numbers of a section's points."""
     if forward_model["kind"] == "combined":
         part, _, inner = series.partition(".")
         return _times_of(forward_model["parts"][part], inner)
+    if forward_model["kind"] == "section":
+        points = forward_model["vectors"][series.partition(".")[0]]["points"]
+        return [float(number) for number in range(1, len(points) + 1)]
     if forward_model["kind"] == "formula":
         return [7.0, 14.0, 21.0, 30.0, 45.0, 60.0, 75.0, 90.0, 110.0, 130.0, 150.0, 180.0, 210.0, 240.0, 270.0, 300.0]
     return [minutes / MINUTES_A_DAY for minutes in reading_times(forward_model["stages"])]
@@ -136,10 +147,10 @@ def generate(example: Example, folder: Path) -> list[Path]:
     document = read_problem_file(HERE / example.folder / "problem.yaml")
     _tighten(document["forward_model"])
     files = {section["series"]: section["file"] for section in document["observations"]}
-    units = {section["series"]: (section["x_unit"], section["y_unit"]) for section in document["observations"]}
+    units = {section["series"]: (section.get("x_unit"), section["y_unit"]) for section in document["observations"]}
     document["observations"] = [
-        {"series": series, "points": {"x": times, "y": [0.0] * len(times)}, "x_unit": "day"}
-        for series in files
+        {"series": series, "points": {"x": times, "y": [0.0] * len(times)}} | ({"x_unit": "day"} if unit else {})
+        for series, (unit, _) in units.items()
         for times in [_times_of(document["forward_model"], series)]
     ]
     problem = parse_problem(document)
@@ -150,13 +161,13 @@ def generate(example: Example, folder: Path) -> list[Path]:
     for o in problem.observations:
         readings = responses[o.series] + random.normal(0.0, example.noise, o.x.size)
         x_unit, y_unit = units[o.series]
-        x = convert(o.x, "day", x_unit)
+        x = o.x if x_unit is None else convert(o.x, "day", x_unit)
         y = convert(readings, "m", y_unit)
         parameters = ", ".join(f"{name} {value:g}" for name, value in values.items())
         lines = [
             f"# synthetic: not measured; {document['forward_model']['kind']} at {parameters} ({example.source}), "
             f"normal noise of {example.noise:g} m, seed {example.seed}; made by examples/generate_reference_data.py",
-            f"# x in {x_unit}, y in {y_unit}",
+            f"# x in {x_unit or 'numbers of the points'}, y in {y_unit}",
             "x,y",
         ]
         lines += [f"{a:.10g},{b:.{example.decimals}f}" for a, b in zip(x.tolist(), y.tolist(), strict=True)]

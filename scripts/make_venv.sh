@@ -16,4 +16,4 @@ if ! "$python" -c "$supported" >/dev/null 2>&1 || ! "$python" -m pip --version >
     "$base" -m venv --clear "$venv"
 fi
 echo "geoswarm: installing into $venv (a few minutes the first time)"
-"$python" -m pip install --quiet --quiet --disable-pip-version-check --no-input --editable '.[server,plots,statistics,parquet,dev]'
+"$python" -m pip install --quiet --quiet --disable-pip-version-check --no-input --editable '.[server,plots,mesh,statistics,parquet,dev]'

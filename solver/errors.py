@@ -8,6 +8,7 @@
     ├── WorkerLostError         a worker process of an in-process run died
     ├── UnknownForwardModelError     no forward model of that kind is installed
     ├── BrokenForwardModelError      a forward model is installed, but cannot be loaded
+    ├── MeshError               a mesh cannot be read or is not sound
     ├── InfeasibleSpaceError    no proposal satisfies the constraints after a bounded search
     └── ForwardError            one forward calculation failed; becomes a failed evaluation
         ├── DivergedError       the calculation found no solution
@@ -34,6 +35,7 @@ __all__ = [
     "InfeasibleError",
     "InfeasibleSpaceError",
     "Issue",
+    "MeshError",
     "NotFiniteError",
     "ProblemError",
     "SolverError",
@@ -88,6 +90,10 @@ class UnknownForwardModelError(SolverError):
 
 class BrokenForwardModelError(SolverError):
     """A forward model is installed, but its entry point cannot be loaded or gives no forward model."""
+
+
+class MeshError(SolverError):
+    """A mesh cannot be read, or is not sound; the message names where."""
 
 
 class InfeasibleSpaceError(SolverError):

@@ -40,11 +40,46 @@ def _sample(forward_model: dict[str, Any], series: str) -> dict[str, Any]:
     }
 
 
+_STIFF = {"law": "elastic", "E": 1.0e4, "nu": 0.3, "unit_weight": 20.0}
+_STRENGTH = {"c": 5.0, "phi": 20.0}
+_CLAY = {"law": "soft_soil_creep", "lambda_star": 0.1, "kappa_star": 0.02, "mu_star": "mu_star", **_STRENGTH}
+SECTION: dict[str, Any] = {
+    "name": "warm",
+    "forward_model": {
+        "kind": "section",
+        "surface": [[0, 4], [4, 4]],
+        "layers": [{"name": "clay", "thickness": 2}, {"name": "sand", "thickness": 2}],
+        "cuts": [{"name": "crack", "x": 2, "through": "clay"}],
+        "points": {"A": {"x": 1}},
+        "element_length": 2,
+        "materials": {
+            "stiff": _STIFF,
+            "sand": {**_STIFF, "law": "mohr_coulomb", **_STRENGTH},
+            "clay": {**_CLAY, "unit_weight": 18.0},
+            "joint": {"law": "interface", "normal_stiffness": 1e5, "shear_stiffness": 1e4, **_STRENGTH},
+        },
+        "phases": [
+            {"name": "weight", "kind": "gravity", "materials": {"clay": "stiff", "sand": "stiff", "crack": "joint"}},
+            {"name": "strength", "kind": "plastic", "materials": {"sand": "sand"}},
+            {
+                **{"name": "creep", "kind": "creep", "duration": 10, "materials": {"clay": "clay"}},
+                "loads": [{"boundary": "surface", "pressure": 10, "follows": True}],
+                "updated_mesh": True,
+            },
+        ],
+    },
+    "parameters": {"mu_star": {"lower": 1.0e-4, "upper": 1.0e-2}},
+    "observations": [{"series": "A.uy", "points": {"x": [1.0, 10.0], "y": [0.0, 0.0]}}],
+    "method": {"kind": "monte_carlo", "samples": 1},
+}
+"""A body with every material and an interface, so that all kernels of the finite elements are compiled."""
+
 SAMPLES: dict[str, dict[str, Any]] = {
     "oedometer": _sample({"kind": "oedometer", "height": 0.02, "initial_stress": 1.0}, "settlement"),
     "isotropic_compression": _sample(
         {"kind": "isotropic_compression", "height": 0.1, "diameter": 0.05, "initial_stress": 1.0}, "axial_displacement"
     ),
+    "section": SECTION,
 }
 
 

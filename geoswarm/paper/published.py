@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["ISOTROPIC", "OEDOMETER"]
+__all__ = ["ISOTROPIC", "OEDOMETER", "SLOPE"]
 
 OEDOMETER: dict[str, Any] = {
     "laboratory": {"lambda_star": 0.064, "kappa_star": 0.035, "mu_star": 1.46e-3, "phi": 20.0, "c": 27.0, "psi": 0.0},
@@ -51,3 +51,26 @@ ISOTROPIC: dict[str, Any] = {
     "diameter": 0.04988,
 }
 """Application B. The filter and the line are those of an earlier independent calculation: the paper prints neither."""
+
+SLOPE: dict[str, Any] = {
+    "laboratory": {
+        **{"lambda_star": 0.064, "kappa_star": 0.035, "mu_star": 1.46e-3, "phi": 10.0},
+        **{"G": 5560.0, "c": 0.01, "psi": 0.0},
+    },
+    "identified": {"lambda_star": 1.42, "kappa_star": 0.60, "mu_star": 0.145, "phi": 10.7, "G": 5160.0},
+    "bounds": {
+        "lambda_star": (0.01, 2.0, "log"),
+        "kappa_star": (0.005, 1.0, "log"),
+        "mu_star": (0.001, 1.5, "log"),
+        "phi": (8.0, 16.0, "linear"),
+        "G": (200.0, 20000.0, "log"),
+    },
+    "correlation": 0.92,
+    "cycles": 82,
+    "runs": 820,
+    "length": 1080.0,
+    "triangles": 1070,
+    "rock": 20.0,
+    "years": 33.0,
+}
+"""Application C. The paper prints neither the number of its samples nor its filter, and no coordinates."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +16,11 @@ from solver.local import CalibrationResult, calibrate
 from solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
 from solver.report import Report, record_of_result
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 __all__ = [
+    "Picture",
     "Row",
     "Sampling",
     "Study",
@@ -51,13 +55,22 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
+class Picture:
+    """A figure, what it shows in a sentence, and the numbers behind it as header and rows."""
+
+    figure: Figure
+    caption: str
+    numbers: tuple[list[str], list[list[object]]]
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """A study run again.
 
     Parameters
     ----------
     key, title
-        ``A`` or ``B``, and its name.
+        ``A``, ``B`` or ``C``, and its name.
     remarks
         What a reader must know before the numbers.
     rows
@@ -66,6 +79,8 @@ class Study:
         Parameter, verdict of the sampling, and what was done about it.
     reports
         Of the sampling and of the swarm, by the name of their folder.
+    pictures
+        Further figures by name.
     """
 
     key: str
@@ -74,6 +89,7 @@ class Study:
     rows: tuple[Row, ...]
     choices: tuple[tuple[str, str, str], ...]
     reports: Mapping[str, Report]
+    pictures: Mapping[str, Picture] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,15 +117,17 @@ def free(document: Mapping[str, Any], bounds: Mapping[str, tuple[float, float, s
     return parse_problem(changed)
 
 
-def sample(problem: Problem, threshold: float, seeds: Sequence[int], tell: Tell) -> Sampling:
-    """Sample a problem once a seed; the first seed gives the report."""
+def sample(
+    problem: Problem, threshold: float | None, seeds: Sequence[int], tell: Tell, *, workers: int = 1
+) -> Sampling:
+    """Sample a problem once a seed; the first seed gives the report. Without a threshold one is proposed."""
     calibration = Calibration(problem, seeds[0])
     parts: list[Samples] = []
     each: list[Statistics] = []
     first: CalibrationResult | None = None
     for number, seed in enumerate(seeds, start=1):
         tell(f"statistics {number} of {len(seeds)}: {problem.method.samples} forward runs, seed {seed}")  # type: ignore[union-attr]
-        result = calibrate(problem, seed=seed)
+        result = calibrate(problem, workers=workers, seed=seed)
         first = result if first is None else first
         parts.append(Samples.from_result(problem, result))
         each.append(analyse(calibration, parts[-1], threshold=threshold))

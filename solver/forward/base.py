@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol, TypeAlias
 
 from pydantic import BaseModel, ConfigDict
@@ -95,6 +96,24 @@ class ForwardModelSpec(BaseModel, ABC):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     kind: str
+
+    def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
+        """The same section with the contents of the files that it names in place of their names.
+
+        Parameters
+        ----------
+        folder
+            Where relative files lie; None when no file may be read (problems that came over the network).
+        path
+            Of this section in the problem, for messages.
+
+        Raises
+        ------
+        ProblemError
+            A file cannot be used; each issue has its path.
+        """
+        del folder, path
+        return self
 
     @abstractmethod
     def build(self) -> ForwardModel:

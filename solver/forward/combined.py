@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
@@ -46,6 +47,12 @@ class CombinedSpec(ForwardModelSpec):
                 "nested", "part {part} is itself combined; list its parts here", {"part": nested[0]}
             )
         return parts
+
+    def with_files(self, folder: Path | None, path: str) -> CombinedSpec:
+        """The parts with the contents of their files."""
+        parts = {name: part.with_files(folder, f"{path}.parts.{name}") for name, part in self.parts.items()}
+        unchanged = all(parts[name] is part for name, part in self.parts.items())
+        return self if unchanged else self.model_copy(update={"parts": parts})
 
     def build(self) -> CombinedModel:
         """Build the forward models of all parts."""

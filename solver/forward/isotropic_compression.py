@@ -46,6 +46,11 @@ class IsotropicCompressionModel(StagedLoadModel):
     )
     lateral_ratio: ClassVar[float] = 1.0
 
+    @property
+    def radius(self) -> float:
+        """That of the specimen at the beginning."""
+        return 0.5 * self.spec.diameter
+
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
         """All-round initial stress; p_p = OCR p_eq, or p_eq under the initial stress plus POP."""
         stress = self.spec.initial_stress

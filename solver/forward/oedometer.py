@@ -12,7 +12,7 @@ from solver.arrays import FloatArray
 from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from solver.element_test.axial import lateral_limits
 from solver.errors import InfeasibleError
-from solver.forward.staged_load import MAX_STRESS, StagedLoadModel, StagedLoadSpec
+from solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, StagedLoadModel, StagedLoadSpec
 
 __all__ = ["OedometerModel", "OedometerSpec"]
 
@@ -27,6 +27,12 @@ class OedometerSpec(StagedLoadSpec):
 
     kind: Literal["oedometer"] = "oedometer"
     initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Vertical stress before the first stage, kPa.")
+    diameter: float | None = Field(
+        None,
+        gt=0.0,
+        le=MAX_LENGTH,
+        description="Diameter of the ring, m (finite_element; the ring is smooth, so it has no effect).",
+    )
     K0: float | None = Field(
         None, gt=0.0, description="Initial ratio of horizontal to vertical stress; K0nc unless given."
     )
@@ -47,6 +53,11 @@ class OedometerModel(StagedLoadModel):
         ("axial_strain", "Engineering axial strain: settlement over the initial height.", "axial strain", ""),
     )
     lateral_ratio: ClassVar[float] = -1.0
+
+    @property
+    def radius(self) -> float:
+        """That of the ring; as large as the height unless a diameter is given."""
+        return self.spec.height if self.spec.diameter is None else 0.5 * self.spec.diameter
 
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
         """Horizontal stress K0 times the vertical one; p_p = OCR p_eq, or p_eq under the vertical stress plus POP.

@@ -31,6 +31,8 @@ BUILT_IN = {
     "combined": "solver.forward.combined:CombinedSpec",
     "oedometer": "solver.forward.oedometer:OedometerSpec",
     "isotropic_compression": "solver.forward.isotropic_compression:IsotropicCompressionSpec",
+    "section": "solver.forward.section:SectionSpec",
+    "finite_element": "solver.forward.finite_element:FiniteElementSpec",
 }
 """Forward models of this package, as pyproject.toml declares them.
 

@@ -14,19 +14,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from solver.arrays import FloatArray, IntArray
-from solver.constitutive.soft_soil_creep import SoftSoilCreep
+from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
 from solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
 from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 from solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
 
-__all__ = ["MAX_LENGTH", "MAX_STRESS", "LoadStage", "StagedLoadModel", "StagedLoadSpec"]
+if TYPE_CHECKING:
+    from solver.forward.specimen import Specimen
+
+__all__ = ["MAX_LENGTH", "MAX_STRESS", "LoadStage", "SpecimenMesh", "StagedLoadModel", "StagedLoadSpec"]
 
 # Far beyond any test; what lies beyond them is a mistake in units, or meant to overflow something.
 MAX_LENGTH = 1.0e3
@@ -42,6 +45,12 @@ _SAME_TIME = 1.0e-9
 
 _CURVE_POINTS = 24
 
+_UNIT_WEIGHT = 17.85
+"""Of the published clay: bulk density 1.82 g/cm3."""
+
+_TIME_TOLERANCE = 50.0
+"""Relative error of a displacement of finite elements over the absolute one of a strain: a strain of some per cent."""
+
 
 class LoadStage(BaseModel):
     """One load that is kept constant: ``stress`` in kPa for ``duration`` in days."""
@@ -52,18 +61,22 @@ class LoadStage(BaseModel):
     duration: float = Field(gt=0.0, le=MAX_DURATION, description="Duration, day.")
 
 
-def _only_material_point(value: Any) -> Any:
-    if value != "material_point":
-        raise ValueError(f"discretization {value!r} is not available for this test; 'material_point' is accepted")
-    return value
+class SpecimenMesh(BaseModel):
+    """Elements of a specimen: cells of two six-node triangles each, between its axis and its side."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    columns: int = Field(1, ge=1, le=50, description="Cells from the axis to the side.")
+    rows: int = Field(1, ge=1, le=50, description="Cells over the height.")
 
 
 class StagedLoadSpec(ForwardModelSpec, ABC):
     """Fields of the tests with constant loads in stages."""
 
     material: Literal["soft_soil_creep"] = Field("soft_soil_creep", description="Material law.")
-    discretization: Annotated[Literal["material_point"], BeforeValidator(_only_material_point)] = Field(
-        "material_point", description="How the specimen is represented."
+    discretization: Literal["material_point", "finite_element"] = Field(
+        "material_point",
+        description="How the specimen is represented: one point, or axisymmetric six-node triangles with their weight.",
     )
     height: float = Field(gt=0.0, le=MAX_LENGTH, description="Height of the specimen at the beginning, m.")
     initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Stress before the first stage, kPa.")
@@ -90,6 +103,12 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         le=1.0e-2,
         description="Time integration error aimed at, as axial logarithmic strain; controlled step by step.",
     )
+    unit_weight: float | None = Field(
+        None, ge=0.0, description="Unit weight of the specimen, kN/m³ (finite_element; 17.85 unless given)."
+    )
+    mesh: SpecimenMesh | None = Field(
+        None, description="Elements (finite_element; one cell of two triangles unless given)."
+    )
     initial_void_ratio: float | None = Field(
         None, gt=0.0, description="Void ratio before the first stage; needed by the series stage_void_ratio."
     )
@@ -98,6 +117,8 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
     def _consistent(self) -> StagedLoadSpec:
         if self.OCR is not None and self.POP is not None:
             raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; one of them is accepted")
+        if self.discretization == "material_point" and (self.unit_weight is not None or self.mesh is not None):
+            raise ValueError("unit_weight and mesh are of a specimen with discretization: finite_element")
         if self.zero_at_stage > len(self.stages):
             raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
         return self
@@ -215,6 +236,7 @@ class StagedLoadModel(ABC):
         """
         schedule = self._schedule(points)
         spec = self.spec
+        specimen = self.specimen if spec.discretization == "finite_element" else None
         stresses = np.array([stage.stress for stage in spec.stages])
         durations = np.array([stage.duration for stage in spec.stages])
         default_OCR, default_POP = spec.OCR or 1.0, spec.POP or 0.0
@@ -228,20 +250,24 @@ class StagedLoadModel(ABC):
             if not (OCR >= 1.0 and POP >= 0.0 and (OCR == 1.0 or POP == 0.0)):
                 raise InfeasibleError(self.check({"OCR": OCR, "POP": POP}))
             lateral, log_pp = self.initial_state(soil, OCR, POP)
-            status, stage, time, output, ends = constant_load_history(
-                soil,
-                stresses,
-                durations,
-                self.lateral_ratio,
-                spec.initial_stress,
-                lateral,
-                log_pp,
-                spec.tolerance,
-                schedule.times,
-                schedule.firsts,
-            )
-            if status != FINISHED:
-                raise DivergedError(self._failure(status, stage, time))
+            if specimen is None:
+                status, stage, time, output, ends = constant_load_history(
+                    soil,
+                    stresses,
+                    durations,
+                    self.lateral_ratio,
+                    spec.initial_stress,
+                    lateral,
+                    log_pp,
+                    spec.tolerance,
+                    schedule.times,
+                    schedule.firsts,
+                )
+                if status != FINISHED:
+                    raise DivergedError(self._failure(status, stage, time))
+            else:
+                ratio, past = lateral / spec.initial_stress, math.exp(log_pp - self._log_equivalent(lateral, soil))
+                output, ends = specimen.history(soil, ratio, past, stresses, durations, schedule.times, schedule.firsts)
             history = strain.copy()
             history[1 : 1 + points_count] = output
             history[1 + points_count :] = ends
@@ -249,6 +275,39 @@ class StagedLoadModel(ABC):
             return {name: self._values(name, history[rows], zero) for name, rows in schedule.rows.items()}
 
         return run
+
+    @cached_property
+    def specimen(self) -> Specimen:
+        """The specimen as a boundary value problem."""
+        from solver.fem.phases import Control
+        from solver.forward.specimen import Specimen, specimen_mesh
+
+        spec = self.spec
+        mesh = spec.mesh or SpecimenMesh()
+        return Specimen(
+            specimen_mesh(self.radius, spec.height, mesh.columns, mesh.rows),
+            spec.height,
+            self.radius,
+            self.lateral_ratio < 0.0,
+            spec.initial_stress,
+            _UNIT_WEIGHT if spec.unit_weight is None else spec.unit_weight,
+            spec.geometry == "updated",
+            Control(
+                tolerance=min(1.0e-6, 1.0e-4 * _TIME_TOLERANCE * spec.tolerance),
+                time_tolerance=min(_TIME_TOLERANCE * spec.tolerance, 0.1),
+            ),
+        )
+
+    @property
+    @abstractmethod
+    def radius(self) -> float:
+        """Radius of the specimen, m."""
+
+    def _log_equivalent(self, lateral: float, soil: SoftSoilCreep) -> float:
+        """ln of the equivalent pressure of the initial state."""
+        vertical = self.spec.initial_stress
+        deviator = vertical - lateral
+        return math.log(equivalent_pressure((vertical + 2.0 * lateral) / 3.0, deviator * deviator, soil)[0])
 
     def _failure(self, status: int, stage: int, time: float) -> str:
         load = self.spec.stages[stage].stress

@@ -177,7 +177,15 @@ class _Assembly:
             self.issues += issues_of(error, section, "forward_model", lambda: find_spec(self._kind).model_json_schema())
             return None, None
         try:
+            spec = spec.with_files(self.folder, "forward_model")
+        except ProblemError as error:
+            self.issues += error.issues
+            return spec, None
+        try:
             return spec, spec.build()
+        except ProblemError as error:
+            self.issues += error.issues
+            return spec, None
         except (SolverError, ValueError) as error:
             self._report("forward_model", str(error))
             return spec, None

@@ -13,6 +13,7 @@ HEADINGS = {
     "server": "Extra `server`",
     "tracing": "Extra `tracing`",
     "plots": "Extra `plots`",
+    "mesh": "Extra `mesh`",
     "statistics": "Extra `statistics`",
     "parquet": "Extra `parquet`",
     "bench": "Extra `bench`",

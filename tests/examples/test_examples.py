@@ -30,11 +30,16 @@ OBJECTIVES = {  # two-sided: below the noise would be as wrong as far above it
     "combined": (5.5e-9, 8.5e-9),
 }
 
+LONG = "slope"
+"""Its swarm takes an hour; test_slope.py runs single calculations of it."""
+
 
 def test_every_example_has_its_band() -> None:
     folders = sorted(path.parent.name for path in HERE.glob("*/problem.yaml"))
-    assert folders == sorted(BANDS) == sorted(example.folder for example in EXAMPLES)
+    assert folders == sorted([*BANDS, LONG]) == sorted(example.folder for example in EXAMPLES)
     for example in EXAMPLES:
+        if example.folder == LONG:
+            continue
         assert BANDS[example.folder].keys() == example.truth.keys()
         for name, (lower, upper) in BANDS[example.folder].items():
             assert lower < example.truth[name] < upper

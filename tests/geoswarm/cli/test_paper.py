@@ -24,7 +24,7 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, A
     folder = tmp_path_factory.mktemp("paper")
     text = StringIO()
     with redirect_stdout(text):
-        assert main(["paper", "all", "--repeats", "3", "--output", str(folder), "--json"]) == 0
+        assert main(["paper", "A", "B", "--repeats", "3", "--output", str(folder), "--json"]) == 0
     return folder, json.loads(text.getvalue())
 
 
@@ -95,7 +95,30 @@ def test_files_hold_the_same_numbers(studies: tuple[Path, dict[str, Any]]) -> No
     assert found["A"]["remarks"][0].split(":")[0] in page
 
 
-def test_the_slope_is_told_to_come_later(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["paper", "C", "--output", str(tmp_path / "c")]) == 2
-    assert "finite elements" in capsys.readouterr().err
-    assert not (tmp_path / "c").exists()
+@pytest.mark.slow
+@pytest.mark.timeout(1500)
+def test_the_slope_has_its_table_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--slope-samples", "20", "--slope-runs", "20", "--workers", "2"]
+    assert main(["paper", "C", "--output", str(tmp_path), *options, "--json"]) == 0
+    study = json.loads(capsys.readouterr().out)["C"]
+    found = rows(study)
+    assert found["section", "six-node triangles"]["difference"] == "0"
+    for name in ("laboratory set", "identified set"):
+        assert found["forward run", f"survey of 3 years, {name}"]["difference"] == "agrees"
+    assert -20.0 < percent(found["forward run", "rate, identified set"]) < 0.0
+    assert found["statistics", "correlation (phi, mu_star)"]["published"] == "0.92"
+    assert {row["difference"] for (topic, _), row in found.items() if topic == "laboratory"} == {"0"}
+    assert "SYNTHETIC" in study["remarks"][0]
+    names = {path.name for path in (tmp_path / "C" / "figures").iterdir()}
+    assert names == {
+        f"{name}.{form}" for name in ("mesh", "deformed", "vectors", "profiles") for form in ("png", "svg", "csv")
+    }
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert page.count("<svg ") == 7
+    assert "shaded: the shear zone" in page
+
+
+def test_an_unknown_study_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["paper", "D", "--output", str(tmp_path / "d")]) == 2
+    assert "'a', 'b', 'c', 'all'" in capsys.readouterr().err
+    assert not (tmp_path / "d").exists()

@@ -168,7 +168,7 @@ def test_check_accepts_what_is_admissible_so_far(parameters: dict[str, float]) -
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"discretization": "finite_element"}, "'material_point' is accepted"),
+        ({"discretization": "finite_elements"}, "'material_point' or 'finite_element'"),
         ({"material": "cam_clay"}, "soft_soil_creep"),
         ({"stages": []}, "at least 1"),
         ({"stages": [{"stress": 0.0, "duration": 1.0}]}, "greater than 0"),

@@ -1,0 +1,159 @@
+"""One time step of soft soil creep in a plane: the fast way of finite elements.
+
+Components xx, yy, zz, xy, compression positive; z is a principal axis. Where Mohr-Coulomb flow plays no part, the new
+deviator is a multiple of the trial deviator, so the step is two equations in mean stress p and deviatoric stress q. Its
+result is that of :func:`solver.constitutive.creep_update.creep_update`, which takes over where the limit is reached.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from solver.arrays import FloatArray
+from solver.constitutive.creep_update import creep_update
+from solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
+from solver.jit import kernel
+
+__all__ = ["planar_creep"]
+
+_ITERATIONS: Final = 40
+_RESIDUAL: Final = 1.0e-13
+_LARGEST_FALL: Final = 0.2
+_EXCESS: Final = 1.0e-9
+
+
+@kernel
+def _creep_alone(
+    stress: FloatArray,
+    strain_increment: FloatArray,
+    log_time: float,
+    log_pp: float,
+    soil: SoftSoilCreep,
+    new: FloatArray,
+    tangent: FloatArray,
+) -> tuple[float, bool]:
+    """Step without Mohr-Coulomb flow; creep volume, and whether Newton's method found it."""
+    p_old = (stress[0] + stress[1] + stress[2]) / 3.0
+    volume = strain_increment[0] + strain_increment[1] + strain_increment[2]
+    s0, s1, s2, s3 = stress[0] - p_old, stress[1] - p_old, stress[2] - p_old, stress[3]
+    e0, e1 = strain_increment[0] - volume / 3.0, strain_increment[1] - volume / 3.0
+    e2, e3 = strain_increment[2] - volume / 3.0, 0.5 * strain_increment[3]
+    old_old = 1.5 * (s0 * s0 + s1 * s1 + s2 * s2 + 2.0 * s3 * s3)
+    old_new = 1.5 * (s0 * e0 + s1 * e1 + s2 * e2 + 2.0 * s3 * e3)
+    new_new = 1.5 * (e0 * e0 + e1 * e1 + e2 * e2 + 2.0 * e3 * e3)
+    p, q = p_old, math.sqrt(old_old)
+    shift = soil.shift + soil.extra
+    done = False
+    twice, twice_p, trial = 0.0, 0.0, 0.0
+    creep, factor, factor_p, factor_q2 = 0.0, 0.0, 0.0, 0.0
+    a11, a12, a21, a22, determinant = 1.0, 0.0, 0.0, 1.0, 1.0
+    for iteration in range(_ITERATIONS):
+        elastic, compliance, compliance_p = secant_compliance(p_old, p, soil)
+        creep, creep_p, creep_q2, factor, factor_p, factor_q2 = creep_increment(p, q * q, log_time, log_pp, soil)
+        twice = 2.0 * soil.shear_ratio / compliance
+        twice_p = -twice * compliance_p / compliance
+        trial = math.sqrt(max(old_old + twice * (2.0 * old_new + twice * new_new), 0.0))
+        trial_p = (old_new + twice * new_new) / trial * twice_p if trial > 0.0 else 0.0
+        scale = 1.0 + twice * factor
+        r1 = volume - elastic - creep
+        r2 = trial - scale * q
+        a11 = compliance + compliance_p * (p - p_old) + creep_p
+        a12 = 2.0 * q * creep_q2
+        a21 = q * (twice_p * factor + twice * factor_p) - trial_p
+        a22 = scale + q * twice * factor_q2 * 2.0 * q
+        determinant = a11 * a22 - a12 * a21
+        worst = max(abs(r1), abs(r2) / twice)
+        if not (worst < math.inf and abs(determinant) > 0.0):
+            return 0.0, False
+        if worst <= _RESIDUAL or done:
+            break
+        if iteration == _ITERATIONS - 1:
+            return 0.0, False
+        dp = (r1 * a22 - a12 * r2) / determinant
+        dq = (a11 * r2 - a21 * r1) / determinant
+        pressure = p + shift
+        step = 1.0
+        if pressure > soil.pressure_floor and pressure + dp < _LARGEST_FALL * pressure:
+            step = (1.0 - _LARGEST_FALL) * pressure / -dp
+        if q + step * dq < 0.0:
+            dq = -0.5 * q / step
+        p += step * dp
+        q += step * dq
+        done = step == 1.0 and abs(dp) + abs(dq) <= 1.0e-10 * (abs(p) + q + soil.pressure_floor)
+    scale = 1.0 + twice * factor
+    T0, T1, T2, T3 = s0 + twice * e0, s1 + twice * e1, s2 + twice * e2, s3 + twice * e3
+    new[0], new[1], new[2], new[3] = T0 / scale + p, T1 / scale + p, T2 / scale + p, T3 / scale
+    # d(p, q) = inverse (a) of d volume and of 3/2 (2G/trial) T : d strain.
+    of_trial = 1.5 * twice / trial if trial > 0.0 else 0.0
+    p_v, p_t = a22 / determinant, -a12 / determinant * of_trial
+    q_v, q_t = -a21 / determinant, a11 / determinant * of_trial
+    by_p = -(twice_p * factor + twice * factor_p) / (scale * scale)
+    by_q = -twice * factor_q2 * 2.0 * q / (scale * scale)
+    for i in range(4):
+        T_i = T0 if i == 0 else (T1 if i == 1 else (T2 if i == 2 else T3))
+        e_i = e0 if i == 0 else (e1 if i == 1 else (e2 if i == 2 else e3))
+        one = 1.0 if i < 3 else 0.0
+        along_p = one + twice_p * e_i / scale + by_p * T_i
+        along_q = by_q * T_i
+        volume_part = along_p * p_v + along_q * q_v
+        trial_part = along_p * p_t + along_q * q_t
+        for j in range(4):
+            T_j = T0 if j == 0 else (T1 if j == 1 else (T2 if j == 2 else T3))
+            value = trial_part * T_j
+            if j < 3:
+                value += volume_part
+                if i < 3:
+                    value -= twice / scale / 3.0
+            if i == j:
+                value += twice / scale * (1.0 if i < 3 else 0.5)
+            tangent[i, j] = value
+    return creep, True
+
+
+@kernel
+def planar_creep(
+    stress: FloatArray,
+    strain_increment: FloatArray,
+    log_time: float,
+    log_pp: float,
+    soil: SoftSoilCreep,
+    new: FloatArray,
+    tangent: FloatArray,
+) -> tuple[float, int]:
+    """One time step.
+
+    Parameters
+    ----------
+    stress, strain_increment
+        Shape (4,): kPa, and strain with engineering shear; they stay as they are.
+    log_time, log_pp, soil
+        As for :func:`solver.constitutive.creep_update.creep_update`.
+    new, tangent
+        Filled: stress (4,) and d stress/d strain increment of this algorithm (4, 4).
+
+    Returns
+    -------
+    log_pp, active
+        New ln p_p; number of the active planes, 0 for none, -1 when there is no solution.
+    """
+    creep, found = _creep_alone(stress, strain_increment, log_time, log_pp, soil, new, tangent)
+    if found:
+        centre, half = 0.5 * (new[0] + new[1]), 0.5 * (new[0] - new[1])
+        radius = math.sqrt(half * half + new[3] * new[3])
+        largest, smallest = max(centre + radius, new[2]), min(centre - radius, new[2])
+        excess = largest * (1.0 - soil.sin_phi) - smallest * (1.0 + soil.sin_phi) - 2.0 * soil.cohesion * soil.cos_phi
+        size = max(abs(largest), abs(smallest)) + soil.pressure_floor
+        if excess <= _EXCESS * size and -smallest <= soil.tension + _EXCESS * size:
+            return log_pp + creep / (soil.lambda_star - soil.kappa_star), 0
+    old6, strain6 = np.zeros(6), np.zeros(6)
+    for i in range(4):
+        old6[i], strain6[i] = stress[i], strain_increment[i]
+    new6, tangent6, new_pp, active = creep_update(old6, strain6, log_time, log_pp, soil)
+    for i in range(4):
+        new[i] = new6[i]
+        for j in range(4):
+            tangent[i, j] = tangent6[i, j]
+    return new_pp, active

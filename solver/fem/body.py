@@ -1,0 +1,42 @@
+"""What the kernels know of a body in one phase, and its state."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from solver.arrays import BoolArray, FloatArray, IntArray
+from solver.fem.mesh.mesh import IndexArray
+
+__all__ = ["Body", "State"]
+
+
+class Body(NamedTuple):
+    """Elements, materials and the way they deform; fixed during a phase.
+
+    ``constants`` (m, CONSTANTS) and ``interface_constants`` are those of :mod:`solver.fem.materials`; ``material`` (e,)
+    and ``interface_material`` (k,) index them, -1: inactive. ``edges`` (q, 3) carry follower loads.
+    """
+
+    axisymmetric: bool
+    updated: bool
+    triangles: IndexArray
+    material: IntArray
+    constants: FloatArray
+    interfaces: IndexArray
+    interface_material: IntArray
+    interface_constants: FloatArray
+    edges: IndexArray
+    edge_elements: IntArray  # (q,): the triangle that each edge belongs to
+    blend: float  # share of the elastic stiffness in the tangent at plastic points: slower, but finds more
+    edge_places: IntArray  # (q, 3): numbers of the edge's nodes in that triangle
+
+
+class State(NamedTuple):
+    """State at the integration points: ``stress`` (e, 3, 4) kPa, tension positive; ``log_pp`` (e, 3); ``plastic``
+    (e, 3); ``traction`` (k, 3, 2) kPa, normal (tension positive) and shear.
+    """
+
+    stress: FloatArray
+    log_pp: FloatArray
+    plastic: BoolArray
+    traction: FloatArray

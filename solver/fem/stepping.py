@@ -1,0 +1,231 @@
+"""Steps of load and of time through one phase, with cutting where a step fails and growth where it is easy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from solver.arrays import BoolArray, FloatArray
+from solver.errors import DivergedError
+from solver.fem.body import Body, State
+from solver.fem.newton import CONVERGED, SINGULAR, newton_step
+from solver.fem.ordering import Fronts
+from solver.fem.phases import Control, Phase
+
+__all__ = ["PhaseSteps", "Recorder", "Work"]
+
+Recorder: TypeAlias = Callable[[float, FloatArray], None]
+"""Is told the moment and the displacements (2 n,) since the beginning of the phase."""
+
+_EASY: Final = 6
+"""Iterations up to which the next step may be longer."""
+
+_BLEND: Final = 0.1
+_PATIENCE: Final = 6
+"""The last attempt at a step: share of elastic stiffness at plastic points, and how many times the iterations."""
+
+_FIRST_CREEP: Final = 0.01
+_SMALLEST_CREEP: Final = 1.0e-8
+
+
+@dataclass
+class Work:
+    """How much was done."""
+
+    steps: int = 0
+    iterations: int = 0
+    factorisations: int = 0
+
+
+@dataclass
+class PhaseSteps:
+    """One phase on its way: the state moves with every step that converges.
+
+    ``start_forces`` and ``end_forces`` (2 n,) are the forces without followers at the beginning and at the end of the
+    load, ``edge_loads`` (q, LOAD_NUMBERS) the follower loads at its end, ``target`` (2 n,) the prescribed changes.
+    """
+
+    phase: Phase
+    control: Control
+    body: Body
+    plan: Fronts
+    fronts: FloatArray
+    positions: FloatArray
+    state: State
+    spare: State
+    start_forces: FloatArray
+    end_forces: FloatArray
+    edge_loads: FloatArray
+    fixed: BoolArray
+    target: FloatArray
+    floor: float
+    record: Recorder
+    moved: FloatArray = field(init=False)
+    """(2 n,): displacement since the beginning of the phase."""
+    work: Work = field(default_factory=Work)
+    _trouble: str = field(default="", init=False)
+    _increment: FloatArray = field(init=False)
+    _last: FloatArray = field(init=False)
+    _last_length: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        self.moved = np.zeros(self.fixed.shape[0])
+        self._increment = np.zeros(self.fixed.shape[0])
+        self._last = np.zeros(self.fixed.shape[0])
+
+    def load(self) -> None:
+        """Apply loads, weight and prescribed displacements without time.
+
+        Raises
+        ------
+        DivergedError
+            No equilibrium; says how far it came and why.
+        """
+        done, size = 0.0, min(self.phase.load_step, self.phase.largest_load_step)
+        while done < 1.0:
+            if self.work.steps >= self.control.largest_steps:
+                self._give_up(f"{done:.4g} of its load", f"more than {self.control.largest_steps} steps are needed")
+            end = 1.0 if done + size > 1.0 - 1.0e-9 else done + size
+            iterations = self._try(end - done, -math.inf, end, (end - done) * self.target)
+            if iterations < 0:
+                size = 0.5 * (end - done)
+                if size < self.control.smallest_step:
+                    self._give_up(f"{done:.4g} of its load", self._trouble)
+                continue
+            self._accept(end - done)
+            done = end
+            self.record(done, self.moved)
+            if iterations <= _EASY:
+                size = min(2.0 * size, self.phase.largest_load_step)
+        self._last_length = 0.0
+
+    def creep(self, log_scale: float, ramp: bool, times: FloatArray) -> None:
+        """Let time pass.
+
+        Steps are taken in s = ln(1 + t/theta), in which creep under constant stress is a straight line. How far a
+        step's end is from the extrapolation of the one before tells its error.
+
+        Parameters
+        ----------
+        log_scale
+            ln(theta/day).
+        ramp
+            Whether the load is applied linearly over the duration.
+        times
+            (m,) increasing, day, above 0: every one ends a step and is recorded, the last is the duration. Empty:
+            every step is recorded, up to the duration.
+
+        Raises
+        ------
+        DivergedError
+            No equilibrium; says how far it came and why.
+        """
+        duration = self.phase.duration
+        goals = times if times.size else np.array([duration])
+        now, size = 0.0, _FIRST_CREEP
+        for goal in goals:
+            while now < goal:
+                if self.work.steps >= self.control.largest_steps:
+                    self._give_up(f"{now:.6g} day", f"more than {self.control.largest_steps} steps are needed")
+                # s counts from now on: t - now = (now + theta) (e^s - 1).
+                log_age = np.logaddexp(math.log(now), log_scale) if now > 0.0 else log_scale
+                whole = float(np.logaddexp(0.0, math.log(goal - now) - log_age))
+                cut = size >= 0.999999 * whole
+                length = whole if cut else size
+                end = float(goal) if cut else now + math.exp(log_age + length + math.log(-math.expm1(-length)))
+                log_time = math.log(end - now) if cut else log_age + length + math.log(-math.expm1(-length))
+                load = end / duration if ramp else 1.0
+                share = (end - now) / duration if ramp else 0.0
+                iterations = self._try(length, log_time, load, share * self.target)
+                factor = 0.25
+                accepted = iterations >= 0
+                if accepted:
+                    error = self._error(length)
+                    factor = min(3.0, max(0.2, 0.9 / math.sqrt(error))) if error > 0.0 else 3.0
+                    accepted = error <= 1.5
+                if not accepted:
+                    size = length * min(factor, 0.7)
+                    self._trouble = self._trouble or "its error stays too large"
+                    if size < _SMALLEST_CREEP:
+                        self._give_up(f"{now:.6g} day", self._trouble)
+                    continue
+                self._accept(length)
+                now = end
+                following = min(length * factor, self.control.creep_step)
+                size = max(following, size) if cut else following
+                if not times.size or now >= goal:
+                    self.record(now, self.moved)
+
+    def _error(self, length: float) -> float:
+        """Local error of a step over the admitted one; without a step before, that of the part that is not linear."""
+        expected = self._last * (length / self._last_length) if self._last_length > 0.0 else 0.0 * self._last
+        error = 0.5 * float(np.abs(self._increment - expected).max())
+        size = float(np.abs(self.moved + self._increment).max())
+        return error / (self.control.time_tolerance * size) if size > 0.0 and self._last_length > 0.0 else 0.0
+
+    def _try(self, length: float, log_time: float, load: float, target: FloatArray) -> int:
+        """Try a step, from the extrapolation of the last one or from rest; its iterations, -1 when it failed."""
+        dead = self.start_forces + load * (self.end_forces - self.start_forces)
+        edge_loads = load * self.edge_loads
+        self._trouble = ""
+        rest = np.zeros(self.fixed.shape[0])
+        attempts = [(rest, 0.0, 1)]
+        if self._last_length > 0.0:
+            attempts.insert(0, (self._last * (length / self._last_length), 0.0, 1))
+        if length <= self.control.blend_below:
+            attempts.append((rest, _BLEND, _PATIENCE))
+        for guess, blend, patience in attempts:
+            self._increment = guess.copy()
+            status, iterations, factorisations, residual = newton_step(
+                self.body._replace(blend=blend),
+                self.positions,
+                self._increment,
+                log_time,
+                self.state,
+                self.spare,
+                dead,
+                edge_loads,
+                self.fixed,
+                target,
+                self.plan,
+                self.fronts,
+                self.floor,
+                self.control.tolerance,
+                patience * self.control.iterations,
+                self.control.modified,
+                self.control.keep_ratio,
+            )
+            self.work.iterations += iterations
+            self.work.factorisations += factorisations
+            if status == CONVERGED:
+                return int(iterations)
+            self._trouble = self._words(status, residual)
+        return -1
+
+    def _accept(self, length: float) -> None:
+        self.state, self.spare = self.spare, self.state
+        self.moved = self.moved + self._increment
+        if self.body.updated:
+            self.positions = self.positions + self._increment.reshape(-1, 2)
+        self._last, self._last_length = self._increment, length
+        self.work.steps += 1
+
+    def _words(self, status: int, residual: float) -> str:
+        count = self.body.triangles.shape[0]
+        if status == SINGULAR:
+            return "the stiffness is singular: a part is not held, or has lost its strength"
+        if status < 0:
+            return (
+                f"Newton's method does not converge (out-of-balance {residual:.2g} of the forces after "
+                f"{self.control.iterations} iterations): the load may be above the strength"
+            )
+        x, y = self.positions[self.body.triangles[status % count]].mean(axis=0)
+        what = "is turned inside out" if status < count else "has a strain step without a stress"
+        return f"triangle {status % count} at ({x:.4g}, {y:.4g}) m {what}"
+
+    def _give_up(self, where: str, why: str) -> None:
+        raise DivergedError(f"phase {self.phase.name!r}: no equilibrium beyond {where}: {why}")
