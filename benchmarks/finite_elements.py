@@ -1,0 +1,153 @@
+"""Time of finite elements on one core: solvers of sparse equations, a plastic slope, its growth, creep.
+
+Run: ``python -m benchmarks.finite_elements``. Prints processor time, the least of some repeats, without compilation.
+"""
+
+from __future__ import annotations
+
+import math
+import platform
+import time
+from collections.abc import Callable
+
+import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import splu
+
+from solver.arrays import FloatArray
+from solver.constitutive.soft_soil_creep import soft_soil_creep
+from solver.fem.materials import MohrCoulomb, SoftSoilCreepMaterial
+from solver.fem.mesh.mesh import Mesh
+from solver.fem.multifrontal import factorise, solve_factorised
+from solver.fem.ordering import Fronts
+from solver.fem.phases import Fixity, Phase, Traction
+from solver.fem.setup import elements_of, fronts_of
+from solver.fem.solve import solve_phases
+from tests.verification.fem.bodies import block, slope
+
+HELD = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))
+SOIL = MohrCoulomb(1.0e5, 0.3, 10.0, 20.0, tension_cutoff=None, unit_weight=20.0)
+YEARS = 33
+
+
+def least_ms(call: Callable[[], object], repeats: int) -> float:
+    """Least processor time of a call, ms, after one call that is not counted."""
+    call()
+    seconds = []
+    for _ in range(repeats):
+        start = time.process_time()
+        call()
+        seconds.append(time.process_time() - start)
+    return 1.0e3 * min(seconds)
+
+
+def stiffness(mesh: Mesh, plan: Fronts) -> tuple[csc_matrix, FloatArray]:
+    """A non-symmetric matrix with the pattern of the mesh, sparse and as fronts."""
+    random = np.random.default_rng(1)
+    fronts = np.zeros(plan.length)
+    rows, columns, values = [], [], []
+    for e, nodes in enumerate(elements_of(mesh)):
+        part = random.standard_normal((12, 12))
+        part = part @ part.T + 0.3 * random.standard_normal((12, 12)) + 3.0 * np.eye(12)
+        dofs = (2 * nodes[:, np.newaxis] + [0, 1]).ravel()
+        rows.append(np.repeat(dofs, 12))
+        columns.append(np.tile(dofs, 12))
+        values.append(part.ravel())
+        front = plan.element_front[e]
+        size = plan.size[front]
+        own = (2 * plan.element_node[e][:, np.newaxis] + [0, 1]).ravel()
+        view = fronts[plan.offset[front] : plan.offset[front] + size**2].reshape(size, size)
+        view[np.ix_(own, own)] += part
+    matrix = csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))))
+    return matrix, fronts
+
+
+def solvers(mesh: Mesh) -> None:
+    """Compare factorisations of one matrix."""
+    plan = fronts_of(mesh)
+    matrix, fronts = stiffness(mesh, plan)
+    buffer = fronts.copy()
+
+    def by_fronts() -> None:
+        buffer[:] = fronts
+        factorise(plan, buffer)
+
+    order = np.concatenate(
+        [plan.rows[start : start + count] for start, count in zip(plan.start[:-1], plan.pivots, strict=True)]
+    )
+    ordered = csc_matrix(matrix[order][:, order])
+    symmetric = {"SymmetricMode": True}
+    x = np.ones(mesh.nodes.size)
+    print(f"{mesh.triangles.shape[0]} triangles, {mesh.nodes.size} unknowns, {matrix.nnz} entries; one factorisation:")
+    print(f"  fronts                            {least_ms(by_fronts, 20):8.1f} ms")
+    print(f"  fronts, one solution              {least_ms(lambda: solve_factorised(plan, buffer, x), 20):8.1f} ms")
+    print(f"  SuperLU, default                  {least_ms(lambda: splu(matrix), 3):8.1f} ms")
+    by_degree = least_ms(
+        lambda: splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1.0e-3, options=symmetric), 3
+    )
+    print(f"  SuperLU, MMD_AT_PLUS_A, symmetric {by_degree:8.1f} ms")
+    by_order = least_ms(lambda: splu(ordered, permc_spec="NATURAL", diag_pivot_thresh=1.0e-3, options=symmetric), 3)
+    print(f"  SuperLU, our order, symmetric     {by_order:8.1f} ms")
+
+
+def weight(mesh: Mesh) -> tuple[float, int, float]:
+    """Processor time, ms, iterations and largest displacement of the plastic slope under its weight in 20 steps."""
+    phase = Phase("weight", "gravity", {"soil": SOIL}, fixities=HELD, load_step=0.05, largest_load_step=0.05)
+    start = time.process_time()
+    result = solve_phases(mesh, [phase])[0]
+    spent = 1.0e3 * (time.process_time() - start)
+    return spent, result.iterations, float(np.hypot(*result.displacements.T).max())
+
+
+def growth() -> None:
+    """The plastic slope on finer and finer meshes."""
+    print("slope 2:1, Mohr-Coulomb, weight in 20 steps:")
+    known: list[tuple[int, float]] = []
+    for factor in (1, 1, 2, 4):
+        mesh = slope(20.0, 20.0, 10.0, (13 * factor, 13 * factor, 12 * factor), 14 * factor)
+        spent, iterations, largest = weight(mesh)
+        known.append((mesh.triangles.shape[0], spent))
+        print(f"  {mesh.triangles.shape[0]:6d} triangles {spent:9.0f} ms  {iterations:4d} iterations  {largest:.7f} m")
+    (few, short), (many, long) = known[1], known[-1]
+    print(f"  time grows with the power {math.log(long / short) / math.log(many / few):.2f} of the triangles")
+
+
+def creep() -> None:
+    """Two triangles in an oedometer of 16 stages; a slope that creeps for 33 years on an updated mesh."""
+    soil = soft_soil_creep(0.05, 0.01, 0.002, 10.0, 22.0)
+    specimen = block(np.array([0.0, 0.025]), np.array([0.0, 0.02]))
+    sides = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", y=0.0))
+    stages = [Phase("start", "K0", {"soil": SoftSoilCreepMaterial(soil)}, fixities=sides, surcharge=5.0)]
+    for number in range(16):
+        load = (Traction("top", normal=-10.0 * 1.3**number),)
+        stages.append(Phase(f"{number}", "creep", tractions=load, duration=1.0, output_times=(0.0, 0.1, 0.5, 1.0)))
+    spent = least_ms(lambda: solve_phases(specimen, stages, geometry="axisymmetric"), 10)
+    print(f"oedometer, two triangles, 16 stages: {spent:.1f} ms")
+    mesh = slope(20.0, 20.0, 10.0, (13, 13, 12), 14)
+    days = 365.0 * YEARS
+    phases = [
+        Phase("weight", "gravity", {"soil": MohrCoulomb(1.0e4, 0.35, 10.0, 22.0, unit_weight=20.0)}, fixities=HELD),
+        Phase(
+            "creep",
+            "creep",
+            {"soil": SoftSoilCreepMaterial(soil, 20.0)},
+            duration=days,
+            updated_mesh=True,
+            output_times=tuple(np.linspace(0.0, days, YEARS + 1)),
+        ),
+    ]
+    spent = least_ms(lambda: solve_phases(mesh, phases), 2)
+    print(f"slope, {mesh.triangles.shape[0]} triangles, {YEARS} years of creep, updated mesh: {spent:.0f} ms")
+
+
+def main() -> None:
+    """Print all measurements."""
+    print(f"Python {platform.python_version()}, NumPy {np.__version__}, {platform.machine()}")
+    for factor in (1, 4):
+        solvers(slope(20.0, 20.0, 10.0, (13 * factor, 13 * factor, 12 * factor), 14 * factor))
+    growth()
+    creep()
+
+
+if __name__ == "__main__":
+    main()
