@@ -54,8 +54,9 @@ def unpack_json(text: str) -> Any:
 def unpack_problem(text: str) -> dict[str, Any]:
     """Return a stored problem document with what earlier versions did not write: their swarms were not accelerated."""
     document: dict[str, Any] = json.loads(text)
-    if document["method"]["kind"] == "particle_swarm":
-        document["method"].setdefault("acceleration", "none")
+    method = document.get("method")
+    if isinstance(method, dict) and method.get("kind") == "particle_swarm":
+        method.setdefault("acceleration", "none")
     return document
 
 
