@@ -68,6 +68,7 @@ def convergence_figure(
             axes.axhline(target, color=ORANGE, linestyle="--", linewidth=1.1, label="target", zorder=1)
         positive = bool(single) and all(y > _LEAST for _, y in single + so_far)
         plain_ticks(axes, "y", log=positive, most=6)
+        plain_ticks(axes, "x", log=False, most=8, whole=True)
         axes.set_xlabel("evaluations [-]")
         axes.set_ylabel(with_unit("objective f", unit))
         finish(axes)
