@@ -60,7 +60,7 @@ def slow_problem(behaviour: str) -> dict[str, Any]:
 def oedometer() -> dict[str, Any]:
     """The published problem with its published number of runs."""
     document = load_problem(OEDOMETER).document() | {"stopping": {"max_evaluations": 1590}}
-    document["method"] = {"kind": "particle_swarm", "particles": 10}
+    document["method"] = {"kind": "particle_swarm", "particles": 10, "acceleration": "none"}
     return document
 
 
