@@ -33,7 +33,7 @@ _X = [0.006 * i for i in range(500)]
 LONG = line(
     forward_model={"kind": "formula", "series": {"y": "a * x + b" + " + 0*sin(exp(a*x))" * 45}},
     observations=[{"series": "y", "points": {"x": _X, "y": [2.0 * x + 1.0 for x in _X]}}],
-    method={"kind": "particle_swarm", "particles": 10},
+    method={"kind": "particle_swarm", "particles": 10, "acceleration": "none"},
     stopping={"max_evaluations": 900},
 )
 

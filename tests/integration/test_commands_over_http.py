@@ -28,7 +28,10 @@ from tests.servers import RedisServer, free_port
 
 PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
 # Runs to its last evaluation, so that there is time to disturb it.
-WHOLE: dict[str, Any] = load_problem(PROBLEM).document() | {"stopping": {"max_evaluations": 1590}}
+WHOLE: dict[str, Any] = load_problem(PROBLEM).document() | {
+    "method": {"kind": "particle_swarm", "particles": 10, "acceleration": "none"},
+    "stopping": {"max_evaluations": 1590},
+}
 
 KEY = secrets.token_hex(16)
 
