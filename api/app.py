@@ -65,7 +65,7 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
     app.state.requests = RequestMetrics()
     app.add_middleware(Observer, metrics=app.state.requests)
     install_error_handlers(app)
-    app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]
+    app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]  # the framework's own way to extend the document
     return app
 
 

@@ -10,6 +10,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -47,7 +48,7 @@ def main(repeats: int = 1000) -> None:
         if points == 10:
             run(IDENTIFIED)
             print(f"first oedometer run (compiling or loading)      {time.perf_counter() - start:8.3f} s")
-        elapsed = median_ms(lambda run=run: run(IDENTIFIED), repeats)  # type: ignore[misc]
+        elapsed = median_ms(partial(run, IDENTIFIED), repeats)
         print(f"oedometer, 16 stages, {16 * points} points                 {elapsed:8.4f} ms")
     isotropic = isotropic_spec()
     times = observation_times(isotropic, 30)

@@ -31,7 +31,8 @@ sys.path[:0] = [str(ROOT), str(MODELS)]
 os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(MODELS)])
 os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
-from geoswarm import Client  # noqa: E402
+# Imported late: the number of threads must be set before the numerical libraries are loaded.
+from geoswarm import Client, GeoswarmError  # noqa: E402
 from solver.calibration import Calibration  # noqa: E402
 from solver.local import calibrate  # noqa: E402
 from solver.problem import load_problem, parse_problem  # noqa: E402
@@ -97,8 +98,8 @@ def service() -> Iterator[tuple[Client, list[int]]]:
             try:
                 if len(client.workers()) == WORKERS:
                     break
-            except Exception:  # noqa: BLE001  not up yet
-                pass
+            except GeoswarmError:
+                pass  # not up yet
             time.sleep(0.1)
         yield client, processes
 

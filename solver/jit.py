@@ -32,9 +32,9 @@ def cache_folder(solver: Path) -> Path:
     return solver / "__pycache__" / f"kernels-{fingerprint.hexdigest()[:16]}"
 
 
-if not config.CACHE_DIR:  # type: ignore[attr-defined]
+if not config.CACHE_DIR:  # type: ignore[attr-defined]  # Numba sets its options by name
     # A folder that cannot be written to is no error: Numba goes on to its own choices.
-    config.CACHE_DIR = str(cache_folder(Path(__file__).parent))  # type: ignore[attr-defined]
+    config.CACHE_DIR = str(cache_folder(Path(__file__).parent))  # type: ignore[attr-defined]  # as above
 
 
 def kernel(function: Function) -> Function:

@@ -9,6 +9,7 @@ import json
 import re
 import secrets
 from collections.abc import Collection, Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
@@ -312,8 +313,13 @@ class JobService:
             after: tuple[int, int] | None = None
             while True:
                 rows = self.store.read(
-                    lambda connection, after=after: list_evaluations(  # type: ignore[misc]
-                        connection, job_id, filters, after=after, limit=STREAM_ROWS, responses=responses
+                    partial(
+                        list_evaluations,
+                        job_id=job_id,
+                        filters=filters,
+                        after=after,
+                        limit=STREAM_ROWS,
+                        responses=responses,
                     )
                 )
                 for row in rows:

@@ -7,7 +7,7 @@ takes what it counted since its last heartbeat with it. The counters are for wat
 from __future__ import annotations
 
 import threading
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from sqlalchemy import Connection, select
@@ -32,12 +32,12 @@ class Tally:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._counts: Counter[tuple[str, str]] = Counter()
+        self._counts: defaultdict[tuple[str, str], float] = defaultdict(float)
 
     def add(self, name: str, label: str = "", amount: float = 1) -> None:
         """Add to a counter."""
         with self._lock:
-            self._counts[name, label[:MOST_LABELS]] += amount  # type: ignore[assignment]
+            self._counts[name, label[:MOST_LABELS]] += amount
 
     def run(self, outcome: str, seconds: float) -> None:
         """Count a forward run that took so long [s]; ``outcome`` is ``finished`` or the reason of its failure."""
@@ -45,12 +45,12 @@ class Tally:
         with self._lock:
             self._counts["runs", outcome[:MOST_LABELS]] += 1
             self._counts["run_seconds", label] += 1
-            self._counts["run_seconds_sum", ""] += seconds  # type: ignore[assignment]
+            self._counts["run_seconds_sum", ""] += seconds
 
     def take(self) -> dict[tuple[str, str], float]:
         """Return what was counted since the last call."""
         with self._lock:
-            counts, self._counts = self._counts, Counter()
+            counts, self._counts = self._counts, defaultdict(float)
         return dict(counts)
 
     def flush(self, store: Store) -> None:
@@ -68,7 +68,7 @@ class Tally:
         except StoreUnavailableError:
             with self._lock:
                 for key, amount in counts.items():
-                    self._counts[key] += amount  # type: ignore[assignment]
+                    self._counts[key] += amount
             raise
 
 

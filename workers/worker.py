@@ -7,6 +7,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from solver.calibration import Calibration, Evaluation, Progress
 from solver.errors import InfeasibleSpaceError
@@ -232,7 +233,7 @@ class Worker:
                 positions,
                 limits_of(calibration.problem, self.settings),
                 budget=budget,
-                unwanted=lambda part=part: self._look(part, calibration),  # type: ignore[misc]
+                unwanted=partial(self._look, part, calibration),
             )
             try:
                 for outcome in outcomes:

@@ -14,6 +14,7 @@ from geoswarm.cli.spans import SPAN
 if TYPE_CHECKING:
     from datetime import datetime
 
+    from workers.access import Role
     from workers.store import Store
 
 __all__ = ["keys_command"]
@@ -40,14 +41,14 @@ def keys_command() -> None:
 @json_option
 @database_option
 def create_command(
-    owner: str, role: str, label: str, expires: float | None, as_json: bool, database: str | None
+    owner: str, role: Role, label: str, expires: float | None, as_json: bool, database: str | None
 ) -> None:
     """Make a key and print it, once: only its hash is kept."""
     from workers.keys import KeyRing
 
     store = _store(database)
     try:
-        key, view = KeyRing(store).create(owner, role, label=label, valid_seconds=expires)  # type: ignore[arg-type]
+        key, view = KeyRing(store).create(owner, role, label=label, valid_seconds=expires)
     finally:
         store.close()
     if as_json:

@@ -126,7 +126,7 @@ def sample(
     each: list[Statistics] = []
     first: CalibrationResult | None = None
     for number, seed in enumerate(seeds, start=1):
-        tell(f"statistics {number} of {len(seeds)}: {problem.method.samples} forward runs, seed {seed}")  # type: ignore[union-attr]
+        tell(f"statistics {number} of {len(seeds)}: {problem.planned_evaluations} forward runs, seed {seed}")
         result = calibrate(problem, workers=workers, seed=seed)
         first = result if first is None else first
         parts.append(Samples.from_result(problem, result))

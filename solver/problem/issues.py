@@ -122,7 +122,7 @@ def _steps(detail: ErrorDetails, section: Any) -> list[str | int]:
         if (isinstance(value, Mapping) and step in value) or (
             isinstance(value, list) and isinstance(step, int) and step < len(value)
         ):
-            value = value[step]  # type: ignore[index]
+            value = value[step]  # type: ignore[index]  # a list has an int here: checked above
             steps.append(step)
     if detail["loc"] and detail["type"] in _ABSENT and steps[-1:] != [detail["loc"][-1]]:
         steps.append(detail["loc"][-1])

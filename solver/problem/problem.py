@@ -120,7 +120,7 @@ class Problem:
         values = self._template.copy()
         values.update(zip(self.free_names, map(float, free_values), strict=True))
         for link in self._links:
-            values[link.name] = link.expression.value(values)  # type: ignore[assignment]
+            values[link.name] = link.expression.value(values)  # type: ignore[assignment]  # numbers in, number out
         return values
 
     def satisfies(self, values: Mapping[str, float]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -13,7 +13,7 @@ __all__ = ["DEFAULT_RETRIES", "Failures", "Limits", "Policy", "fatal_message"]
 
 Policy: TypeAlias = Literal["penalise", "fail"]
 
-DEFAULT_RETRIES: Mapping[FailureReason, int] = {"worker_lost": 2}
+DEFAULT_RETRIES: Mapping[str, int] = {"worker_lost": 2}
 """Further tries by reason where the problem says nothing: only what is not the calculation's own doing."""
 
 
@@ -44,12 +44,13 @@ class Failures(BaseModel):
 
     def retries(self, reason: str) -> int:
         """Return the number of further tries at an evaluation that failed for this reason."""
-        return {**DEFAULT_RETRIES, **self.retry}.get(reason, 0)  # type: ignore[call-overload, no-any-return]
+        given: Mapping[Any, int] = self.retry  # a stored reason is any text
+        return given.get(reason, DEFAULT_RETRIES.get(reason, 0))
 
     def ends_job(self, reason: str) -> bool:
         """Whether a failure for this reason, with no try left, ends the job."""
-        policy = self.policy if isinstance(self.policy, str) else self.policy.get(reason)  # type: ignore[call-overload]
-        return bool(policy == "fail")
+        given: Mapping[Any, Policy] | Policy = self.policy
+        return (given if isinstance(given, str) else given.get(reason)) == "fail"
 
 
 def fatal_message(generation: int, particle: int, reason: str, message: str | None) -> str:

@@ -107,7 +107,7 @@ def write_responses(path: Path, problem: Problem, result: CalibrationResult) -> 
         "generation": np.array([r.generation for r in good], dtype=np.int64),
         "particle": np.array([r.particle for r in good], dtype=np.int64),
     }
-    np.savez_compressed(path, **place, **arrays)  # type: ignore[arg-type]
+    np.savez_compressed(path, **place, **arrays)  # type: ignore[arg-type]  # the stubs take any further keyword for an option
 
 
 def write_generations(path: Path, problem: Problem, result: CalibrationResult) -> None:

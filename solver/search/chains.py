@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from solver.arrays import FloatArray
+from solver.search.marquardt import marquardt_step
 from solver.search.space import SearchSpace
 
 __all__ = ["Chain", "ChainPoint"]
@@ -145,10 +146,7 @@ class Chain:
         done = not others or self.iterations >= _MOST_ITERATIONS or self.damping > _MOST_DAMPING
         step: FloatArray = np.zeros(len(others))
         if not done:
-            diagonal = np.diag(self.curvature)
-            scale = np.where(diagonal > 0, diagonal, 1.0)
-            system = self.curvature + self.damping * np.diag(scale)
-            step = np.asarray(-np.linalg.solve(system, self.gradient), dtype=np.float64)
+            step = marquardt_step(self.curvature, self.gradient, self.damping)
             predicted = float(-(2.0 * self.gradient @ step + step @ self.curvature @ step))
             small = _SMALL_GAIN * self.increase
             done = predicted < small or (0.0 < gain < small and self.iterations > 1)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from solver.arrays import FloatArray
+from solver.search.marquardt import marquardt_step
 from solver.search.space import SearchSpace
 
 __all__ = ["Descent"]
@@ -109,11 +110,8 @@ class Descent:
         moving = ~(((self.current <= 0.0) & (gradient > 0.0)) | ((self.current >= 1.0) & (gradient < 0.0)))
         if not moving.any() or self.iterations >= _MOST_ITERATIONS or self.damping > _MOST_DAMPING:
             return replace(self, finished=True)
-        diagonal = np.diag(curvature)
-        scale = np.where(diagonal > 0.0, diagonal, 1.0)
-        system = (curvature + self.damping * np.diag(scale))[np.ix_(moving, moving)]
         step = np.zeros_like(self.current)
-        step[moving] = -np.linalg.solve(system, gradient[moving])
+        step[moving] = marquardt_step(curvature[np.ix_(moving, moving)], gradient[moving], self.damping)
         trial = np.clip(self.current + step, 0.0, 1.0)
         step = trial - self.current
         predicted = -float(2.0 * gradient @ step + step @ curvature @ step)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import MutableMapping, Sequence
 from dataclasses import replace
+from functools import partial
 from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection
@@ -148,7 +149,7 @@ class Runtime:
         answer, due = self.store.write(lambda connection: work(connection, hand_in, None))
         while due is not None:
             closed = self._close(job_id, calibration, due)
-            answer, due = self.store.write(lambda connection, closed=closed: work(connection, HandIn(), closed))  # type: ignore[misc]
+            answer, due = self.store.write(partial(work, what=HandIn(), closed=closed))
         return answer
 
     def _close(self, job_id: str, calibration: Calibration, due: Due) -> Closed:
