@@ -52,7 +52,7 @@ def slow_problem(behaviour: str) -> dict[str, Any]:
         "forward_model": {"kind": "misbehaving", "behaviour": behaviour, "seconds": SECONDS, "above": -2.0},
         "parameters": {"slope": {"lower": -1, "upper": 1}},
         "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 0.5, 1]}}],
-        "method": {"kind": "particle_swarm", "particles": PARTICLES},
+        "method": {"kind": "particle_swarm", "particles": PARTICLES, "acceleration": "none"},
         "stopping": {"max_evaluations": PARTICLES * GENERATIONS},
         "seed": 3,
     }

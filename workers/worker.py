@@ -5,21 +5,19 @@ from __future__ import annotations
 import logging
 import time
 from collections import OrderedDict
-from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
-from solver.calibration import Calibration, Evaluation, Progress
+from solver.calibration import Calibration, Progress
 from solver.errors import InfeasibleSpaceError
 from solver.problem import parse_problem
-from workers.coordinator.machine import GenerationJoined, apply
 from workers.coordinator.runtime import Runtime
-from workers.coordinator.work import Claim, Exchange, HandIn, Leap, Result, joined
+from workers.coordinator.work import Claim, Exchange, HandIn
 from workers.doorbell import Doorbell
+from workers.errand import Errand
 from workers.errors import StoreUnavailableError, WorkersError
 from workers.heart import Heart
 from workers.identity import Identity
-from workers.runner.evaluator import Evaluator, InlineEvaluator, NeverMind, limits_of
+from workers.runner.evaluator import Evaluator, InlineEvaluator
 from workers.runner.runner import Runner
 from workers.settings import Settings
 from workers.slots import Slots
@@ -31,7 +29,7 @@ from workers.store.line import claimable_jobs
 from workers.store.offers import read_offer
 from workers.store.workers import busy_workers, count_live, forget_worker
 from workers.tally import tally
-from workers.tracing import record_span, span
+from workers.tracing import span
 
 __all__ = ["Worker"]
 
@@ -41,16 +39,6 @@ CACHED_CALIBRATIONS = 32
 LONGEST_WAIT_SECONDS = 2.0
 SHORTEST_LOOK, LONGEST_LOOK = 0.002, 0.02  # between two looks for the next generation [s]
 PATIENCE_SECONDS = 0.05
-
-
-@dataclass(slots=True)
-class _Part:
-    """Results of a claim that are ready while one of its evaluations takes its time; handed in when ``due``."""
-
-    claim: Claim
-    results: Sequence[Result]
-    due: float
-    handed_in: int = 0
 
 
 class Worker:
@@ -152,46 +140,49 @@ class Worker:
             self.heart.claim = None
 
     def _work(self, job_id: str, calibration: Calibration) -> None:
-        until = time.monotonic() + self.settings.slice_seconds
+        turn = _Turn(self, job_id)
         self._count_live()
-        answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
+        answer = self._exchange(job_id, calibration, HandIn(), turn)
         if answer.queued:
             try:
                 progress: Progress | InfeasibleSpaceError = calibration.start(self._free_slots())
             except InfeasibleSpaceError as error:
                 progress = error
             self.runtime.start(job_id, progress)
-            answer = self._exchange(job_id, calibration, HandIn(), until, taken_up=True)
+            answer = self._exchange(job_id, calibration, HandIn(), turn)
+        early = partial(self._early, job_id, calibration, turn)
         while answer.claim is not None:
-            self.heart.claim = answer.claim
-            claim = answer.claim
+            self.heart.claim = claim = answer.claim
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
-                hand_in = self._run(claim, calibration)
-            answer = self._exchange(job_id, calibration, hand_in, until)
-            if answer.waiting is not None and self._generation_ends(claim, answer.waiting, until):
-                answer = self._exchange(job_id, calibration, HandIn(), until)
+                hand_in = Errand(claim, self._evaluator, calibration, self.settings, self.heart, early).run()
+            answer = self._exchange(job_id, calibration, hand_in, turn)
+            if answer.waiting is not None and self._generation_ends(claim, answer.waiting, turn):
+                answer = self._exchange(job_id, calibration, HandIn(), turn)
             self.heart.claim = answer.claim
         if answer.left:
             self.doorbell.ring(job_id, kind=_kind(calibration))
 
-    def _generation_ends(self, claim: Claim, typical: float, until: float) -> bool:
+    def _generation_ends(self, claim: Claim, typical: float, turn: _Turn) -> bool:
         """Wait for the others to end a generation, if nothing else is to be done and it cannot take long.
 
         A ring through the broker would come later than a look at the database.
         """
-        pause = min(max(0.05 * typical, SHORTEST_LOOK), LONGEST_LOOK)
-        patience = min(until, time.monotonic() + max(3.0 * typical, PATIENCE_SECONDS))
-        while time.monotonic() < patience and self.heart.unwanted() is None:
+        pause = min(max(0.02 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        now = time.monotonic()
+        patience = min(turn.until, now + max(3.0 * typical, PATIENCE_SECONDS))
+        others = now  # when to look for other work
+        while now < patience and self.heart.unwanted() is None:
             if self.store.read(lambda connection: current_generation(connection, claim.job_id)) != claim.generation:
                 return True
-            if self.most_urgent() is not None:
-                return False
+            if now >= others:
+                if self.most_urgent() is not None:
+                    return False
+                others = now + LONGEST_LOOK
             self.stopping.wait(pause)
+            now = time.monotonic()
         return False
 
-    def _exchange(
-        self, job_id: str, calibration: Calibration, hand_in: HandIn, until: float, *, taken_up: bool = False
-    ) -> Exchange:
+    def _exchange(self, job_id: str, calibration: Calibration, hand_in: HandIn, turn: _Turn) -> Exchange:
         """Exchange with the runtime, again and again while the database does not answer: results are worth the wait."""
         wait = 0.1
         while True:
@@ -202,87 +193,38 @@ class Worker:
                     calibration,
                     hand_in,
                     live_workers=self._live_workers,
-                    want=time.monotonic() < until and not self.stopping.is_set(),
-                    taken_up=taken_up,
+                    want=turn.goes_on(),
+                    taken_up=turn.begins,
                 )
             except StoreUnavailableError:
                 if hand_in.claim is None or self.stopping.wait(wait):
                     raise
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
             else:
+                turn.begins = turn.begins and answer.queued
                 if answer.rings:
                     self.doorbell.ring(job_id, answer.rings, kind=_kind(calibration))
                 return answer
 
-    def _run(self, claim: Claim, calibration: Calibration) -> HandIn:
-        """Run a claim, or several generations when it is cheap enough; what takes long is cut and handed in early."""
-        began = time.monotonic()
-        failures = calibration.problem.failures
-        leaps: list[Leap] = []
-        job, generation, positions = claim.job, claim.generation, claim.positions
-        particles: Sequence[int] = claim.particles
-        attempts: Sequence[int] = claim.attempts
-        while True:
-            results: list[Result] = []
-            killed: int | None = None
-            part = _Part(claim, results, began + self.settings.chunk_seconds) if job is None else None
-            budget = max(self.settings.chunk_seconds - (time.monotonic() - began), 0.0)
-            outcomes = self._evaluator.run(
-                claim.job_id,
+    def _early(
+        self, job_id: str, calibration: Calibration, turn: _Turn, hand_in: HandIn, want: bool
+    ) -> tuple[bool, Claim | None]:
+        """Hand in what is ready while an evaluation runs; see :data:`workers.errand.Early`."""
+        try:
+            answer = self.runtime.exchange(
+                job_id,
+                self.identity.id,
                 calibration,
-                positions,
-                limits_of(calibration.problem, self.settings),
-                budget=budget,
-                unwanted=partial(self._look, part, calibration),
+                hand_in,
+                live_workers=self._live_workers,
+                want=want and turn.goes_on(),
             )
-            try:
-                for outcome in outcomes:
-                    number = len(results)
-                    particle, evaluation = particles[number], outcome.evaluation
-                    self._note(claim.job_id, generation, particle, evaluation)
-                    times = (claim.now + (outcome.began - began), claim.now + (outcome.ended - began))
-                    results.append(Result(particle, attempts[number], evaluation, *times, outcome.log))
-            except NeverMind as end:
-                killed = particles[end.index]
-            reasons = {r.evaluation.reason for r in results if r.evaluation.reason is not None}
-            decide = any(failures.retries(reason) or failures.ends_job(reason) for reason in reasons)
-            if job is None or decide or len(results) < len(positions):
-                return HandIn(claim, leaps, generation, results, killed)
-            elapsed = time.monotonic() - began
-            event = GenerationJoined(generation, joined(_in_order(results)), claim.run_seconds + elapsed)
-            transition = apply(job, event, calibration)
-            leaps.append(Leap(generation, results, transition, claim.now + elapsed))
-            job = transition.job
-            tired = elapsed > self.settings.chunk_seconds or self.heart.unwanted() is not None
-            if tired or job.state != "running" or job.progress is None:
-                return HandIn(claim, leaps, job.generation, ())
-            generation, positions = job.generation, job.progress.positions
-            particles, attempts = range(len(positions)), [1] * len(positions)
-
-    def _look(self, part: _Part | None, calibration: Calibration) -> float | None:
-        """While a run takes its time: hand in what its neighbours have, and see whether it is still wanted."""
-        if part is not None and len(part.results) > part.handed_in and time.monotonic() > part.due:
-            part.handed_in = len(part.results)
-            claim = part.claim
-            hand_in = HandIn(claim, (), claim.generation, tuple(part.results), partial=True)
-            try:
-                answer = self.runtime.exchange(
-                    claim.job_id, self.identity.id, calibration, hand_in, live_workers=self._live_workers, want=False
-                )
-            except StoreUnavailableError as error:
-                log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
-            else:
-                if answer.rings or answer.left:
-                    self.doorbell.ring(claim.job_id, max(answer.rings, 1), kind=_kind(calibration))
-        return self.heart.unwanted()
-
-    def _note(self, job_id: str, generation: int, particle: int, evaluation: Evaluation) -> None:
-        """Count a run, and log it when it failed."""
-        tally.run(evaluation.reason or "finished", evaluation.seconds)
-        record_span("evaluation", evaluation.seconds, job=job_id, generation=generation, evaluation=particle)
-        if evaluation.reason is not None:
-            context = {"job": job_id, "generation": generation, "evaluation": particle, "worker": self.identity.id}
-            log.info("run failed: %s", evaluation.message, extra=context | {"reason": evaluation.reason})
+            if answer.rings or (answer.left and not want):
+                self.doorbell.ring(job_id, max(answer.rings, 1), kind=_kind(calibration))
+        except StoreUnavailableError as error:
+            log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
+            return False, None
+        return True, answer.claim
 
     def _calibration(self, job_id: str) -> Calibration | None:
         """Return the job made ready, from the cache of this process if possible; None: there is no such job."""
@@ -316,9 +258,25 @@ class Worker:
         self._live_workers = max(1, self.store.read(lambda connection: count_live(connection, lease)))
 
 
-def _in_order(results: Sequence[Result]) -> list[Evaluation]:
-    return [result.evaluation for result in sorted(results, key=lambda result: result.particle)]
-
-
 def _kind(calibration: Calibration) -> str:
     return calibration.problem.forward_model.kind
+
+
+class _Turn:
+    """How long a worker stays with a job: a slice of time, and another one where nobody else waits."""
+
+    def __init__(self, worker: Worker, job_id: str) -> None:
+        self._worker = worker
+        self._job_id = job_id
+        self.begins = True
+        """The job goes to the end of the line with the next exchange."""
+        self.until = time.monotonic() + worker.settings.slice_seconds
+
+    def goes_on(self) -> bool:
+        """Whether the worker takes another claim of this job."""
+        if self._worker.stopping.is_set():
+            return False
+        if time.monotonic() >= self.until and self._worker.next_job() in (None, self._job_id):
+            self.until = time.monotonic() + self._worker.settings.slice_seconds
+            self.begins = True
+        return time.monotonic() < self.until

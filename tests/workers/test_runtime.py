@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import pytest
 from hypothesis import HealthCheck, given
@@ -15,6 +16,8 @@ from tests.workers.conftest import MakeWorker
 from tests.workers.problems import calibration, expected_history, line, recorded_history
 from workers.coordinator.runtime import Runtime
 from workers.coordinator.work import Claim, Exchange, HandIn, Result
+from workers.errand import Errand
+from workers.runner.evaluator import InlineEvaluator
 from workers.service import JobService
 from workers.settings import Settings
 from workers.store import Store
@@ -58,6 +61,14 @@ class Hand:
 
     def hand_in(self, count: int | None = None, *, want: bool = True) -> Exchange:
         return self.exchange(self.results(count), want=want)
+
+    def reach_ahead(self, count: int) -> Claim | None:
+        """Hand in the first results, keep the others under way, and ask for what follows them."""
+        held, ready = self.claim, self.results(count)
+        assert held is not None
+        ahead = self.exchange(replace(ready, partial=True)).claim
+        self.claim = held if ahead is None else held.followed_by(ahead, without=ready.results)
+        return ahead
 
 
 def runtime_for(store: Store, settings: Settings, **changes: float) -> Runtime:
@@ -256,7 +267,7 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     assert hand.claim is not None
     assert hand.claim.job is not None
     worker = make_worker()
-    whole = worker._run(hand.claim, textbook)
+    whole = Errand(hand.claim, InlineEvaluator(), textbook, settings, worker.heart, lambda *_: (True, None)).run()
     assert len(whole.leaps) == 10
     service.pause(job_id)
     assert hand.exchange(whole).claim is None
@@ -271,6 +282,46 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     finish(other)
     assert recorded_history(service, job_id) == expected
     assert [g.number for g in service.generations(job_id)] == list(range(10))
+
+
+def test_the_claim_ahead_leaves_out_what_is_under_way(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings)
+    hand, other = Hand(runtime, job_id, "w1"), Hand(runtime, job_id, "w2")
+    hand.take()
+    store.write(lambda c: c.execute(update(jobs).values(typical_seconds=0.1)))
+    other.take()
+    assert other.claim is not None
+    assert (other.claim.particles, other.claim.typical) == ((1, 2), 0.1)
+    ahead = other.reach_ahead(1)
+    assert ahead is not None
+    assert ahead.particles == (3,)
+    assert other.claim.particles == (2, 3)
+    assert other.reach_ahead(0) is not None
+    assert other.claim.particles == (2, 3, 4)
+    states = [e.state for e in service.evaluations(job_id).items]
+    assert states == ["running", "finished", "running", "running", "running", "pending"]
+    assert other.hand_in(1, want=False).left
+    states = [e.state for e in service.evaluations(job_id).items]
+    assert states == ["running", "finished", "finished", "pending", "pending", "pending"]
+
+
+def test_nothing_ahead_when_others_have_ended_the_generation(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings)
+    slow, quick = Hand(runtime, job_id, "w1"), Hand(runtime, job_id, "w2")
+    slow.take()
+    held = slow.claim
+    runtime.expire(job_id, 0, ["w1"])
+    while service.get(job_id).generations == 0:
+        if quick.claim is None:
+            quick.take()
+        quick.hand_in()
+    slow.claim = held
+    assert slow.reach_ahead(0) is None
+    assert slow.claim is held
 
 
 def test_cancel_in_mid_generation_stops_dispatch(
@@ -315,7 +366,8 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
 @given(
     actions=st.lists(
         st.tuples(
-            st.sampled_from(["take", "hand_in", "part", "twice", "die", "expire", "pause", "resume"]), st.integers(0, 2)
+            st.sampled_from(["take", "hand_in", "part", "ahead", "twice", "die", "expire", "pause", "resume"]),
+            st.integers(0, 2),
         ),
         max_size=60,
     )
@@ -334,6 +386,8 @@ def test_any_order_of_workers_losses_and_pauses_gives_the_same_history(
             hand.take()
         elif action in ("hand_in", "part") and hand.claim is not None:
             hand.hand_in(1 if action == "part" else None)
+        elif action == "ahead" and hand.claim is not None:
+            hand.reach_ahead(len(hand.claim.particles) - 1)
         elif action == "twice" and hand.claim is not None:
             results = hand.results()
             hand.exchange(results, want=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import statistics
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +66,9 @@ class Session:
         live_workers: int,
     ) -> None:
         self.settings = settings
-        self.sizing = Sizing(settings.cheap_seconds, settings.burst_seconds, settings.single_seconds)
+        self.sizing = Sizing(
+            settings.cheap_seconds, settings.burst_seconds, settings.single_seconds, settings.chunk_seconds
+        )
         self.log = log
         self.connection = connection
         self.locked = locked
@@ -109,7 +111,9 @@ class Session:
             if board is not None:
                 board.write(self.connection)
             return Exchange()
-        return self._hand_out(board, want, dispatched, taken_up)
+        if hand_in.partial and board.generation != hand_in.generation:
+            want = False  # another worker ended the generation: what this one is at no longer matters
+        return self._hand_out(board, want, dispatched, taken_up, hand_in.under_way())
 
     def _retry(self, hand_in: HandIn, want: bool, taken_up: bool) -> Exchange:
         """Do the same for a job whose failures are run again: whatever generation they are of, none is advanced."""
@@ -129,7 +133,7 @@ class Session:
                 return Exchange(left=self.locked.row.retry_to == "running")
             return Exchange()
         board = load_board(self.connection, self.locked.id, generation)
-        return self._hand_out(board, want, False, taken_up)
+        return self._hand_out(board, want and not hand_in.partial, False, taken_up)
 
     def _leap(self, board: Board | None, hand_in: HandIn) -> tuple[Board | None, bool]:
         """Apply generations that the worker ran alone, if the job still stands where it did when they began."""
@@ -231,16 +235,24 @@ class Session:
         self.job = transitions[-1].job
         self.state = self.job.state
 
-    def _hand_out(self, board: Board, want: bool, dispatched: bool, taken_up: bool) -> Exchange:
+    def _hand_out(
+        self,
+        board: Board,
+        want: bool,
+        dispatched: bool,
+        taken_up: bool,
+        under_way: Collection[int] = frozenset(),
+    ) -> Exchange:
+        """Answer with a claim, if there is one to be had; ``under_way`` is what this worker is at."""
         particles = len(board.cells)
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
             measured = [cell.values["seconds"] for cell in board.cells if cell.status.state == "finished"]
             self.typical = statistics.median(measured) if len(measured) >= ENOUGH_MEASURED else None
         left = sum(cell.status.state == "pending" for cell in board.cells)
         chunk = self.sizing.chunk(self.typical, particles, left, self.live_workers)
-        claimed = self._choose(board, chunk) if want else []
+        claimed = self._choose(board, chunk, under_way) if want else []
         left = sum(cell.status.state == "pending" for cell in board.cells)
-        if want and not claimed and not left:
+        if want and not claimed and not left and not under_way:
             claimed = self._duplicate(board)
         claim = self._claim(board, claimed) if claimed else None
         board.write(self.connection)
@@ -252,11 +264,13 @@ class Session:
         waiting = self.typical if want and claim is None and short else None
         return Exchange(claim, rings=max(rings, 0), left=left > 0, waiting=waiting)
 
-    def _choose(self, board: Board, chunk: int) -> list[Cell]:
+    def _choose(self, board: Board, chunk: int, under_way: Collection[int]) -> list[Cell]:
         chosen: list[Cell] = []
         for cell in board.cells:
             if len(chosen) == chunk:
                 break
+            if cell.particle in under_way:
+                continue
             before = cell.status
             suspect = before.state == "pending" and before.attempts > 0
             if suspect and chosen:
@@ -303,6 +317,7 @@ class Session:
             now=self.locked.now,
             run_seconds=self.locked.run_seconds(self.settings.lease_seconds),
             job=self.job if whole else None,
+            typical=self.typical,
         )
 
 

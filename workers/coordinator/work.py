@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from solver.arrays import FloatArray
 from solver.calibration import Evaluation
@@ -29,6 +32,8 @@ class Claim:
         The database's time and the job's running time when they were claimed [s].
     job
         Given when the claim is a whole generation that is cheap enough to run several in a row; else None.
+    typical
+        What an evaluation of this job usually takes [s]; None: not known yet.
     """
 
     job_id: str
@@ -39,6 +44,18 @@ class Claim:
     now: float
     run_seconds: float
     job: Job | None
+    typical: float | None = None
+
+    def followed_by(self, ahead: Claim, *, without: Sequence[Result]) -> Claim:
+        """Return what is held of this claim without these results, and one that follows it."""
+        finished = {result.particle for result in without}
+        left = [index for index, particle in enumerate(self.particles) if particle not in finished]
+        return replace(
+            ahead,
+            particles=(*(self.particles[index] for index in left), *ahead.particles),
+            attempts=(*(self.attempts[index] for index in left), *ahead.attempts),
+            positions=np.concatenate([self.positions[left], ahead.positions]),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +94,12 @@ class HandIn:
     killed: int | None = None
     partial: bool = False
 
+    def under_way(self) -> frozenset[int]:
+        """Particles that the worker goes on with."""
+        if self.claim is None or not self.partial:
+            return frozenset()
+        return frozenset(self.claim.particles) - {result.particle for result in self.results}
+
 
 @dataclass(frozen=True, slots=True)
 class Exchange:
@@ -114,13 +137,15 @@ class Sizing:
     """How many evaluations a worker takes at once.
 
     Cheap ones go in as many chunks as there are workers, those that cost a little more in chunks that get smaller
-    towards the end of the generation (half of an even share of what is left, so that no worker ends late), expensive or
-    unknown ones singly, and generations that cost less than handing them out stay whole in one worker.
+    towards the end of the generation (half of an even share of what is left, so that no worker ends late, and at most
+    ``chunk_seconds``), expensive or unknown ones singly, and generations that cost less than handing them out stay
+    whole in one worker.
     """
 
     cheap_seconds: float
     burst_seconds: float
     single_seconds: float
+    chunk_seconds: float
 
     def burst(self, typical_seconds: float | None, particles: int) -> bool:
         """Whether whole generations are to stay in one worker."""
@@ -135,5 +160,6 @@ class Sizing:
         if typical_seconds is None or typical_seconds > self.single_seconds:
             return 1
         if typical_seconds > self.cheap_seconds:
-            return max(1, -(-left // (2 * workers)))
+            longest = math.ceil(self.chunk_seconds / typical_seconds)
+            return max(1, min(-(-left // (2 * workers)), longest))
         return particles if self.burst(typical_seconds, particles) else -(-particles // workers)

@@ -41,6 +41,9 @@ class Store:
     def __init__(self, settings: Settings) -> None:
         self.url = settings.database_url
         self.engine = _create_engine(settings)
+        # PostgreSQL gives each statement its own view anyway (read committed): reading needs no transaction around it.
+        alone = self.engine.dialect.name == "postgresql"
+        self._reader = self.engine.execution_options(isolation_level="AUTOCOMMIT") if alone else self.engine
         try:
             upgrade(self.engine)
         except (SQLAlchemyError, OSError) as error:
@@ -51,7 +54,7 @@ class Store:
             raise
 
     def read(self, function: Callable[[Connection], Result]) -> Result:
-        """Run a function that only reads, in one transaction; once more when the connection turns out to be dead.
+        """Run a function that only reads; once more when the connection turns out to be dead.
 
         Raises
         ------
@@ -89,7 +92,7 @@ class Store:
     def _run(self, function: Callable[[Connection], Result], *, write: bool) -> Result:
         for attempt in range(RETRIES + 1):
             try:
-                with self.engine.connect() as connection:
+                with (self.engine if write else self._reader).connect() as connection:
                     connection.execution_options(write=write)
                     with connection.begin():
                         return function(connection)

@@ -1,0 +1,86 @@
+"""Claims under way: what is handed in early, and what is fetched ahead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.workers.conftest import MakeWorker
+from tests.workers.runner.test_runner import misbehaving
+from workers.coordinator.work import Claim, HandIn
+from workers.errand import Errand
+from workers.runner.runner import Runner
+from workers.settings import Settings
+
+pytestmark = pytest.mark.usefixtures("misbehaving_models")
+
+SECONDS = 0.15
+CLAIM = Claim("job", 3, (0, 1), (1, 1), np.array([[0.5], [1.0]]), now=100.0, run_seconds=0.0, job=None, typical=SECONDS)
+
+
+@pytest.fixture
+def runner(misbehaving_models: None) -> Iterator[Runner]:  # noqa: ARG001  forks with these models
+    made = Runner()
+    made.start()
+    yield made
+    made.close()
+
+
+def run(claim: Claim, runner: Runner, worker: MakeWorker, settings: Settings, *answers: Claim | None) -> list[HandIn]:
+    """Run a claim of sleeping evaluations; what was handed in early comes first, and what is left at the end last."""
+    given = iter(answers)
+    handed: list[HandIn] = []
+
+    def early(hand_in: HandIn, want: bool) -> tuple[bool, Claim | None]:
+        handed.append(hand_in)
+        return True, next(given, None) if want else None
+
+    model = misbehaving(behaviour="sleep", seconds=SECONDS, above=-9.0)
+    last = Errand(claim, runner, model, settings, worker().heart, early).run()
+    return [*handed, last]
+
+
+def particles(hand_in: HandIn) -> list[int]:
+    return [result.particle for result in hand_in.results]
+
+
+def test_the_next_claim_is_fetched_before_the_last_evaluation_ends(
+    runner: Runner, make_worker: MakeWorker, settings: Settings
+) -> None:
+    ahead = replace(CLAIM, particles=(4, 5), attempts=(1, 2))
+    first, second, last = run(CLAIM, runner, make_worker, settings, ahead)
+    assert (particles(first), first.partial, first.under_way()) == ([0], True, {1})
+    assert (particles(second), second.under_way()) == ([1, 4], {5})
+    assert (particles(last), last.partial, last.under_way()) == ([5], False, frozenset())
+    assert last.claim is not None
+    assert (last.claim.particles, last.claim.attempts) == ((1, 4, 5), (1, 1, 2))
+    seconds = [r.started_at for h in (first, second, last) for r in h.results]
+    assert seconds == sorted(seconds)
+
+
+def test_without_a_typical_time_nothing_is_fetched_ahead(
+    runner: Runner, make_worker: MakeWorker, settings: Settings
+) -> None:
+    unknown = replace(CLAIM, typical=None)
+    (only,) = run(unknown, runner, make_worker, settings.model_copy(update={"chunk_seconds": 30.0}), CLAIM)
+    assert particles(only) == [0, 1]
+
+
+def test_what_was_fetched_ahead_goes_back_when_the_worker_is_to_end(
+    runner: Runner, make_worker: MakeWorker, settings: Settings
+) -> None:
+    ahead = replace(CLAIM, particles=(4,), attempts=(1,), positions=np.array([[0.5]]))
+    worker = make_worker(grace_seconds=60.0)
+
+    def early(_: HandIn, want: bool) -> tuple[bool, Claim | None]:
+        worker.stopping.set()
+        return True, ahead if want else None
+
+    model = misbehaving(behaviour="sleep", seconds=SECONDS, above=-9.0)
+    last = Errand(CLAIM, runner, model, settings, worker.heart, early).run()
+    assert last.claim is not None
+    assert last.claim.particles == (1, 4)
+    assert particles(last) == [1]
