@@ -49,14 +49,16 @@ class SessionBook:
     def open(self, key: bytes, principal: Principal) -> str:
         """Begin a session of who has shown a valid key; return its token, which nobody can do again.
 
+        The principal has the id of the key.
+
         Raises
         ------
         StoreUnavailableError
         """
-        token = secrets.token_urlsafe(32)
+        token, key_id = secrets.token_urlsafe(32), principal.key_id or ""
 
         def work(connection: Connection) -> None:
-            sessions.insert_session(connection, _hash(token.encode()), principal.key_id, _hash(key), SESSION_SECONDS)
+            sessions.insert_session(connection, _hash(token.encode()), key_id, _hash(key), SESSION_SECONDS)
 
         self.store.write(work)
         return token
@@ -86,10 +88,9 @@ class SessionBook:
         if row is None:
             return None
         expires_at = to_datetime(row.expires_at)
-        if row.key_id is None:
-            if self._environment is None or not hmac.compare_digest(row.key_hash, self._environment[0]):
-                return None
-            return SessionView(self._environment[1], expires_at)
+        if self._environment is not None and row.key_id == self._environment[1].key_id:
+            same = hmac.compare_digest(row.key_hash, self._environment[0])
+            return SessionView(self._environment[1], expires_at) if same else None
         key = api_keys.find_key(connection, row.key_id)
         if key is None or key.state != "active" or not hmac.compare_digest(row.key_hash, key.hash):
             return None

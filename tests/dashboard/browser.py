@@ -32,7 +32,7 @@ class Guard:
 
     def check(self) -> None:
         left = [fault for fault in self.faults if not any(re.search(pattern, fault) for pattern in self.allowed)]
-        assert left == []
+        assert left == [], left
 
     def watch(self, context: BrowserContext) -> None:
         context.on("console", self._console)
@@ -95,4 +95,4 @@ def check_accessibility(page: Page) -> None:
         for violation in found
         if violation["impact"] in ("serious", "critical")
     ]
-    assert serious == []
+    assert serious == [], serious

@@ -91,7 +91,7 @@ Opened = tuple[Page, Guard]
 
 @pytest.fixture
 def visit(browser: Browser) -> Iterator[Callable[..., Opened]]:
-    """``page, guard = visit(site, "/", key=None, **context_options)``: a page in a profile of its own, signed in with ``key``."""
+    """``page, guard = visit(site, "/", key=None, **context_options)``: a page in a profile of its own."""
     with ExitStack() as contexts:
 
         def opened(site: Site, path: str = "/", key: str | None = None, **options: object) -> Opened:

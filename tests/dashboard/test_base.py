@@ -115,7 +115,7 @@ def test_a_plot_is_drawn_in_the_colours_of_the_theme(embedded: Site, visit: Visi
         await plot(document.getElementById("content"), make).draw();
     }"""
     page.evaluate(draw, page.locator("body").get_attribute("data-static"))
-    frame = page.get_by_role("img", name="Squares")
+    frame = page.get_by_role("figure", name="Squares")
     expect(frame.locator(".main-svg").first).to_be_visible()
     expect(frame.locator(".scatterlayer .js-line")).to_have_css("stroke", "rgb(0, 114, 178)")
     page.locator("#theme").click()

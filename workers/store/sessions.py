@@ -11,9 +11,7 @@ from workers.store.tables import sessions
 __all__ = ["delete_session", "find_session", "insert_session"]
 
 
-def insert_session(
-    connection: Connection, token_hash: str, key_id: str | None, key_hash: str, valid_seconds: float
-) -> None:
+def insert_session(connection: Connection, token_hash: str, key_id: str, key_hash: str, valid_seconds: float) -> None:
     """Enter a session that is valid for some time [s]; those that are over go."""
     connection.execute(delete(sessions).where(sessions.c.expires_at <= database_now()))
     values = {"hash": token_hash, "key_id": key_id, "key_hash": key_hash}

@@ -231,7 +231,7 @@ sessions = Table(
     "sessions",
     metadata,
     Column("hash", String(64), primary_key=True),  # SHA-256 of the token, which has 256 random bits
-    Column("key_id", String(16)),  # null: signed in with the key of the environment
+    Column("key_id", String(16), nullable=False),  # "environment" for the key that is not in the database
     Column("key_hash", String(64), nullable=False),  # of the key at sign-in: another key ends the session
     Column("created_at", Double, nullable=False),
     Column("expires_at", Double, nullable=False),

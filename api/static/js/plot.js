@@ -14,6 +14,7 @@ export function plotly() {
   });
   return loading;
 }
+if (document.body.dataset.plotly) plotly().catch(() => {}); // begin early; whoever draws is told of a failure
 
 /** A colour of tokens.css as the browser computes it now: `colour("--series-1")`. */
 export function colour(token) {
@@ -70,7 +71,7 @@ const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: [
  * {heading: values}, are the numbers as a table for who cannot see it. Returns {draw, remove}; `draw()` after new data.
  */
 export function plot(place, make) {
-  const frame = element("div", { class: "plot", role: "img" });
+  const frame = element("div", { class: "plot", role: "figure" });
   const table = element("details", { class: "plot-table", hidden: true }, element("summary", {}, "Numbers of this plot"));
   place.replaceChildren(frame, table);
   let shown = null;
