@@ -61,6 +61,7 @@ def test_a_job_is_seen_to_the_end_without_a_reload(embedded: Site, visit: Visit)
     view, _ = embedded.service.submit(parse_problem(line_problem(stopping={"max_evaluations": 600})))
     page, _ = visit(embedded, f"/jobs/{view.id}")
     expect(page.locator("h1 .state")).to_have_text("finished", timeout=30_000)
+    assert embedded.service.get(view.id).state == "finished"
 
 
 def test_a_page_that_is_not_there_says_so(embedded: Site, visit: Visit) -> None:
