@@ -1,17 +1,18 @@
-"""The HTTP side of geoswarm: routes, live events, problem details and a first dashboard, on top of ``workers``.
+"""The HTTP side of geoswarm: routes, live events, problem details and the dashboard, on top of ``workers``.
 
 ==============  ===============================================================================
 ``app``         :func:`create_app`: everything below put together
 ``settings``    API key, allowed hosts, limits
 ``server``      :func:`serve`: uvicorn on a port that is checked first, with a quick, graceful stop
 ``errors``      what goes wrong, as RFC 9457 problem details
-``gate``        API key, host and origin checks
+``gate``        API key, session, host and origin checks
+``assets``      static files and Plotly, compressed, kept by browsers
 ``headers``     security headers of every answer
 ``bodies``      reads a problem document from a request: size limit, media type, duplicate keys
 ``feed``        one poller a watched job, many listeners: the source of the event streams
 ``schemas``     the models of every response
 ``routes``      one module a resource
-``pages``       the HTML pages at ``/`` and ``/jobs/{id}``
+``pages``       the dashboard: one module a page; its scripts use the routes
 ==============  ===============================================================================
 """
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
-from fastapi.staticfiles import StaticFiles
 
+from api.assets import Assets
+from api.authentication import SESSION_COOKIE, Authenticator
 from api.errors import ProblemDetail, install_error_handlers
 from api.feed import EventFeed
-from api.gate import Gate
+from api.gate import SIGN_IN, Gate
 from api.observe import Observer, RequestMetrics
+from api.pages import error_page
 from api.pages import router as pages_router
 from api.routes import API_PREFIX, api_router, health_router, metrics_router
 from api.settings import ApiSettings
@@ -60,11 +61,13 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
     app.include_router(metrics_router)
     app.include_router(api_router)
     app.include_router(pages_router)
-    app.mount("/static", StaticFiles(directory=Path(__file__).parent / "static"), name="static")
-    app.add_middleware(Gate, settings=settings, service=service)
+    app.state.assets = Assets()
+    app.mount("/static", app.state.assets, name="static")
+    app.state.authenticator = Authenticator(settings, service)
+    app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)
     app.state.requests = RequestMetrics()
     app.add_middleware(Observer, metrics=app.state.requests)
-    install_error_handlers(app)
+    install_error_handlers(app, pages=error_page)
     app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]  # the framework's own way to extend the document
     return app
 
@@ -96,10 +99,12 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
         components["securitySchemes"] = {
             "bearer": {"type": "http", "scheme": "bearer"},
             "apiKey": {"type": "apiKey", "in": "header", "name": "X-API-Key"},
+            "session": {"type": "apiKey", "in": "cookie", "name": SESSION_COOKIE},
         }
         for path, operations in document["paths"].items():
-            for operation in operations.values():
-                operation["security"] = [{"bearer": []}, {"apiKey": []}] if path.startswith(KEYED) else []
+            for method, operation in operations.items():
+                keyed = path.startswith(KEYED) and (method.upper(), path) != SIGN_IN
+                operation["security"] = [{"bearer": []}, {"apiKey": []}, {"session": []}] if keyed else []
                 if "422" in operation["responses"]:  # replaces the framework's own form of errors
                     operation["responses"]["422"]["content"] = {
                         "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetail"}}

@@ -1,10 +1,12 @@
-"""Who sends a request: the API key in its headers, and whose it is."""
+"""Who sends a request: the API key in its headers or the session of a browser, and whose it is."""
 
 from __future__ import annotations
 
 import base64
 import binascii
 import hmac
+from dataclasses import dataclass
+from http.cookies import CookieError, SimpleCookie
 
 import anyio.to_thread
 from starlette.datastructures import Headers
@@ -15,14 +17,25 @@ from api.settings import ApiSettings
 from workers.access import LOCAL, Principal
 from workers.keys import KeyRing
 from workers.service import JobService
+from workers.sessions import SessionBook, SessionView
 
-__all__ = ["Authenticator"]
+__all__ = ["SESSION_COOKIE", "Authenticator", "Identity", "given_key", "given_token"]
+
+SESSION_COOKIE = "geoswarm_session"
 
 BOOTSTRAP = Principal(None, "admin", "environment")
 """Bearer of the key that the environment gives: the first administrator, who owns no jobs and sees all."""
 
 FAILURES_PER_SECOND = 0.5
 FAILURE_BURST = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Who sends a request; ``session`` when a browser's session says so, None with a key or without the need of one."""
+
+    principal: Principal
+    session: SessionView | None = None
 
 
 class Authenticator:
@@ -37,33 +50,57 @@ class Authenticator:
     """
 
     def __init__(self, settings: ApiSettings, service: JobService) -> None:
-        self._needed = settings.needs_key
+        self.needed = settings.needs_key
         self._static = settings.api_key.get_secret_value().encode() if settings.api_key else None
         self._service = service
+        self.sessions = SessionBook(service.store, None if self._static is None else (self._static, BOOTSTRAP))
         self._requests = RateLimiter(settings.requests_per_second, settings.request_burst)
         self._failures = RateLimiter(FAILURES_PER_SECOND, FAILURE_BURST)
 
-    async def principal(self, headers: Headers, address: str, challenge: str) -> Principal:
-        """Return who sends a request.
+    async def identify(self, headers: Headers, address: str, challenge: str) -> Identity:
+        """Return who sends a request; a key in its headers wins over a session.
 
         Raises
         ------
         DetailError
-            401 without a valid key, 429 when there were too many requests.
+            401 without a valid key or session, 429 when there were too many requests.
         StoreUnavailableError
             When keys cannot be looked up.
         """
-        if not self._needed:
-            return LOCAL
-        given = given_key(headers)
-        found = None if given is None else await self._find(given)
+        if not self.needed:
+            return Identity(LOCAL)
+        key, token = given_key(headers), given_token(headers)
+        if key is None and token is not None:
+            session = await anyio.to_thread.run_sync(self.sessions.find, token)
+            if session is None:
+                raise unauthorized("This session is over; an API key is needed.", challenge)
+            found = Identity(session.principal, session)
+        elif key is None:
+            raise unauthorized("An API key is needed.", challenge)
+        else:
+            found = Identity(await self.holder(key, address, challenge))
+        self._meter(found.principal)
+        return found
+
+    async def holder(self, key: bytes, address: str, challenge: str) -> Principal:
+        """Return whose key it is; who guesses is slowed down.
+
+        Raises
+        ------
+        DetailError, StoreUnavailableError
+        """
+        found = await self._find(key)
         if found is None:
-            wait = None if given is None else self._failures.take(address)
-            raise self._unauthorized(given, challenge) if wait is None else _too_many(wait)
-        wait = self._requests.take(found.key_id or "")
+            wait = self._failures.take(address)
+            raise (
+                unauthorized("This API key is not valid, or no longer.", challenge) if wait is None else _too_many(wait)
+            )
+        return found
+
+    def _meter(self, principal: Principal) -> None:
+        wait = self._requests.take(principal.key_id or "")
         if wait is not None:
             raise _too_many(wait)
-        return found
 
     async def _find(self, given: bytes) -> Principal | None:
         if self._static is not None and hmac.compare_digest(given, self._static):
@@ -77,15 +114,15 @@ class Authenticator:
     def _look_up(self, key: str) -> Principal | None:
         return KeyRing(self._service.store).principal(key)
 
-    @staticmethod
-    def _unauthorized(given: bytes | None, challenge: str) -> DetailError:
-        detail = "An API key is needed." if given is None else "This API key is not valid, or no longer."
-        return DetailError(
-            401,
-            f"{detail} Send it as 'Authorization: Bearer KEY' or 'X-API-Key: KEY'.",
-            kind="unauthorized",
-            headers={"WWW-Authenticate": challenge},
-        )
+
+def unauthorized(reason: str, challenge: str) -> DetailError:
+    """The answer to who is not known."""
+    return DetailError(
+        401,
+        f"{reason} Send it as 'Authorization: Bearer KEY' or 'X-API-Key: KEY'; browsers sign in at /sign-in.",
+        kind="unauthorized",
+        headers={"WWW-Authenticate": challenge},
+    )
 
 
 def _too_many(wait: int) -> DetailError:
@@ -111,3 +148,12 @@ def given_key(headers: Headers) -> bytes | None:
         except (binascii.Error, ValueError):
             return b""
     return None
+
+
+def given_token(headers: Headers) -> str | None:
+    """Return the token of the session that a browser brings, None when it brings none."""
+    try:
+        morsel = SimpleCookie(headers.get("cookie", "")).get(SESSION_COOKIE)
+    except CookieError:
+        return None
+    return None if morsel is None else morsel.value

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import logging
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
@@ -203,27 +203,38 @@ TRANSLATED: tuple[type[Exception], ...] = (
 )
 
 
-def install_error_handlers(app: FastAPI) -> None:
-    """Make the application answer every error with a problem detail."""
+def wants_page(request: Request) -> bool:
+    """Whether a browser asks for a page, so that an error should be one, too."""
+    return not request.url.path.startswith("/api/") and "text/html" in request.headers.get("accept", "")
 
-    async def known(_: Request, error: Exception) -> JSONResponse:
-        return detail_response(translate(error))
 
-    async def http(request: Request, error: Exception) -> JSONResponse:
+def install_error_handlers(app: FastAPI, pages: Callable[[Request, DetailError], Response]) -> None:
+    """Make the application answer every error with a problem detail, or with a page where a page was asked for.
+
+    ``pages`` builds the page of an error.
+    """
+
+    def told(request: Request, error: DetailError) -> Response:
+        return pages(request, error) if wants_page(request) else detail_response(error)
+
+    async def known(request: Request, error: Exception) -> Response:
+        return told(request, translate(error))
+
+    async def http(request: Request, error: Exception) -> Response:
         found = translate(error)
         if found.status == 404:
             found.detail = f"There is nothing at {request.url.path}. The routes are listed in /openapi.json."
         elif found.status == 405:
             allowed = found.headers.get("allow") or found.headers.get("Allow") or "other methods"
             found.detail = f"{request.method} is not possible at {request.url.path}; possible: {allowed}."
-        return detail_response(found)
+        return told(request, found)
 
     async def unexpected(request: Request, error: Exception) -> JSONResponse:
         occurrence = f"urn:uuid:{uuid.uuid4()}"
         logger.error("unexpected error %s at %s %s", occurrence, request.method, request.url.path, exc_info=error)
         detail = "Something went wrong in the service. The log has the cause under the given instance."
         response = detail_response(DetailError(500, detail), instance=occurrence)
-        add_security_headers(response.headers, request.url.path)  # this answer does not pass the gate
+        add_security_headers(response.headers)  # this answer does not pass the gate
         return response
 
     for kind in TRANSLATED:

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from urllib.parse import urlsplit
+from urllib.parse import quote, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from api.authentication import Authenticator
+from api.authentication import Authenticator, Identity, given_key
 from api.errors import DetailError, detail_response, translate
 from api.headers import add_security_headers
 from api.settings import LOOPBACK_HOSTS, ApiSettings
-from workers.access import Principal
 from workers.errors import StoreUnavailableError
-from workers.service import JobService
 
-__all__ = ["Gate"]
+__all__ = ["SIGN_IN", "Gate"]
 
 OPEN_PREFIXES = ("/health/", "/static/")
-OPEN_PATHS = frozenset({"/openapi.json"})
+OPEN_PATHS = frozenset({"/openapi.json", "/sign-in"})
+SIGN_IN = ("POST", "/api/v1/session")
+FOR_PROGRAMS = ("/api/", "/metrics", "//")  # answered with 401, not sent to the page for signing in
+OWN_HEADER = "x-requested-with"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
@@ -31,16 +33,18 @@ class Gate:
       and a service without a key must not be usable from foreign pages.
     - With API keys, everything except health, static files and /openapi.json asks for one: ``Authorization: Bearer
       KEY``, ``X-API-Key: KEY``, or, for browsers, HTTP Basic with the key as the password.
+    - Pages send a browser that has not signed in to ``/sign-in``. Its session is a cookie, so what changes something
+      needs a header of our own beside it, which foreign pages cannot set.
     - What changes something, or makes the service calculate, needs the role ``submit``.
 
-    The principal is in ``request.state.principal``.
+    The principal is in ``request.state.principal``, who it is more fully in ``request.state.identity``.
     """
 
-    def __init__(self, app: ASGIApp, settings: ApiSettings, service: JobService) -> None:
+    def __init__(self, app: ASGIApp, settings: ApiSettings, authenticator: Authenticator) -> None:
         self._app = app
         self._keyless = not settings.needs_key
         self._hosts = LOOPBACK_HOSTS | settings.allowed_hosts
-        self._authenticator = Authenticator(settings, service)
+        self._authenticator = authenticator
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -49,19 +53,22 @@ class Gate:
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                add_security_headers(MutableHeaders(scope=message), scope["path"])
+                add_security_headers(MutableHeaders(scope=message))
             await send(message)
 
         try:
-            principal = await self._admit(scope, Headers(scope=scope))
+            identity = await self._admit(scope, Headers(scope=scope))
         except (DetailError, StoreUnavailableError) as refusal:
-            await detail_response(translate(refusal))(scope, receive, send_with_headers)
+            response: Response = detail_response(translate(refusal))
+            if _sends_to_sign_in(scope, refusal):
+                response = RedirectResponse(f"/sign-in?next={quote(_asked(scope), safe='/')}", status_code=303)
+            await response(scope, receive, send_with_headers)
             return
-        if principal is not None:
-            scope.setdefault("state", {})["principal"] = principal
+        if identity is not None:
+            scope.setdefault("state", {}).update(principal=identity.principal, identity=identity)
         await self._app(scope, receive, send_with_headers)
 
-    async def _admit(self, scope: Scope, headers: Headers) -> Principal | None:
+    async def _admit(self, scope: Scope, headers: Headers) -> Identity | None:
         """Return who asks, None for what everybody may see; raise DetailError for what is refused."""
         method, path = scope["method"], scope["path"]
         host = headers.get("host", "")
@@ -80,19 +87,44 @@ class Gate:
                 kind="origin-refused",
                 title="Origin refused",
             )
-        if path in OPEN_PATHS or path.startswith(OPEN_PREFIXES):
+        if path in OPEN_PATHS or path.startswith(OPEN_PREFIXES) or (method, path) == SIGN_IN:
             return None
         challenge = 'Bearer realm="geoswarm"' if path.startswith("/api/") else 'Basic realm="geoswarm", charset="UTF-8"'
         client = scope.get("client")
-        principal = await self._authenticator.principal(headers, client[0] if client else "", challenge)
-        if method not in SAFE_METHODS and not principal.may("submit"):
+        identity = await self._authenticator.identify(headers, client[0] if client else "", challenge)
+        if method in SAFE_METHODS:
+            return identity
+        if identity.session is not None and not headers.get(OWN_HEADER):
             raise DetailError(
                 403,
-                f"This API key has the role {principal.role!r}; {method} needs 'submit' or 'admin'.",
+                f"{method} with a session needs the header X-Requested-With (any value); only own pages can send it.",
+                kind="origin-refused",
+                title="Origin refused",
+            )
+        if path != SIGN_IN[1] and not identity.principal.may("submit"):  # whoever signed in may sign out
+            raise DetailError(
+                403,
+                f"This API key has the role {identity.principal.role!r}; {method} needs 'submit' or 'admin'.",
                 kind="role-refused",
                 title="Role refused",
             )
-        return principal
+        return identity
+
+
+def _sends_to_sign_in(scope: Scope, refusal: Exception) -> bool:
+    """Whether a browser that wants a page has to sign in first."""
+    return (
+        isinstance(refusal, DetailError)
+        and refusal.status == 401
+        and scope["method"] in ("GET", "HEAD")
+        and not scope["path"].startswith(FOR_PROGRAMS)
+        and given_key(Headers(scope=scope)) is None
+    )
+
+
+def _asked(scope: Scope) -> str:
+    query = scope.get("query_string", b"").decode("latin-1")
+    return f"{scope['path']}?{query}" if query else str(scope["path"])
 
 
 def _host_name(host: str) -> str:

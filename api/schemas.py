@@ -9,7 +9,7 @@ import math
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
 __all__ = [
     "Attempt",
@@ -33,6 +33,8 @@ __all__ = [
     "Response",
     "Retry",
     "Series",
+    "Session",
+    "SignIn",
     "TestRun",
     "Worker",
     "WorkerList",
@@ -296,3 +298,21 @@ class Health(Model):
 
     status: Literal["ok", "unavailable"]
     dependencies: dict[str, str] = Field(description="ok, embedded, or why it cannot be used")
+
+
+class SignIn(BaseModel):
+    """What a browser signs in with."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    key: SecretStr = Field(min_length=1, max_length=500, description="an API key")
+
+
+class Session(BaseModel):
+    """Who asks, and what they may."""
+
+    owner: str | None = Field(description="whose jobs are shown; null: nobody's, as submitted without a key")
+    role: Literal["read", "submit", "admin"]
+    key_needed: bool = Field(description="whether this service asks for API keys")
+    signed_in: bool = Field(description="whether a session's cookie was used")
+    expires_at: datetime | None = Field(description="end of the session")

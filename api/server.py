@@ -13,6 +13,7 @@ from types import FrameType
 import uvicorn
 
 from api.app import create_app
+from api.assets import Assets
 from api.errors import PortInUseError
 from api.feed import EventFeed
 from api.settings import ApiSettings
@@ -61,8 +62,15 @@ def bind(host: str, port: int) -> socket.socket:
 class Server(uvicorn.Server):
     """uvicorn that ends event streams first when it stops, and returns to its caller after a signal."""
 
-    def __init__(self, config: uvicorn.Config, feed: EventFeed, on_started: Callable[[], None] | None = None) -> None:
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        feed: EventFeed,
+        assets: Assets,
+        on_started: Callable[[], None] | None = None,
+    ) -> None:
         super().__init__(config)
+        self._assets = assets
         self._feed = feed
         self._on_started = on_started
 
@@ -70,6 +78,7 @@ class Server(uvicorn.Server):
         await super().startup(sockets)
         if self.started and self._on_started is not None:
             self._on_started()
+        threading.Thread(target=self._assets.prepare, name="prepare assets", daemon=True).start()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._feed.close()
@@ -148,7 +157,7 @@ def build_server(
         timeout_graceful_shutdown=GRACE_SECONDS,
     )
     url = base_url(listener)
-    return Server(config, app.state.feed, None if on_started is None else lambda: on_started(url))
+    return Server(config, app.state.feed, app.state.assets, None if on_started is None else lambda: on_started(url))
 
 
 def base_url(listener: socket.socket) -> str:

@@ -12,6 +12,7 @@ from api.routes import (
     metrics,
     problems,
     results,
+    session,
     statistics,
     uncertainty,
     workers,
@@ -22,7 +23,7 @@ __all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 API_PREFIX = "/api/v1"
 
 api_router = APIRouter(prefix=API_PREFIX)
-for module in (jobs, results, statistics, uncertainty, events, problems, forward_models, workers):
+for module in (jobs, results, statistics, uncertainty, events, problems, forward_models, workers, session):
     api_router.include_router(module.router)
 health_router = health.router
 metrics_router = metrics.router

@@ -57,13 +57,15 @@ def test_a_wrong_key_does_not(guarded: App, headers: dict[str, str]) -> None:
     assert answer.status_code == 401
 
 
-def test_pages_ask_browsers_for_the_key(guarded: App) -> None:
+def test_pages_send_browsers_to_the_sign_in(guarded: App) -> None:
     answer = guarded.get("/")
-    assert answer.status_code == 401
-    assert answer.headers["www-authenticate"].startswith("Basic")
+    assert (answer.status_code, answer.headers["location"]) == (303, "/sign-in?next=/")
+    wrong = guarded.get("/", headers={"Authorization": basic("wrong")})
+    assert wrong.status_code == 401
+    assert wrong.headers["www-authenticate"].startswith("Basic")
 
 
-@pytest.mark.parametrize("path", ["/health/live", "/health/ready", "/openapi.json", "/static/style.css"])
+@pytest.mark.parametrize("path", ["/health/live", "/health/ready", "/openapi.json", "/static/css/base.css", "/sign-in"])
 def test_health_and_what_is_no_secret_stay_open(guarded: App, path: str) -> None:
     assert guarded.get(path).status_code == 200
 

@@ -5,7 +5,9 @@ from datetime import UTC, datetime
 
 import pytest
 
-from api.pages import LEFT, PLOT_WIDTH, RIGHT, convergence, number
+from api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
+from api.pages.shell import number
+from api.pages.sign_in import own_address
 from tests.api.conftest import API, App, line_problem
 from workers.views import GenerationView
 
@@ -22,7 +24,7 @@ def test_no_jobs_says_how_to_submit_one(app: App) -> None:
 def test_a_waiting_job_is_followed_live(app: App) -> None:
     job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
     page = app.get(f"/jobs/{job}").text
-    assert f'data-events="{API}/jobs/{job}/events"' in page
+    assert f'data-job="{job}" data-state="queued"' in page
     assert "No successful evaluation yet." in page
 
 
@@ -35,11 +37,23 @@ def test_names_are_escaped(app: App) -> None:
 
 def test_pages_load_nothing_from_elsewhere_and_have_no_inline_script_or_style(app: App) -> None:
     job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
-    for path in ("/", f"/jobs/{job}"):
+    for path in (
+        "/",
+        "/new",
+        f"/new?from={job}",
+        f"/compare?job={job}&job={job}",
+        "/workers",
+        "/sign-in",
+        f"/jobs/{job}",
+        f"/jobs/{job}/statistics",
+        f"/jobs/{job}/mesh",
+    ):
         text = app.get(path).text
         links = re.findall(r'(?:src|href)="([^"]+)"', text)
         assert links
-        assert all(link.startswith("/") for link in links)
+        assert all(link.startswith(("/", "#")) for link in links)
+        assert "<style" not in text
+        assert re.findall(r"<script(?! src=)", text) == []
         assert "style=" not in text
         for own in (link for link in links if link.startswith("/static/")):
             assert app.get(own).status_code == 200
@@ -74,3 +88,42 @@ def test_nothing_to_draw(views: list[GenerationView]) -> None:
 
 def test_numbers_for_readers() -> None:
     assert (number(None), number(0.000123456), number(12.0)) == ("–", "0.0001235", "12")
+
+
+@pytest.mark.parametrize(
+    "path", ["/jobs/nobody", "/jobs/nobody/statistics", "/compare?job=nobody", "/new?from=nobody", "/x"]
+)
+def test_browsers_get_errors_as_pages_and_programs_as_problem_details(app: App, path: str) -> None:
+    page = app.get(path, headers={"Accept": "text/html,*/*"})
+    assert (page.status_code, page.headers["content-type"]) == (404, "text/html; charset=utf-8")
+    assert "To the jobs" in page.text
+    assert app.get(path).headers["content-type"] == "application/problem+json"
+
+
+def test_only_pages_with_plots_allow_inline_styles(app: App) -> None:
+    job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    for path, inline in (
+        ("/", False),
+        ("/sign-in", False),
+        ("/workers", False),
+        (f"/jobs/{job}", True),
+        ("/new", True),
+    ):
+        policy = app.get(path).headers["content-security-policy"]
+        assert ("'unsafe-inline'" in policy) is inline, path
+        assert "script-src 'self';" in policy
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ("/jobs/x?a=b", True),
+        ("//evil.example", False),
+        ("https://evil.example", False),
+        ("/\\evil.example", False),
+        ("/\tx", False),
+        ("", False),
+    ],
+)
+def test_signing_in_goes_on_to_own_pages_only(given: str, kept: bool) -> None:
+    assert own_address(given) == (given if kept else "/")

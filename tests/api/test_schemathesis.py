@@ -85,6 +85,8 @@ def check_answers(world: World, who: str, examples: int) -> int:
             text = answer.content.decode("utf-8", "replace")
             assert answer.status_code < 500, (case.method, case.path, text[:500])
             assert SECRET not in text, (case.method, case.path)
+            if case.path.endswith("/session"):  # signing in is open to everybody; it has its own tests
+                return
             if who in ("nobody", "nothing") and case.path.startswith("/api"):
                 assert answer.status_code in (401, 429), (case.method, case.path, answer.status_code)
             if who == "reader" and case.method not in ("GET", "HEAD"):

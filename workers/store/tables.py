@@ -30,6 +30,7 @@ __all__ = [
     "generations",
     "jobs",
     "metadata",
+    "sessions",
     "workers",
 ]
 
@@ -225,6 +226,18 @@ api_keys = Table(
     Column("revoked_at", Double),
     Column("used_at", Double),
 )
+
+sessions = Table(
+    "sessions",
+    metadata,
+    Column("hash", String(64), primary_key=True),  # SHA-256 of the token, which has 256 random bits
+    Column("key_id", String(16), nullable=False),  # "environment" for the key that is not in the database
+    Column("key_hash", String(64), nullable=False),  # of the key at sign-in: another key ends the session
+    Column("created_at", Double, nullable=False),
+    Column("expires_at", Double, nullable=False),
+    Index("ix_sessions_expires_at", "expires_at"),
+)
+"""Browsers that are signed in."""
 
 counters = Table(
     "counters",

@@ -1,0 +1,76 @@
+"""What all pages share: the templates, their words, and how one is rendered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from fastapi import Request
+from fastapi.responses import HTMLResponse
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+
+from api.assets import PLOTLY
+from api.authentication import Identity
+from api.errors import DetailError
+from api.feed import ENDED_STATES
+from api.headers import PLOT_POLICY
+from workers.views import JobView
+
+__all__ = ["error_page", "number", "progress", "render"]
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number for readers; a dash for None."""
+    return "–" if value is None else f"{value:.{digits}g}"
+
+
+def progress(job: JobView) -> float | None:
+    """Share of the planned evaluations, from 0 to 1; None without a plan."""
+    return min(job.evaluations / job.max_evaluations, 1.0) if job.max_evaluations else None
+
+
+templates = Environment(
+    loader=FileSystemLoader(Path(__file__).parents[1] / "templates"),
+    autoescape=select_autoescape(),
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+templates.filters["number"] = number
+templates.globals.update(progress=progress, ended_states=ENDED_STATES)
+
+
+def render(request: Request, view: str, *, plots: bool = False, status: int = 200, **words: Any) -> HTMLResponse:
+    """Render ``templates/VIEW.html``, whose module is ``static/js/VIEW.js``.
+
+    Parameters
+    ----------
+    view
+        Name of the template and of its module and style.
+    plots
+        Whether Plotly is used, which needs inline styles allowed.
+    words
+        What the template names beside ``static``, ``plotly``, ``view``, ``owner``, ``is_admin`` and ``signed_in``.
+    """
+    identity: Identity | None = getattr(request.state, "identity", None)
+    static = request.app.state.assets.base
+    text = templates.get_template(f"{view}.html").render(
+        view=view,
+        static=static,
+        plotly=f"{static}/{PLOTLY}" if plots else None,
+        known=identity is not None,
+        owner=None if identity is None else identity.principal.owner,
+        is_admin=identity is not None and identity.principal.may("admin"),
+        may_submit=identity is not None and identity.principal.may("submit"),
+        signed_in=identity is not None and identity.session is not None,
+        **words,
+    )
+    headers = {"Content-Security-Policy": PLOT_POLICY} if plots else None
+    return HTMLResponse(text, status_code=status, headers=headers)
+
+
+def error_page(request: Request, error: DetailError) -> HTMLResponse:
+    """The page that says what went wrong."""
+    response = render(request, "error", status=error.status, problem=error)
+    response.headers.update(error.headers)
+    return response

@@ -1,0 +1,19 @@
+"""What is identified, and how well."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+
+from api.dependencies import JobId, Service
+from api.pages.shell import render
+
+__all__ = ["router"]
+
+router = APIRouter()
+
+
+@router.get("/jobs/{job_id}/statistics", name="statistics_page")
+def statistics_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
+    """Show the statistics of a job."""
+    return render(request, "statistics", plots=True, job=service.get(job_id))

@@ -1,0 +1,83 @@
+// Small helpers for elements, dialogs and messages.
+
+/**
+ * An element: `element("button", {type: "button", class: "quiet", onclick: act, dataset: {job: id}}, "Pause")`.
+ * Properties with on… are listeners; true sets an empty attribute; false, null and undefined set none.
+ * Children are nodes or text (never markup), in lists of any depth; null and false are left out.
+ */
+export function element(name, properties = {}, ...children) {
+  return filled(document.createElement(name), properties, children);
+}
+
+/** The same for SVG. */
+export function svg(name, properties = {}, ...children) {
+  return filled(document.createElementNS("http://www.w3.org/2000/svg", name), properties, children);
+}
+
+function filled(made, properties, children) {
+  for (const [key, value] of Object.entries(properties)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key === "dataset") Object.assign(made.dataset, value);
+    else if (key === "style") for (const [what, how] of Object.entries(value)) made.style.setProperty(what, how);
+    else if (key === "value" || key === "checked" || key === "selected") made[key] = value;
+    else made.setAttribute(key, value === true ? "" : String(value));
+  }
+  made.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return made;
+}
+
+/** Say something to everybody, screen readers too; it goes after some seconds. */
+export function announce(text, seconds = 6) {
+  const place = document.getElementById("status");
+  place.textContent = text;
+  clearTimeout(announce.timer);
+  announce.timer = setTimeout(() => { place.textContent = ""; }, 1000 * seconds);
+}
+
+/** Show that the connection is lost (a text) or there again (null). */
+export function connection(text) {
+  const place = document.getElementById("connection");
+  place.textContent = text ?? "";
+  place.hidden = text === null;
+}
+
+/** A message in the place of what could not be shown. */
+export function failure(error) {
+  return element("p", { class: "error", role: "alert" }, error.message);
+}
+
+/** What stands where there is nothing yet. */
+export function empty(...children) {
+  return element("p", { class: "empty" }, ...children);
+}
+
+let dialogs = 0;
+
+/** A modal dialog with a title; returns it opened. It is closed by Escape, its button, or `.close()`, and then removed. */
+export function dialog(title, ...children) {
+  const id = `dialog-${++dialogs}`;
+  const made = element("dialog", { "aria-labelledby": id }, element("h2", { id }, title), ...children);
+  made.append(element("div", { class: "buttons" }, element("button", { type: "button", class: "quiet", onclick: () => made.close() }, "Close")));
+  made.addEventListener("close", () => made.remove());
+  document.body.append(made);
+  made.showModal();
+  return made;
+}
+
+/** Ask before something that cannot be undone; a promise of true or false. */
+export function confirmed(question, yes) {
+  return new Promise((resolve) => {
+    const id = `dialog-${++dialogs}`;
+    const made = element(
+      "dialog", { "aria-labelledby": id },
+      element("p", { id }, question),
+      element("div", { class: "buttons" },
+        element("button", { type: "button", class: "danger", onclick: () => made.close("yes") }, yes),
+        element("button", { type: "button", class: "quiet", autofocus: true, onclick: () => made.close("") }, "No")),
+    );
+    made.addEventListener("close", () => { made.remove(); resolve(made.returnValue === "yes"); });
+    document.body.append(made);
+    made.showModal();
+  });
+}

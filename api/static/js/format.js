@@ -1,0 +1,59 @@
+// Numbers, units and times for readers.
+
+/** A number with so many significant digits, `1.2e-5` where that is shorter; a dash for what is not a number. */
+export function number(value, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e-3 && size < 1e6) return String(Number(value.toPrecision(digits)));
+  const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+  return `${Number(mantissa)}e${Number(exponent)}`;
+}
+
+/** A whole number with thin spaces: 20 000. */
+export function count(value) {
+  return value === null || value === undefined ? "–" : String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}
+
+/** A share from 0 to 1 in per cent. */
+export function percent(share, digits = 0) {
+  return Number.isFinite(share) ? `${(100 * share).toFixed(digits)} %` : "–";
+}
+
+/** A label with its unit: `settlement [mm]`; units of one ("", "1", "-") are left out. */
+export function withUnit(label, unit) {
+  return unit && unit !== "1" && unit !== "-" ? `${label} [${unit}]` : label;
+}
+
+/** A duration [s] as one reads it: 0.8 s, 42 s, 3 min 5 s, 2 h 10 min, 3 d 4 h. */
+export function duration(seconds) {
+  if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return "–";
+  if (seconds < 10) return `${number(seconds, 2)} s`;
+  const whole = Math.round(seconds);
+  const steps = [["d", 86400], ["h", 3600], ["min", 60], ["s", 1]];
+  const first = steps.findIndex(([, size]) => whole >= size);
+  const [unit, size] = steps[first];
+  const next = steps[first + 1];
+  const rest = next ? Math.floor((whole % size) / next[1]) : 0;
+  return `${Math.floor(whole / size)} ${unit}` + (rest ? ` ${rest} ${next[0]}` : "");
+}
+
+/** How long ago a timestamp of the service (ISO 8601, UTC) was. */
+export function age(timestamp, now = Date.now()) {
+  if (!timestamp) return "–";
+  const seconds = Math.max(0, (now - new Date(timestamp).getTime()) / 1000);
+  return seconds < 5 ? "just now" : `${duration(seconds < 60 ? seconds : seconds - (seconds % 60))} ago`;
+}
+
+/** A timestamp in the reader's own time zone. */
+export function moment(timestamp) {
+  return timestamp ? new Date(timestamp).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "medium" }) : "–";
+}
+
+const SYMBOLS = { lambda_star: "λ*", kappa_star: "κ*", mu_star: "μ*", phi: "φ", psi: "ψ", nu_ur: "ν_ur" };
+
+/** A parameter's label in the field's letters; names with a part before a dot keep it. */
+export function symbol(name) {
+  const cut = name.lastIndexOf(".") + 1;
+  return name.slice(0, cut) + (SYMBOLS[name.slice(cut)] ?? name.slice(cut));
+}

@@ -1,0 +1,1 @@
+// Slope, mesh and displacements of a job.

@@ -1,0 +1,111 @@
+// Plotly, loaded once and dressed in the page's colours; plots that follow the theme and can be read as a table.
+import { element } from "./dom.js";
+import { number } from "./format.js";
+
+let loading = null;
+
+/** Plotly, loaded when it is first needed. */
+export function plotly() {
+  loading ??= new Promise((resolve, reject) => {
+    const script = element("script", { src: document.body.dataset.plotly });
+    script.addEventListener("load", () => resolve(window.Plotly));
+    script.addEventListener("error", () => reject(new Error("The plots could not be loaded; reload the page.")));
+    document.head.append(script);
+  });
+  return loading;
+}
+if (document.body.dataset.plotly) plotly().catch(() => {}); // begin early; whoever draws is told of a failure
+
+/** A colour of tokens.css as the browser computes it now: `colour("--series-1")`. */
+export function colour(token) {
+  const probe = element("span", { hidden: true, style: { color: `var(${token})` } });
+  document.body.append(probe);
+  const value = getComputedStyle(probe).color;
+  probe.remove();
+  return value;
+}
+
+/** The series' colours, told apart by all eyes; `dash` and `symbol` tell them apart without any. */
+export function palette() {
+  return [1, 2, 3, 4, 5, 6].map((i) => colour(`--series-${i}`));
+}
+export const DASHES = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
+export const SYMBOLS = ["circle", "square", "diamond", "cross", "triangle-up", "star"];
+
+const merged = (base, over) => {
+  const result = { ...base };
+  for (const [key, value] of Object.entries(over ?? {})) {
+    const both = [value, base[key]].every((one) => one && typeof one === "object" && !Array.isArray(one));
+    result[key] = both ? merged(base[key], value) : value;
+  }
+  return result;
+};
+
+function dressed(layout) {
+  const [ink, grid, edge, muted] = ["--ink", "--plot-grid", "--edge", "--muted"].map(colour);
+  const axis = {
+    gridcolor: grid, linecolor: edge, zerolinecolor: grid, tickcolor: edge, showline: true, ticks: "outside",
+    automargin: true, exponentformat: "power", title: { standoff: 8 },
+  };
+  const base = {
+    font: { family: "system-ui, sans-serif", size: 12, color: ink },
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", colorway: palette(),
+    margin: { l: 56, r: 16, t: 16, b: 48 },
+    legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { color: ink } },
+    hoverlabel: { bgcolor: colour("--raised"), bordercolor: edge, font: { color: ink } },
+    modebar: { bgcolor: "rgba(0,0,0,0)", color: muted, activecolor: ink },
+    hovermode: "closest",
+  };
+  const dress = merged(base, layout);
+  for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout ?? {}).filter((key) => /^[xy]axis\d*$/.test(key))])) {
+    dress[name] = merged(axis, layout?.[name]);
+  }
+  return dress;
+}
+
+const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"], showSendToCloud: false };
+
+/**
+ * A plot in `place`. `make()` returns {data, layout, config?, label, columns?}: it is called again for every theme, so it
+ * takes its colours from `palette()` and `colour()`. `label` says in one sentence what is to be seen; `columns`,
+ * {heading: values}, are the numbers as a table for who cannot see it. Returns {draw, remove}; `draw()` after new data.
+ */
+export function plot(place, make) {
+  const frame = element("div", { class: "plot", role: "figure" });
+  const table = element("details", { class: "plot-table", hidden: true }, element("summary", {}, "Numbers of this plot"));
+  place.replaceChildren(frame, table);
+  let shown = null;
+  const onTheme = () => draw();
+  table.addEventListener("toggle", () => { if (table.open && shown?.columns) fillTable(table, shown.columns); });
+  document.addEventListener("themechange", onTheme);
+
+  async function draw() {
+    const Plotly = await plotly();
+    shown = make();
+    frame.setAttribute("aria-label", shown.label);
+    table.hidden = !shown.columns;
+    if (table.open && shown.columns) fillTable(table, shown.columns);
+    await Plotly.react(frame, shown.data, dressed(shown.layout), { ...CONFIG, ...shown.config });
+    return frame;
+  }
+
+  function remove() {
+    document.removeEventListener("themechange", onTheme);
+    window.Plotly?.purge(frame);
+    place.replaceChildren();
+  }
+  return { draw, remove, frame };
+}
+
+const MOST_ROWS = 500;
+
+function fillTable(details, columns) {
+  const names = Object.keys(columns);
+  const length = Math.max(0, ...names.map((name) => columns[name].length));
+  const cell = (value) => element("td", { class: typeof value === "number" ? "n" : null }, typeof value === "number" ? number(value, 6) : String(value ?? "–"));
+  const rows = Array.from({ length: Math.min(length, MOST_ROWS) }, (_, i) => element("tr", {}, names.map((name) => cell(columns[name][i]))));
+  details.querySelector(".wide")?.remove();
+  details.append(element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Numbers of the plot" },
+    element("table", {}, element("thead", {}, element("tr", {}, names.map((name) => element("th", { scope: "col" }, name)))), element("tbody", {}, rows)),
+    length > MOST_ROWS ? element("p", { class: "help" }, `The first ${MOST_ROWS} of ${length} rows.`) : null));
+}

@@ -1,0 +1,24 @@
+// Signing in: the key goes to the service once, and is not kept here.
+import { post } from "./http.js";
+
+const form = document.getElementById("sign-in");
+form?.addEventListener("submit", async (event) => {
+  event.preventDefault();
+  const field = form.elements.key, place = document.getElementById("key-error"), button = form.querySelector("button");
+  const say = (text) => {
+    place.textContent = text;
+    field.setAttribute("aria-invalid", String(Boolean(text)));
+    if (text) field.focus();
+  };
+  const key = field.value.trim();
+  if (!key) return say("Enter the API key.");
+  button.disabled = true;
+  say("");
+  try {
+    await post("/session", { key });
+    location.assign(document.querySelector("main").dataset.next);
+  } catch (error) {
+    say(error.status === 401 ? "This key is not valid, or no longer." : error.message);
+  }
+  button.disabled = false;
+});

@@ -1,0 +1,106 @@
+"""Servers for the dashboard, embedded and complete, and a browser.
+
+The fixtures live as long as the tests of this folder: Playwright keeps an event loop in the main thread, beside which
+tests elsewhere could not run their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from api import ApiSettings
+from tests.api.conftest import LiveServer, live_server
+from tests.dashboard.browser import Guard, chromium, guarded_context
+from tests.integration.engines import celery_workers
+from tests.servers import PostgresServer, RedisServer
+from workers.engine import open_engine
+from workers.keys import KeyRing
+from workers.service import JobService
+from workers.settings import Settings
+
+
+@dataclass
+class Site:
+    """A running service; ``restart`` stops its api process and starts it again at the same address."""
+
+    service: JobService
+    settings: ApiSettings
+    server: LiveServer
+
+    @property
+    def url(self) -> str:
+        return self.server.url
+
+    def key(self, owner: str, role: str = "submit") -> str:
+        """A new API key."""
+        return KeyRing(self.service.store).create(owner, role)[0]  # type: ignore[arg-type]
+
+    def stop(self) -> None:
+        """Stop the api, workers go on."""
+        self.server.stop()
+
+    def start(self) -> None:
+        """Start the api again where it was."""
+        port = int(self.server.url.rpartition(":")[2])
+        self.server = LiveServer(self.service, self.settings, port)
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Browser]:
+    with chromium() as running:
+        yield running
+
+
+@pytest.fixture(scope="package")
+def embedded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    """What `geoswarm serve` starts: SQLite, one worker process, no key."""
+    folder: Path = tmp_path_factory.mktemp("embedded")
+    api = ApiSettings(poll_seconds=0.05)
+    with (
+        open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1)) as engine,
+        live_server(engine.service, api) as server,
+    ):
+        yield Site(engine.service, api, server)
+
+
+@pytest.fixture(scope="package")
+def full(postgres_server: PostgresServer, redis_server: RedisServer) -> Iterator[Site]:
+    """What an institution runs: PostgreSQL, Redis, a Celery worker, API keys."""
+    postgres_server.start()
+    redis_server.start()
+    database = postgres_server.create_database()
+    settings = Settings(database_url=database, broker_url=redis_server.create_database())
+    api = ApiSettings(require_key=True, poll_seconds=0.05)
+    with (
+        open_engine(settings) as engine,
+        celery_workers(settings, count=1, concurrency=2),
+        live_server(engine.service, api) as server,
+    ):
+        yield Site(engine.service, api, server)
+    postgres_server.drop_database(database)
+
+
+Opened = tuple[Page, Guard]
+
+
+@pytest.fixture
+def visit(browser: Browser) -> Iterator[Callable[..., Opened]]:
+    """``page, guard = visit(site, "/", key=None, **context_options)``: a page in a profile of its own."""
+    with ExitStack() as contexts:
+
+        def opened(site: Site, path: str = "/", key: str | None = None, **options: object) -> Opened:
+            context, guard = contexts.enter_context(guarded_context(browser, site.url, **options))
+            if key is not None:
+                answer = context.request.post("/api/v1/session", data={"key": key})
+                assert answer.status == 201, answer.text()
+            page = context.new_page()
+            page.goto(path)
+            return page, guard
+
+        yield opened
