@@ -28,6 +28,7 @@ from solver.errors import InfeasibleSpaceError, Issue, ProblemError
 from solver.identifiability import StatisticsError
 from workers.errors import (
     BrokerUnavailableError,
+    EvaluationNotFoundError,
     IdempotencyConflictError,
     InvalidCursorError,
     InvalidTransitionError,
@@ -161,6 +162,8 @@ def translate(error: Exception) -> DetailError:
             )
         case JobNotFoundError():
             return DetailError(404, str(error), kind="job-not-found", title="Job not found")
+        case EvaluationNotFoundError():
+            return DetailError(404, str(error), kind="evaluation-not-found", title="Evaluation not found")
         case NothingToRetryError():
             return DetailError(409, str(error), kind="nothing-to-retry", title="No failed evaluation")
         case InvalidTransitionError():
@@ -191,6 +194,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     InfeasibleSpaceError,
     RequestValidationError,
     JobNotFoundError,
+    EvaluationNotFoundError,
     InvalidTransitionError,
     NoOptimumError,
     NothingToRetryError,

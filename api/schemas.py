@@ -80,6 +80,11 @@ class Job(Model):
     max_evaluations: int | None = Field(description="planned number of evaluations, when there is one")
     priority: int
     retrying: bool = Field(description="its failed evaluations are run again; then it is what it was before")
+    owner: str | None = Field(description="whose key submitted it; null: none, or that of the environment")
+    last_event: int = Field(description="id of its newest event: follow the events after it")
+    trend: list[Number] | None = Field(
+        None, description="lowest objective so far at evenly spaced generations; only in lists, when asked for"
+    )
 
 
 class JobPage(Model):

@@ -5,6 +5,7 @@
     WorkersError
     ├── SettingsError               the engine cannot be configured like this
     ├── JobNotFoundError            no job has this id
+    ├── EvaluationNotFoundError     the job has no such evaluation
     ├── InvalidTransitionError      the job's state does not admit the request
     ├── IdempotencyConflictError    the key was used before, with another problem
     ├── NothingToRetryError         no failed evaluation of the job can be run again
@@ -24,6 +25,7 @@ from collections.abc import Sequence
 
 __all__ = [
     "BrokerUnavailableError",
+    "EvaluationNotFoundError",
     "IdempotencyConflictError",
     "InvalidCursorError",
     "InvalidTransitionError",
@@ -52,6 +54,13 @@ class JobNotFoundError(WorkersError):
     def __init__(self, job_id: str) -> None:
         self.job_id = job_id
         super().__init__(f"there is no job {job_id!r}")
+
+
+class EvaluationNotFoundError(WorkersError):
+    """The job has no such evaluation."""
+
+    def __init__(self, job_id: str, generation: int, particle: int) -> None:
+        super().__init__(f"job {job_id} has no evaluation of particle {particle} in generation {generation}")
 
 
 class KeyNotFoundError(WorkersError):

@@ -9,6 +9,7 @@ import json
 import re
 import secrets
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ from workers.coordinator.runtime import Runtime
 from workers.cursors import decode_cursor, encode_cursor
 from workers.doorbell import Doorbell
 from workers.errors import (
+    EvaluationNotFoundError,
     IdempotencyConflictError,
     JobNotFoundError,
 )
@@ -36,6 +38,7 @@ from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
 from workers.store.evaluations import get_evaluation, list_attempts
+from workers.store.job_list import JobFilters, list_jobs, list_trends
 from workers.store.listing import Filters, list_evaluations
 from workers.store.offers import find_offer, write_offer
 from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
@@ -167,20 +170,27 @@ class JobService:
         row = self.store.read(work)
         return unpack_problem(row.problem)
 
-    def list(self, *, state: str | None = None, limit: int = 50, cursor: str | None = None) -> Page[JobView]:
-        """Return jobs, newest first.
+    def list(
+        self, filters: JobFilters | None = None, *, limit: int = 50, cursor: str | None = None, trend: int = 0
+    ) -> Page[JobView]:
+        """Return jobs, newest first unless ``filters`` say otherwise, with ``trend`` values of their convergence each.
 
         Raises
         ------
         InvalidCursorError
         """
-        before = None if cursor is None else decode_cursor(cursor, float, str)
-        limit = _clip(limit)
+        chosen = filters or JobFilters()
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
-        rows = self.store.read(lambda c: jobs.list_jobs(c, state=state, before=before, limit=limit + 1, owner=owner))
-        views = [job_view(row, self._gap) for row in rows[:limit]]
-        following = encode_cursor(rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
-        return Page(views, following)
+
+        def work(connection: Connection) -> Page[JobView]:
+            rows, following = list_jobs(connection, chosen, owner=owner, limit=_clip(limit), cursor=cursor)
+            views = [job_view(row, self._gap) for row in rows]
+            if trend:
+                trends = list_trends(connection, {view.id: view.generations for view in views}, trend)
+                views = [replace(view, trend=trends[view.id]) for view in views]
+            return Page(views, following)
+
+        return self.store.read(work)
 
     def cancel(self, job_id: str) -> JobView:
         """End a job that has not ended; its finished evaluations stay.
@@ -262,6 +272,23 @@ class JobService:
                 return None
             row = get_evaluation(connection, job_id, job.best_generation, job.best_particle)
             names, grids = self._frame(connection, job_id)
+            return evaluation_view(row, names, grids)
+
+        return self.store.read(work)
+
+    def evaluation(self, job_id: str, generation: int, particle: int) -> EvaluationView:
+        """Return one evaluation with its responses.
+
+        Raises
+        ------
+        EvaluationNotFoundError
+        """
+
+        def work(connection: Connection) -> EvaluationView:
+            names, grids = self._frame(connection, job_id)
+            row = get_evaluation(connection, job_id, generation, particle)
+            if row is None:
+                raise EvaluationNotFoundError(job_id, generation, particle)
             return evaluation_view(row, names, grids)
 
         return self.store.read(work)

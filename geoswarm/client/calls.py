@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeAlias, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -47,6 +47,7 @@ __all__ = [
     "JSON_BODY",
     "Problem",
     "Query",
+    "SortKey",
     "attempts",
     "best",
     "change",
@@ -83,6 +84,7 @@ Problem = Mapping[str, Any] | str | Path
 
 Json = Mapping[str, Any]
 Query = str | int | float | list[str]
+SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,9 +195,9 @@ def check(problem: Problem) -> Call[CheckResult]:
     return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
 
 
-def list_jobs(state: str | None, limit: int, cursor: str | None) -> Call[Page[Job]]:
+def list_jobs(**filters: Any) -> Call[Page[Job]]:
     """List jobs."""
-    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(state=state, limit=limit, cursor=cursor))
+    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(**filters))
 
 
 def get(job_id: str) -> Call[Job]:
