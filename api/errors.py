@@ -34,6 +34,7 @@ from workers.errors import (
     InvalidTransitionError,
     JobNotFoundError,
     NoOptimumError,
+    NothingLeftError,
     NothingToRetryError,
     QuotaExceededError,
     StoreUnavailableError,
@@ -164,6 +165,8 @@ def translate(error: Exception) -> DetailError:
             return DetailError(404, str(error), kind="job-not-found", title="Job not found")
         case EvaluationNotFoundError():
             return DetailError(404, str(error), kind="evaluation-not-found", title="Evaluation not found")
+        case NothingLeftError():
+            return DetailError(409, str(error), kind="nothing-left", title="Nothing left to evaluate")
         case NothingToRetryError():
             return DetailError(409, str(error), kind="nothing-to-retry", title="No failed evaluation")
         case InvalidTransitionError():
@@ -197,6 +200,7 @@ TRANSLATED: tuple[type[Exception], ...] = (
     EvaluationNotFoundError,
     InvalidTransitionError,
     NoOptimumError,
+    NothingLeftError,
     NothingToRetryError,
     IdempotencyConflictError,
     InvalidCursorError,

@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
+from solver.problem import Stopping
+
 __all__ = [
     "Attempt",
     "AttemptList",
@@ -25,6 +27,7 @@ __all__ = [
     "GenerationList",
     "Health",
     "Job",
+    "JobChange",
     "JobPage",
     "JobState",
     "Liveness",
@@ -140,6 +143,14 @@ class AttemptList(Model):
     """Tries in the order in which they were begun."""
 
     items: list[Attempt]
+
+
+class JobChange(BaseModel):
+    """What can be changed of a job that is there."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    stopping: Stopping = Field(description="the stop criteria from now on, in place of all there were")
 
 
 class Retry(Model):

@@ -9,6 +9,7 @@
     ├── InvalidTransitionError      the job's state does not admit the request
     ├── IdempotencyConflictError    the key was used before, with another problem
     ├── NothingToRetryError         no failed evaluation of the job can be run again
+    ├── NothingLeftError            the job has ended and cannot go on
     ├── KeyNotFoundError            no API key has this id
     ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
@@ -32,6 +33,7 @@ __all__ = [
     "JobNotFoundError",
     "NoOptimumError",
     "KeyNotFoundError",
+    "NothingLeftError",
     "NothingToRetryError",
     "QuotaExceededError",
     "SettingsError",
@@ -83,6 +85,10 @@ class InvalidTransitionError(WorkersError):
         self.state = state
         self.accepted = tuple(accepted)
         super().__init__(f"cannot {action} a job that is {state}; accepted states: {', '.join(accepted)}")
+
+
+class NothingLeftError(WorkersError):
+    """The job has ended and cannot go on: its search is complete, or would stop at once."""
 
 
 class NothingToRetryError(WorkersError):

@@ -18,9 +18,9 @@ from sqlalchemy import Connection
 from solver.calibration import choose_seed
 from solver.check import CheckReport
 from solver.errors import ProblemError
-from solver.problem import Problem, parse_problem
+from solver.problem import Problem, Stopping, parse_problem
 from workers.access import LOCAL, Principal
-from workers.coordinator.machine import CancelRequested, PauseRequested, ResumeRequested
+from workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
 from workers.coordinator.runtime import Runtime
 from workers.cursors import decode_cursor, encode_cursor
 from workers.doorbell import Doorbell
@@ -168,7 +168,7 @@ class JobService:
             return jobs.get_problem(connection, job_id)
 
         row = self.store.read(work)
-        return unpack_problem(row.problem)
+        return unpack_problem(row.problem, row.stopping)
 
     def list(
         self, filters: JobFilters | None = None, *, limit: int = 50, cursor: str | None = None, trend: int = 0
@@ -221,6 +221,23 @@ class JobService:
             When it is not paused.
         """
         return self._request(job_id, ResumeRequested())
+
+    def change_stopping(self, job_id: str, stopping: Stopping) -> JobView:
+        """Replace a job's stop criteria; one that has finished or was cancelled goes on exactly where it was.
+
+        Raises
+        ------
+        InvalidTransitionError
+            When it has failed, or its failed evaluations are run again.
+        NothingLeftError
+            When it has ended and would not go on.
+        ProblemError, QuotaExceededError
+        """
+        view = self.get(job_id)
+        quota_of = None if self.principal.role == "admin" else self.principal.owner
+        if self._runtime.change_stopping(job_id, stopping, quota_of):
+            self.doorbell.ring(job_id, kind=view.forward_model)
+        return self.get(job_id)
 
     def retry_failed(self, job_id: str) -> tuple[JobView, int]:
         """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
@@ -434,7 +451,7 @@ class JobService:
             raise JobNotFoundError(job_id)
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 
-    def _request(self, job_id: str, event: CancelRequested | PauseRequested | ResumeRequested) -> JobView:
+    def _request(self, job_id: str, event: Request) -> JobView:
         kind = self.get(job_id).forward_model
         if self._runtime.request(job_id, event):
             self.doorbell.ring(job_id, kind=kind)

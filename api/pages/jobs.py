@@ -59,4 +59,5 @@ def jobs_page(
         states=[*GROUPS, *JOB_STATES],
         sorts=SORTS,
         sparkline=sparkline,
+        owners=request.app.state.authenticator.needed,
     )

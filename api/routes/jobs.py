@@ -8,7 +8,7 @@ from fastapi import APIRouter, Header, Query, Request, Response
 
 from api.bodies import ProblemDocument
 from api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from api.schemas import Job, JobPage, JobState, Retry
+from api.schemas import Job, JobChange, JobPage, JobState, Retry
 from solver.problem import parse_problem
 from workers.store.job_list import JobFilters, SortKey
 
@@ -82,6 +82,12 @@ def list_jobs(
 def show(job_id: JobId, service: Service) -> Job:
     """Show a job."""
     return Job.model_validate(service.get(job_id))
+
+
+@router.patch("/{job_id}", responses=problems_of(404, 409, 422))
+def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
+    """Change when a job ends. One that has finished or was cancelled goes on, as if it had been asked so at first."""
+    return Job.model_validate(service.change_stopping(job_id, wanted.stopping))
 
 
 @router.get("/{job_id}/problem", responses=problems_of(404))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncGenerator, AsyncIterator, Callable
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping
 from contextlib import aclosing
 from pathlib import Path
 from types import TracebackType
@@ -167,6 +167,10 @@ class AsyncClient(AsyncStatistics):
     async def resume(self, job_id: str) -> Job:
         """Go on with a paused job."""
         return await self._send(calls.change(job_id, "resume"))
+
+    async def change_stopping(self, job_id: str, stopping: Mapping[str, Any]) -> Job:
+        """Replace all stop criteria of a job; one that has finished or was cancelled goes on where it was."""
+        return await self._send(calls.change_stopping(job_id, stopping))
 
     async def retry_failed(self, job_id: str) -> Retry:
         """Run the failed evaluations of a paused or ended job again, and only them."""

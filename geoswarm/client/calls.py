@@ -51,6 +51,7 @@ __all__ = [
     "attempts",
     "best",
     "change",
+    "change_stopping",
     "check",
     "connection_failed",
     "connection_settings",
@@ -213,6 +214,12 @@ def problem(job_id: str) -> Call[dict[str, Any]]:
 def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
     """Cancel, pause or resume."""
     return Call("POST", f"{job_path(job_id)}/{action}", reader(Job))
+
+
+def change_stopping(job_id: str, stopping: Mapping[str, Any]) -> Call[Job]:
+    """Replace the stop criteria."""
+    content = json.dumps({"stopping": dict(stopping)}, default=plain)
+    return Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content)
 
 
 def retry_failed(job_id: str) -> Call[Retry]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import closing
 from pathlib import Path
 from types import TracebackType
@@ -163,6 +163,10 @@ class Client(Statistics):
     def resume(self, job_id: str) -> Job:
         """Go on with a paused job."""
         return self._send(calls.change(job_id, "resume"))
+
+    def change_stopping(self, job_id: str, stopping: Mapping[str, Any]) -> Job:
+        """Replace all stop criteria of a job; one that has finished or was cancelled goes on where it was."""
+        return self._send(calls.change_stopping(job_id, stopping))
 
     def retry_failed(self, job_id: str) -> Retry:
         """Run the failed evaluations of a paused or ended job again, and only them."""

@@ -241,8 +241,9 @@ def current_generation(connection: Connection, job_id: str) -> int | None:
 
 
 def get_problem(connection: Connection, job_id: str) -> Record | None:
-    """Return ``problem`` and ``seed`` of a job, as they are stored."""
-    return connection.execute(select(jobs.c.problem, jobs.c.seed).where(jobs.c.id == job_id)).one_or_none()
+    """Return ``problem``, ``seed``, and changed ``stopping`` or None, of a job, as they are stored."""
+    columns = (jobs.c.problem, jobs.c.seed, jobs.c.stopping)
+    return connection.execute(select(*columns).where(jobs.c.id == job_id)).one_or_none()
 
 
 def get_frame(connection: Connection, job_id: str) -> Record | None:

@@ -6,7 +6,7 @@ function table(caption, loaded, rows) {
   const head = element("tr", {}, element("td", {}), loaded.map(({ job }) => element("th", { scope: "col", class: "n" }, job.name)));
   const body = rows.map(([label, cells, differs]) => element("tr", {},
     element("th", { scope: "row" }, label),
-    cells.map((cell) => element("td", { class: differs ? "n differs" : "n" }, cell))));
+    cells.map((cell, i) => element("td", { class: differs?.[i] ? "n differs" : "n" }, cell))));
   return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": caption },
     element("table", { class: "side" }, element("caption", {}, caption), element("thead", {}, head), element("tbody", {}, body)));
 }
@@ -17,10 +17,11 @@ const words = (name) => name.replaceAll("_", " ");
 export function factsTable(loaded) {
   const lowest = Math.min(...loaded.map(({ job }) => job.objective ?? Infinity));
   const unit = common(loaded.map(({ fit }) => fit.objective_unit)) ?? "";
-  const row = (label, value) => [label, loaded.map(({ job }) => value(job)), false];
-  const best = loaded.map(({ job }) => (job.objective === lowest && loaded.length > 1 ? element("strong", {}, number(job.objective), " (lowest)") : number(job.objective)));
+  const row = (label, value) => [label, loaded.map(({ job }) => value(job))];
+  const alike = common(loaded.map(({ fit }) => JSON.stringify(fit.series.map(({ series, x, measured, weight }) => [series, x, measured, weight])))) !== null;
+  const best = loaded.map(({ job }) => (alike && job.objective === lowest ? element("strong", {}, number(job.objective), " (lowest)") : number(job.objective)));
   return table("Jobs", loaded, [
-    [withUnit("Best objective", unit), best, false],
+    [withUnit("Best objective", unit), best],
     row("Evaluations", (job) => count(job.evaluations) + (job.max_evaluations ? ` / ${count(job.max_evaluations)}` : "")),
     row("Failed evaluations", (job) => count(job.failed_evaluations)),
     row("Generations", (job) => count(job.generations)),
@@ -45,7 +46,7 @@ export function parametersTable(loaded) {
       number(values[i] ?? info?.value, 5),
       info && info.form !== "free" ? element("small", {}, ` ${info.form}`) : null,
     ]);
-    return [withUnit(symbol(name), infos.find(Boolean)?.unit), cells, spread];
+    return [withUnit(symbol(name), infos.find(Boolean)?.unit), cells, values.map((value) => spread && value !== undefined)];
   });
   return table("Values that differ by more than 1 % are bold.", loaded, rows);
 }

@@ -26,7 +26,7 @@ export function followUps(view) {
     }
   }, 5000, place);
 
-  const figures = (names) => element("div", { class: "wide" }, element("table", {},
+  const figures = (names) => element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Figures" }, element("table", {},
     element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "Figure"), element("th", { scope: "col" }, "Download"))),
     element("tbody", {}, names.map((name) => element("tr", {}, element("td", {}, name.replaceAll("_", " ")), element("td", {}, ["svg", "png", "csv"].map((form) => [
       element("a", { href: `/api/v1/jobs/${view.id}/figures/${encodeURIComponent(name)}.${form}`, "aria-label": `${name} as ${form.toUpperCase()}` }, form.toUpperCase()), " ",
@@ -35,8 +35,8 @@ export function followUps(view) {
   function share() {
     const best = view.fit?.curves.find(({ role }) => role === "best");
     if (!best) return void shares.replaceChildren(empty("No successful evaluation yet."));
-    shares.replaceChildren(element("div", { class: "wide" }, element("table", {},
-      element("thead", {}, element("tr", {}, ["Series", "Weight", "Misfit", "Share of the objective"].map((head, i) => element("th", { scope: "col", class: i === 1 || i === 2 ? "n" : null }, head)))),
+    shares.replaceChildren(element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Shares of the series" }, element("table", {},
+      element("thead", {}, element("tr", {}, ["Series", "Weight", "Misfit [base unit²]", "Share of the objective"].map((head, i) => element("th", { scope: "col", class: i === 1 || i === 2 ? "n" : null }, head)))),
       element("tbody", {}, best.shares.map((one) => element("tr", {},
         element("td", {}, one.series), element("td", { class: "n" }, number(one.weight)), element("td", { class: "n" }, number(one.misfit)),
         element("td", { class: "bar-cell" }, element("meter", { min: 0, max: 1, value: one.share, "aria-label": `share of ${one.series}` }), ` ${(100 * one.share).toFixed(0)} %`)))))));
