@@ -38,7 +38,7 @@ from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
 from workers.store.evaluations import get_evaluation, list_attempts
-from workers.store.job_list import JobFilters, list_jobs, list_trends
+from workers.store.job_list import JobFilters, list_jobs, list_trends, spaced
 from workers.store.listing import Filters, list_evaluations
 from workers.store.offers import find_offer, write_offer
 from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
@@ -374,12 +374,18 @@ class JobService:
 
         return stream()
 
-    def generations(self, job_id: str, *, after: int = -1, limit: int = 1000) -> builtins.list[GenerationView]:
-        """Return finished generations with a number above ``after``, in order."""
+    def generations(
+        self, job_id: str, *, after: int = -1, limit: int = 1000, points: int | None = None
+    ) -> builtins.list[GenerationView]:
+        """Return finished generations with a number above ``after``, in order.
+
+        With ``points`` at most so many of all, evenly spaced, the first and the last one included.
+        """
 
         def work(connection: Connection) -> builtins.list[GenerationView]:
-            self._row(connection, job_id)
-            rows = jobs.list_generations(connection, job_id, after=after, limit=_clip(limit))
+            total = self._row(connection, job_id).generations
+            numbers = None if points is None or total <= points else spaced(total, points)
+            rows = jobs.list_generations(connection, job_id, after=after, limit=_clip(limit), numbers=numbers)
             return [generation_view(row) for row in rows]
 
         return self.store.read(work)

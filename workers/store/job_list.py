@@ -16,7 +16,7 @@ from workers.store.database import Record
 from workers.store.jobs import VIEW_COLUMNS
 from workers.store.tables import generations, jobs
 
-__all__ = ["JobFilters", "SortKey", "list_jobs", "list_trends"]
+__all__ = ["JobFilters", "SortKey", "list_jobs", "list_trends", "spaced"]
 
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
@@ -104,7 +104,7 @@ def list_trends(connection: Connection, totals: Mapping[str, int], points: int) 
     points
         Most values a job.
     """
-    numbers = {job_id: _spaced(total, points) for job_id, total in totals.items() if total > 0}
+    numbers = {job_id: spaced(total, points) for job_id, total in totals.items() if total > 0}
     trends: dict[str, list[float | None]] = {job_id: [] for job_id in totals}
     ids = list(numbers)
     for start in range(0, len(ids), TREND_JOBS_A_QUERY):
@@ -120,7 +120,8 @@ def list_trends(connection: Connection, totals: Mapping[str, int], points: int) 
     return trends
 
 
-def _spaced(total: int, points: int) -> list[int]:
+def spaced(total: int, points: int) -> list[int]:
+    """Return at most so many whole numbers below ``total``, evenly spaced, the first and the last one included."""
     if total <= points:
         return list(range(total))
     return sorted({round(i * (total - 1) / max(points - 1, 1)) for i in range(points)} | {total - 1})[-points:]
