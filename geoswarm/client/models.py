@@ -63,6 +63,9 @@ class Job:
     max_evaluations: int | None
     priority: int = 0
     retrying: bool = False
+    owner: str | None = None
+    last_event: int = 0
+    trend: list[float | None] | None = None
 
     @property
     def ended(self) -> bool:

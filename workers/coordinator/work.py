@@ -34,6 +34,8 @@ class Claim:
         Given when the claim is a whole generation that is cheap enough to run several in a row; else None.
     typical
         What an evaluation of this job usually takes [s]; None: not known yet.
+    stopping
+        The stop criteria, where they were changed, as in the job's row.
     """
 
     job_id: str
@@ -45,6 +47,7 @@ class Claim:
     run_seconds: float
     job: Job | None
     typical: float | None = None
+    stopping: str | None = None
 
     def followed_by(self, ahead: Claim, *, without: Sequence[Result]) -> Claim:
         """Return what is held of this claim without these results, and one that follows it."""

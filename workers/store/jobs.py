@@ -14,10 +14,10 @@ from sqlalchemy import (
     case,
     delete,
     exists,
+    func,
     insert,
     or_,
     select,
-    tuple_,
     update,
 )
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
@@ -47,7 +47,6 @@ __all__ = [
     "insert_job",
     "list_events",
     "list_generations",
-    "list_jobs",
     "list_news",
     "lock_job",
     "publish_state",
@@ -59,7 +58,8 @@ __all__ = [
 COLUMNS = [column for column in jobs.columns if column.name != "problem"]
 JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
-VIEW_COLUMNS = [column for column in COLUMNS if column.name not in LARGE]
+LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).scalar_subquery().label("last_event")
+VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,8 +243,9 @@ def current_generation(connection: Connection, job_id: str) -> int | None:
 
 
 def get_problem(connection: Connection, job_id: str) -> Record | None:
-    """Return ``problem`` and ``seed`` of a job, as they are stored."""
-    return connection.execute(select(jobs.c.problem, jobs.c.seed).where(jobs.c.id == job_id)).one_or_none()
+    """Return ``problem``, ``seed``, and changed ``stopping`` or None, of a job, as they are stored."""
+    columns = (jobs.c.problem, jobs.c.seed, jobs.c.stopping)
+    return connection.execute(select(*columns).where(jobs.c.id == job_id)).one_or_none()
 
 
 def get_frame(connection: Connection, job_id: str) -> Record | None:
@@ -256,25 +257,6 @@ def get_frame(connection: Connection, job_id: str) -> Record | None:
 def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
     """Return ``id`` and ``body_hash`` of the job that was submitted with a key."""
     return connection.execute(select(jobs.c.id, jobs.c.body_hash).where(jobs.c.idempotency_key == key)).one_or_none()
-
-
-def list_jobs(
-    connection: Connection,
-    *,
-    state: str | None,
-    before: tuple[float, str] | None,
-    limit: int,
-    owner: str | None = None,
-) -> Sequence[Record]:
-    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order; ``owner`` None: of all."""
-    statement = select(*VIEW_COLUMNS, database_now().label("now"))
-    if owner is not None:
-        statement = statement.where(jobs.c.owner == owner)
-    if state is not None:
-        statement = statement.where(jobs.c.state == state)
-    if before is not None:
-        statement = statement.where(tuple_(jobs.c.created_at, jobs.c.id) < before)
-    return connection.execute(statement.order_by(jobs.c.created_at.desc(), jobs.c.id.desc()).limit(limit)).all()
 
 
 def list_generations(connection: Connection, job_id: str, *, after: int, limit: int) -> Sequence[Record]:
