@@ -91,12 +91,7 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         description="Height of the specimen at the beginning, m.",
         json_schema_extra=in_unit("m", 0.02, 0.2),
     )
-    initial_stress: float = Field(
-        gt=0.0,
-        le=MAX_STRESS,
-        description="Stress before the first stage, kPa.",
-        json_schema_extra=in_unit("kPa", 0.2, 20),
-    )
+    initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Stress before the first stage, kPa.")
     stages: tuple[LoadStage, ...] = Field(
         min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
     )
