@@ -228,6 +228,7 @@ class TestRun(Model):
     parameters: dict[str, float] = Field(description="all parameters, by name")
     objective: Number
     misfits: dict[str, Number]
+    responses: dict[str, Response] = Field(description="calculated series at their observed points, base units")
     seconds: float
     reason: str | None
     message: str | None

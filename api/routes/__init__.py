@@ -6,10 +6,12 @@ from fastapi import APIRouter
 
 from api.routes import (
     events,
+    examples,
     fit,
     forward_models,
     health,
     jobs,
+    measurements,
     metrics,
     problems,
     results,
@@ -24,7 +26,20 @@ __all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 API_PREFIX = "/api/v1"
 
 api_router = APIRouter(prefix=API_PREFIX)
-for module in (jobs, results, fit, statistics, uncertainty, events, problems, forward_models, workers, session):
+for module in (
+    jobs,
+    results,
+    fit,
+    statistics,
+    uncertainty,
+    events,
+    problems,
+    examples,
+    measurements,
+    forward_models,
+    workers,
+    session,
+):
     api_router.include_router(module.router)
 health_router = health.router
 metrics_router = metrics.router

@@ -14,6 +14,7 @@ import httpx
 
 from geoswarm.client import calls
 from geoswarm.client.calls import Call, Problem, SortKey
+from geoswarm.client.drafts import AsyncDrafts
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
 from geoswarm.client.files import partial_file
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
@@ -39,7 +40,7 @@ __all__ = ["AsyncClient"]
 T = TypeVar("T")
 
 
-class AsyncClient(AsyncStatistics):
+class AsyncClient(AsyncStatistics, AsyncDrafts):
     """Talks to a geoswarm service. Lives in one event loop; close it, or use it in an ``async with`` statement.
 
     The methods are those of :class:`geoswarm.client.sync.Client`.

@@ -42,6 +42,7 @@ from geoswarm.client.models import (
 )
 
 __all__ = [
+    "API",
     "DEFAULT_URL",
     "Call",
     "JSON_BODY",
@@ -97,7 +98,7 @@ class Call(Generic[T]):
     read: Callable[[httpx.Response], T]
     query: Mapping[str, Query] = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
-    content: str | None = None
+    content: str | bytes | None = None
     accepted: frozenset[int] = frozenset()
     """Statuses beside 2xx that ``read`` understands."""
 

@@ -13,6 +13,7 @@ import httpx
 
 from geoswarm.client import calls
 from geoswarm.client.calls import Call, Problem, SortKey
+from geoswarm.client.drafts import Drafts
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
 from geoswarm.client.files import partial_file
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
@@ -38,7 +39,7 @@ __all__ = ["Client"]
 T = TypeVar("T")
 
 
-class Client(Statistics):
+class Client(Statistics, Drafts):
     """Talks to a geoswarm service. Safe to use from several threads; close it, or use it in a ``with`` statement.
 
     Parameters

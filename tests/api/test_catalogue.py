@@ -62,6 +62,7 @@ def test_check_runs_once_and_estimates(app: App) -> None:
     assert run["state"] == "finished"
     assert run["parameters"] == {"a": 0.0, "b": 2.0}  # the middle of the bounds
     assert run["objective"] == pytest.approx(1.0, rel=1e-12)  # every residual is 1
+    assert run["responses"] == {"y": {"x": [0.0, 1.0, 2.0], "y": [0.0, 2.0, 4.0]}}
     assert 0.0 < result["estimated_seconds"] == pytest.approx(60 * run["seconds"], rel=1e-9)
     assert app.get(f"{API}/jobs").json()["items"] == []
 
