@@ -10,6 +10,7 @@ from api.routes import (
     health,
     jobs,
     metrics,
+    points,
     problems,
     results,
     session,
@@ -23,7 +24,7 @@ __all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 API_PREFIX = "/api/v1"
 
 api_router = APIRouter(prefix=API_PREFIX)
-for module in (jobs, results, statistics, uncertainty, events, problems, forward_models, workers, session):
+for module in (jobs, results, points, statistics, uncertainty, events, problems, forward_models, workers, session):
     api_router.include_router(module.router)
 health_router = health.router
 metrics_router = metrics.router
