@@ -53,9 +53,13 @@ class Authenticator:
         self.needed = settings.needs_key
         self._static = settings.api_key.get_secret_value().encode() if settings.api_key else None
         self._service = service
-        self.sessions = SessionBook(service.store, None if self._static is None else (self._static, BOOTSTRAP))
         self._requests = RateLimiter(settings.requests_per_second, settings.request_burst)
         self._failures = RateLimiter(FAILURES_PER_SECOND, FAILURE_BURST)
+
+    @property
+    def sessions(self) -> SessionBook:
+        """Sessions of browsers that have signed in with a key."""
+        return SessionBook(self._service.store, None if self._static is None else (self._static, BOOTSTRAP))
 
     async def identify(self, headers: Headers, address: str, challenge: str) -> Identity:
         """Return who sends a request; a key in its headers wins over a session.

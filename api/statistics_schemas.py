@@ -31,6 +31,7 @@ class SampleCounts(Answer):
 
     total: int
     failed: int
+    left_out: int = Field(description="successful ones of a long history that were not read")
     source: Literal["monte_carlo", "particle_swarm", "mixed", "follow_up"]
     kept: int = Field(description="good fits: at or below the threshold")
     kept_unbiased: int = Field(description="those of a Monte Carlo sampling")

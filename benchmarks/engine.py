@@ -4,8 +4,10 @@
 
 1. Forward runs that sleep 100 ms, 10 particles, 2 workers: share of the ideal speed.
 2. Forward runs that compute for 100 ms: the same against a bare process pool that makes these runs.
-3. The published oedometer with 1590 evaluations over HTTP, Redis and PostgreSQL, against the run in process.
-4. Monte Carlo with the isotropic test: evaluations stored per second, and memory.
+3. The published oedometer with 1590 evaluations over HTTP, Redis and PostgreSQL, against the run in process on one core
+   and with as many processes as there are workers.
+4. From pausing or cancelling a job to the end of its run that would go on for ever.
+5. Monte Carlo with the isotropic test: evaluations stored per second, and memory.
 
 All methods of a round run one after the other; medians and ratios are over the rounds.
 """
@@ -113,6 +115,22 @@ def served(client: Client, document: dict[str, Any]) -> float:
     return time.perf_counter() - began
 
 
+def ended_after(client: Client, action: str) -> float:
+    """Return the time [s] from an action to the moment at which no worker is at the job's endless run any more."""
+    endless = slow_problem("for_ever") | {"method": {"kind": "monte_carlo", "samples": 1}, "stopping": {}}
+    job = client.submit(endless).id
+    while not any(worker.job == job for worker in client.workers()):
+        time.sleep(0.05)
+    began = time.perf_counter()
+    getattr(client, action)(job)
+    while any(worker.job == job for worker in client.workers()):
+        time.sleep(0.02)
+    seconds = time.perf_counter() - began
+    if action != "cancel":
+        client.cancel(job)
+    return seconds
+
+
 _pool_calibration: Calibration | None = None
 
 
@@ -158,7 +176,8 @@ def main() -> None:
     arguments = parser.parse_args()
     print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {arguments.rounds} rounds")
     ideal = PARTICLES * GENERATIONS * SECONDS / WORKERS
-    sleeping, computing, pool, http, inside = [], [], [], [], []
+    sleeping, computing, pool, http, inside, side_by_side = [], [], [], [], [], []
+    ends: dict[str, list[float]] = {"pause": [], "cancel": []}
     whole = parse_problem(oedometer())
     calibrate(whole)
     with service() as (client, processes):
@@ -169,15 +188,25 @@ def main() -> None:
             pool.append(bare_pool(slow_problem("compute")))
             computing.append(served(client, slow_problem("compute")))
             inside.append(calibrate(whole).seconds)
+            began = time.perf_counter()
+            calibrate(whole, workers=WORKERS)
+            side_by_side.append(time.perf_counter() - began)
+            for action, seconds in ends.items():
+                seconds.append(ended_after(client, action))
             http.append(served(client, oedometer()))
         median = statistics.median
         line("100 runs that sleep 100 ms", sleeping, f"{100 * ideal / median(sleeping):.1f} % of ideal")
         line("100 runs that compute 100 ms, bare pool", pool)
         ratios = [a / b for a, b in zip(pool, computing, strict=True)]
         line("100 runs that compute 100 ms, service", computing, f"{100 * median(ratios):.1f} % of the bare pool")
-        line("oedometer, 1590 runs, in process", inside)
+        line("oedometer, 1590 runs, in process, one core", inside)
+        line(f"oedometer, 1590 runs, in process, {WORKERS} processes", side_by_side)
         ratios = [a / b for a, b in zip(http, inside, strict=True)]
-        line("oedometer, 1590 runs, HTTP + Redis + PostgreSQL", http, f"{median(ratios):.2f} times the run in process")
+        several = median([a / b for a, b in zip(http, side_by_side, strict=True)])
+        text = f"{median(ratios):.2f} times one core, {several:.2f} times {WORKERS} processes"
+        line("oedometer, 1590 runs, HTTP + Redis + PostgreSQL", http, text)
+        for action, found in ends.items():
+            line(f"an endless run after {action}", found, f"longest {max(found):.2f} s")
         served(client, monte_carlo(arguments.samples // 5))
         before = memory(processes)
         seconds = served(client, monte_carlo(arguments.samples))

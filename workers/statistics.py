@@ -15,8 +15,7 @@ from solver.identifiability import Linearisation, Samples, reweight
 from solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
 from solver.identifiability.posterior import Posterior, sample_posterior
 from solver.identifiability.weighting import Weighting
-from solver.local import GenerationRecord
-from solver.problem import Problem, parse_problem
+from solver.problem import MonteCarloMethod, Problem, parse_problem
 from solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
 from workers.errors import JobNotFoundError
 from workers.shelf import Shelf
@@ -24,15 +23,13 @@ from workers.store import Store, jobs
 from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_problem, unpack_responses
 from workers.store.evaluations import get_evaluation
 from workers.store.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
-from workers.store.listing import Filters, list_evaluations
+from workers.store.selection import MOST_READ, chosen_generations, counted_failures, read_evaluations, read_records
 
 __all__ = ["StatisticsDesk", "StoredJob"]
 
 FindRow = Callable[[Connection, str], Any]
 
 KnownNoise: TypeAlias = Mapping[str, float] | float | None
-
-_ROWS = 2000
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,7 +226,7 @@ def _read(connection: Connection, row: Any) -> StoredJob:
     if stored is None:
         raise JobNotFoundError(job_id)
     problem = parse_problem(unpack_problem(stored.problem))
-    samples, failures = _samples(connection, job_id, problem)
+    samples, failures = _samples(connection, row, problem)
     record = RunRecord(
         id=job_id,
         state=row.state,
@@ -242,23 +239,26 @@ def _read(connection: Connection, row: Any) -> StoredJob:
         seconds=row.run_seconds if row.started_at is not None else None,
         seed=row.seed,
         best=_best(connection, job_id, row, problem),
-        records=_generations(connection, job_id),
+        records=read_records(connection, row),
         finished_at=to_optional_datetime(row.finished_at),
     )
     return StoredJob(problem, record, samples)
 
 
-def _samples(connection: Connection, job_id: str, problem: Problem) -> tuple[Samples, dict[str, int]]:
+def _samples(connection: Connection, row: Any, problem: Problem) -> tuple[Samples, dict[str, int]]:
     good: list[Any] = []
     failures: Counter[str] = Counter()
-    after: tuple[int, int] | None = None
-    while True:
-        page = list_evaluations(connection, job_id, Filters(), after=after, limit=_ROWS, responses=True)
-        good += [row for row in page if row.state == "finished"]
-        failures.update(row.reason for row in page if row.state == "failed")
-        if len(page) < _ROWS:
-            break
-        after = (page[-1].generation, page[-1].particle)
+    sampled = isinstance(problem.method, MonteCarloMethod)
+    numbers = chosen_generations(connection, row, MOST_READ, sampled=sampled)
+    for evaluation in read_evaluations(connection, row.id, numbers):
+        if evaluation.state == "finished":
+            good.append(evaluation)
+        elif evaluation.state == "failed":
+            failures[evaluation.reason] += 1
+    left_out = 0
+    if numbers is not None:
+        failures = Counter(counted_failures(connection, row.id))
+        left_out = max(row.evaluations - row.failed_evaluations - len(good), 0)
     responses = [unpack_responses(row.responses) for row in good]
     misfits = [unpack_json(row.misfits) for row in good]
     samples = Samples.from_arrays(
@@ -273,6 +273,7 @@ def _samples(connection: Connection, job_id: str, problem: Problem) -> tuple[Sam
         generations=np.array([row.generation for row in good], dtype=np.int64),
         particles=np.array([row.particle for row in good], dtype=np.int64),
         failed=failures.total(),
+        left_out=left_out,
     )
     return samples, dict(failures)
 
@@ -291,23 +292,3 @@ def _best(connection: Connection, job_id: str, job: Any, problem: Problem) -> Be
         unpack_json(row.misfits),
         unpack_responses(row.responses),
     )
-
-
-def _generations(connection: Connection, job_id: str) -> list[GenerationRecord]:
-    found: list[GenerationRecord] = []
-    while True:
-        after = found[-1].number if found else -1
-        rows = jobs.list_generations(connection, job_id, after=after, limit=_ROWS)
-        found += [
-            GenerationRecord(
-                r.number,
-                r.evaluations,
-                r.failed,
-                r.best_objective,
-                r.objective,
-                None if r.parameters is None else unpack_json(r.parameters),
-            )
-            for r in rows
-        ]
-        if len(rows) < _ROWS:
-            return found

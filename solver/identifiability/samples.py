@@ -43,6 +43,8 @@ class Samples:
         Place in the history, shape (n,), from 0.
     failed
         Evaluations that failed; they are not among the n.
+    left_out
+        Successful evaluations of a long history that were not read.
     planned
         Positions of a follow-up (sensitivities, profiles, a design), neither sampled nor searched.
     """
@@ -59,6 +61,7 @@ class Samples:
     generations: IntArray
     particles: IntArray
     failed: int = 0
+    left_out: int = 0
     planned: bool = False
 
     @classmethod
@@ -73,6 +76,7 @@ class Samples:
         generations: IntArray | None = None,
         particles: IntArray | None = None,
         failed: int = 0,
+        left_out: int = 0,
     ) -> Samples:
         """Take rows as a store keeps them; ``failed`` counts failed ones that are not among the rows.
 
@@ -106,6 +110,7 @@ class Samples:
             generations=(np.zeros(count, dtype=np.int64) if generations is None else np.asarray(generations))[good],
             particles=(index if particles is None else np.asarray(particles))[good],
             failed=failed + int(count - good.sum()),
+            left_out=left_out,
             planned=not isinstance(problem.method, MonteCarloMethod | ParticleSwarmMethod),
         )
 
@@ -182,6 +187,7 @@ class Samples:
             generations=np.concatenate([p.generations for p in parts]),
             particles=np.concatenate([p.particles for p in parts]),
             failed=sum(p.failed for p in parts),
+            left_out=sum(p.left_out for p in parts),
         )
 
     @property

@@ -38,6 +38,11 @@ NOT_AT_OPTIMUM = (
 )
 
 
+SELECTED = (
+    "The history is long: {read} of its {total} successful evaluations were read, in whole generations, {rule}. "
+    "Counts, correlations and widths are of these."
+)
+
 TOO_FEW_POINTS = (
     "Too few measurements: {points} of them cannot determine {free} free parameters, so each value is one of many "
     "that fit. Fix or link some parameters, or add measurements."
@@ -96,6 +101,7 @@ class Statistics:
             "samples": {
                 "total": filtered.total,
                 "failed": self.samples.failed,
+                "left_out": self.samples.left_out,
                 "source": self.samples.source,
                 "kept": filtered.kept,
                 "kept_unbiased": filtered.kept_unbiased,
@@ -167,6 +173,10 @@ def analyse(
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
     if samples.source in _BIASES:
         warnings.insert(0, _BIASES[samples.source])
+    if samples.left_out:
+        evenly = "spread evenly"
+        rule = evenly if samples.source == "monte_carlo" else f"half with the lowest objectives, half {evenly}"
+        warnings.insert(0, SELECTED.format(read=samples.size, total=samples.size + samples.left_out, rule=rule))
     return Statistics(
         samples=samples,
         filtered=filtered,
