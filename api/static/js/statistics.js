@@ -18,13 +18,16 @@ const RENEW_SECONDS = 4;
 const { job, name, state } = document.querySelector("main").dataset;
 const maySubmit = document.body.dataset.maySubmit === "true";
 const place = (id) => document.getElementById(id);
-const view = { cloud: null, threshold: null, chosen: null, responses: null, proposed: null };
+/** `asked`: the threshold that the reader has chosen; null: the proposed one. */
+const view = { cloud: null, threshold: null, asked: null, chosen: null, responses: null };
 const parts = {};
 
-/** Read everything anew, keeping what the reader has set. */
+/** Read everything anew, keeping what the reader has set. The plot does not wait for the verdicts. */
 async function load() {
-  const [points, statistics] = await Promise.all([fetchPoints(job), judged(view.threshold)]);
-  if (!points.count || !statistics) {
+  const verdicts = judged(view.asked);
+  verdicts.catch(() => {}); // told below, after the points
+  const points = await fetchPoints(job);
+  if (!points.count) {
     place("nothing").textContent = "No evaluation has succeeded yet, so there is nothing to judge.";
     return;
   }
@@ -35,14 +38,30 @@ async function load() {
   if (ranges) view.cloud.ranges = ranges;
   if (reweighted) view.cloud.reweight(weights);
   view.responses = null;
-  view.threshold ??= statistics.threshold.value;
+  view.threshold ??= firstThreshold(view.cloud);
   build(points);
-  showStatistics(statistics);
   showCloud();
-  if (affordable(points)) {
-    view.responses = (await fetchPoints(job, { responses: true })).responses;
-    if (view.responses && points === view.cloud.points) parts.fit.update(view.cloud, view.chosen, view.responses);
+  const [statistics] = await Promise.all([verdicts, band(points)]);
+  if (!statistics) return;
+  if (view.asked === null && !view.cloud.reweighted && view.threshold !== statistics.threshold.value) {
+    view.threshold = statistics.threshold.value;
+    showCloud();
   }
+  showStatistics(statistics);
+}
+
+/** What the service proposes of a sampling; shown until its answer is there. */
+function firstThreshold(cloud) {
+  const wanted = Math.max(1, Math.min(20 * cloud.size, Math.floor(cloud.count / 5)));
+  return cloud.objective[cloud.order[wanted - 1]];
+}
+
+async function band(points) {
+  if (!affordable(points)) return;
+  const { responses } = await fetchPoints(job, { responses: true });
+  if (points !== view.cloud.points) return;
+  view.responses = responses;
+  parts.fit.update(view.cloud, view.chosen, responses);
 }
 
 async function judged(threshold) {
@@ -70,7 +89,7 @@ function build(points) {
   if (maySubmit) parts.plan ??= new Plan(place("plan"), { job, name, parameters: points.parameters, best });
   else place("plan").hidden = true;
   if (!parts.uncertainty) {
-    parts.uncertainty = new Uncertainty(place("uncertainty"), { job, maySubmit, units, objectiveUnit: unit, onFound: () => rested(view.threshold) });
+    parts.uncertainty = new Uncertainty(place("uncertainty"), { job, maySubmit, units, objectiveUnit: unit, onFound: () => rested(view.asked) });
     parts.uncertainty.refresh();
   }
 }
@@ -78,12 +97,16 @@ function build(points) {
 /** Everything that the browser draws from the points. */
 function showCloud() {
   parts.slider.set(view.threshold);
-  parts.matrix.show(view.cloud, view.threshold, parts.unit);
-  choose();
+  view.chosen = parts.matrix.show(view.cloud, view.threshold, parts.unit);
+  tell();
 }
 
 function choose() {
-  view.chosen = view.cloud.chosen(view.threshold);
+  view.chosen = parts.matrix.update(view.threshold);
+  tell();
+}
+
+function tell() {
   parts.slider.tell(view.chosen.length, view.cloud.kept(view.threshold));
   parts.ranges.show();
   parts.fit.update(view.cloud, view.chosen, view.responses);
@@ -91,8 +114,7 @@ function choose() {
 }
 
 function moved(threshold) {
-  view.threshold = threshold;
-  parts.matrix.update(threshold);
+  view.threshold = view.asked = threshold;
   choose();
 }
 
@@ -101,7 +123,7 @@ async function rested(threshold) {
   if (view.cloud.reweighted) return;
   try {
     const statistics = await judged(threshold);
-    if (statistics && threshold === view.threshold) showStatistics(statistics);
+    if (statistics && threshold === view.asked) showStatistics(statistics);
   } catch (error) {
     announce(error.message);
   }
@@ -109,7 +131,7 @@ async function rested(threshold) {
 
 async function proposed() {
   if (view.cloud.reweighted) reweighted(view.cloud.ownWeights);
-  const statistics = await judged(null);
+  const statistics = await judged(view.asked = null);
   view.threshold = statistics.threshold.value;
   showStatistics(statistics);
   showCloud();
@@ -117,7 +139,6 @@ async function proposed() {
 }
 
 function limited() {
-  parts.matrix.update(view.threshold);
   choose();
 }
 
@@ -156,7 +177,7 @@ function legend() {
   const unit = parts.unit ? ` ${parts.unit}` : "";
   place("legend").replaceChildren(element("p", { class: "key" },
     element("span", {}, `f = ${number(view.cloud.quantile(0), 3)} `, bar, ` ${number(view.threshold, 3)}${unit}`),
-    element("span", {}, element("i", {}, "— "), "lower envelope"), element("span", {}, element("i", {}, "+ "), "best"), element("span", {}, "- - threshold"),
+    element("span", {}, element("i", {}, "— "), "lower envelope"), element("span", {}, element("i", {}, "+ "), "best"), element("span", {}, "- - threshold"), element("span", {}, "r: over natural values"),
     element("span", {}, `grey: the other ${count(view.cloud.count - view.chosen.length)}`)));
 }
 

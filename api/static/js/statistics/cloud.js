@@ -55,10 +55,11 @@ export class Cloud {
 
   /** How many evaluations are good fits, at or below a threshold. */
   kept(threshold) {
+    const limit = Math.fround(threshold); // objectives are rounded in the same way: the one that sets it is kept
     let low = 0, high = this.count;
     while (low < high) {
       const middle = (low + high) >> 1;
-      if (this.objective[this.order[middle]] <= threshold) low = middle + 1;
+      if (this.objective[this.order[middle]] <= limit) low = middle + 1;
       else high = middle;
     }
     return low;

@@ -26,11 +26,11 @@ export class Matrix {
     document.addEventListener("themechange", () => this.cloud && this.paint());
   }
 
-  /** Show other data. */
+  /** Show other data; returns the chosen evaluations. */
   show(cloud, threshold, unit) {
     Object.assign(this, { cloud, threshold, objectiveUnit: unit });
     this.measure();
-    this.paint();
+    return this.paint();
   }
 
   resized() {
@@ -67,7 +67,7 @@ export class Matrix {
     this.logarithmic = low > 0 && high / low > 3;
     this.span = this.logarithmic ? [low / 1.4, high] : [Math.min(0, low), high > low ? high : low + 1];
     this.points(this.back, cloud.order, () => this.colours.faint, { size: cloud.count < 5000 ? 1.6 : 1, alpha: cloud.count < 5000 ? 0.4 : 0.25 });
-    this.update(this.threshold);
+    return this.update(this.threshold);
   }
 
   /** Another threshold or other ranges: only the good fits are painted. */
