@@ -5,6 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from api.routes import (
+    administration,
     events,
     forward_models,
     health,
@@ -24,7 +25,7 @@ __all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 API_PREFIX = "/api/v1"
 
 api_router = APIRouter(prefix=API_PREFIX)
-for module in (jobs, results, points, statistics, uncertainty, events, problems, forward_models, workers, session):
+for module in (jobs, results, points, statistics, uncertainty, events, problems, forward_models, workers, session, administration):
     api_router.include_router(module.router)
 health_router = health.router
 metrics_router = metrics.router
