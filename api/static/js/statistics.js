@@ -2,9 +2,10 @@
 import { announce, connection, element } from "./dom.js";
 import { count, number } from "./format.js";
 import { address, get } from "./http.js";
+import { COLOURS } from "./ramp.js";
 import { Cloud, objectiveUnit } from "./statistics/cloud.js";
 import { FitPlot, affordable } from "./statistics/fit.js";
-import { COLOURS, Matrix } from "./statistics/matrix.js";
+import { Matrix } from "./statistics/matrix.js";
 import { Plan } from "./statistics/plan.js";
 import { fetchPoints } from "./statistics/points.js";
 import { rangeForm } from "./statistics/ranges.js";
@@ -15,7 +16,7 @@ import { Weights } from "./statistics/weights.js";
 import { ENDED, follow } from "./stream.js";
 
 const RENEW_SECONDS = 4;
-const { job, name, state } = document.querySelector("main").dataset;
+const { job, name, state, fitted } = document.querySelector("main").dataset;
 const maySubmit = document.body.dataset.maySubmit === "true";
 const place = (id) => document.getElementById(id);
 /** `asked`: the threshold that the reader has chosen; null: the proposed one. */
@@ -24,8 +25,8 @@ const parts = {};
 
 /** Read everything anew, keeping what the reader has set. The plot does not wait for the verdicts. */
 async function load() {
-  const verdicts = judged(view.asked);
-  verdicts.catch(() => {}); // told below, after the points
+  const verdicts = fitted === "true" ? judged(view.asked) : null; // begun early where an answer is sure
+  verdicts?.catch(() => {}); // told below, after the points
   const points = await fetchPoints(job);
   if (!points.count) {
     place("nothing").textContent = "No evaluation has succeeded yet, so there is nothing to judge.";
@@ -41,7 +42,7 @@ async function load() {
   view.threshold ??= firstThreshold(view.cloud);
   build(points);
   showCloud();
-  const [statistics] = await Promise.all([verdicts, band(points)]);
+  const [statistics] = await Promise.all([verdicts ?? judged(view.asked), band(points)]);
   if (!statistics) return;
   if (view.asked === null && !view.cloud.reweighted && view.threshold !== statistics.threshold.value) {
     view.threshold = statistics.threshold.value;

@@ -3,12 +3,12 @@
 import { element, svg } from "../dom.js";
 import { number } from "../format.js";
 import { colour } from "../plot.js";
+import { COLOURS } from "../ramp.js";
 import { natural, place } from "./cloud.js";
 import { tickText, ticks } from "./ticks.js";
 
 const LEFT = 70, TOP = 10, BOTTOM = 54, RIGHT = 14, GAP = 8;
 const SMALLEST = 86, LARGEST = 190;
-export const COLOURS = ["#46327e", "#3f4889", "#365d8d", "#2e6f8e", "#277f8e", "#21918c", "#1fa187", "#2db27d", "#46c06f", "#6ccd5a", "#a2da37"];
 const CLICK = 5;
 
 export class Matrix {
