@@ -35,7 +35,9 @@ class MeshAnswer(BaseModel):
 
     part: str = Field(description="of a combined model, else empty")
     parts: list[str] = Field(description="parts that have a mesh")
-    generation: int | None = Field(description="of the evaluation; null: none yet, the mesh is that of the nominal geometry")
+    generation: int | None = Field(
+        description="of the evaluation; null: none yet, the mesh is that of the nominal geometry"
+    )
     particle: int | None
     objective: Number
     parameters: dict[str, float]

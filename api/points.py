@@ -1,7 +1,7 @@
 """All successful evaluations of a job as one block of float32, for plots of many thousand points.
 
-Layout: an unsigned 32-bit length, a JSON object of that many bytes (padded with blanks, so that what follows is aligned),
-then the columns of the object one after the other. Everything is little-endian.
+Layout: an unsigned 32-bit length, a JSON object of that many bytes (padded with blanks, so that what follows is
+aligned), then the columns of the object one after the other. Everything is little-endian.
 """
 
 from __future__ import annotations

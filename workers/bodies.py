@@ -121,7 +121,9 @@ class BodyDesk:
         problem = self._problem(row.id)
         parts = parts_with_body(problem.model)
         if not parts:
-            raise NoBodyError(f"the forward model {problem.forward_model.kind} has no mesh; section and finite_element do")
+            raise NoBodyError(
+                f"the forward model {problem.forward_model.kind} has no mesh; section and finite_element do"
+            )
         chosen = parts[0] if part is None else part
         if chosen not in parts:
             raise NoBodyError(f"there is no part {chosen!r} with a mesh; there are: {', '.join(map(repr, parts))}")
@@ -183,7 +185,9 @@ class BodyDesk:
             raise NoBodyError(f"the forward run for the fields has failed ({made.reason}): {made.message}")
         return {name: values.reshape(-1, 2) for name, values in made.responses.items()}
 
-    def _rows(self, connection: Connection, job_id: str, generation: int | None, particle: int | None) -> tuple[Any, Any]:
+    def _rows(
+        self, connection: Connection, job_id: str, generation: int | None, particle: int | None
+    ) -> tuple[Any, Any]:
         row = self._find(connection, job_id)
         if generation is None or particle is None:
             generation, particle = row.best_generation, row.best_particle

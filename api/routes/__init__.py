@@ -26,7 +26,20 @@ __all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 API_PREFIX = "/api/v1"
 
 api_router = APIRouter(prefix=API_PREFIX)
-for module in (jobs, results, points, statistics, uncertainty, events, problems, forward_models, workers, session, administration, mesh):
+for module in (
+    jobs,
+    results,
+    points,
+    statistics,
+    uncertainty,
+    events,
+    problems,
+    forward_models,
+    workers,
+    session,
+    administration,
+    mesh,
+):
     api_router.include_router(module.router)
 health_router = health.router
 metrics_router = metrics.router

@@ -137,8 +137,6 @@ async def fields(
 
 def _body(service: JobService, job_id: str, wanted: Wanted) -> Body:
     try:
-        return service.bodies.body(
-            job_id, part=wanted.part, generation=wanted.generation, particle=wanted.particle
-        )
+        return service.bodies.body(job_id, part=wanted.part, generation=wanted.generation, particle=wanted.particle)
     except NoBodyError as error:
         raise DetailError(404, f"{error}.", kind="no-mesh", title="No mesh") from None

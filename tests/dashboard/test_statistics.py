@@ -18,26 +18,34 @@ from workers.service import JobService
 
 Visit = Callable[..., Opened]
 
-POINTS = "async (base) => (await import(base + '/js/statistics/points.js')).fetchPoints(document.querySelector('main').dataset.job)"
+READ_POINTS = """async (base) => {
+    const { fetchPoints } = await import(base + "/js/statistics/points.js");
+    const found = await fetchPoints(document.querySelector("main").dataset.job);
+    return [found.count, [...found.values[1]], [...found.objective], [...found.misfits.z]];
+}"""
+MOVE = "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }"
 
 
 def two_lines(**changes: Any) -> dict[str, Any]:
     """Two series, of which one needs one of the parameters only; sampled. A third parameter has no influence."""
-    return line_problem(
-        name="two lines",
-        forward_model={"kind": "formula", "series": {"y": "a + b * x + 0 * d", "z": "b * x"}},
-        parameters={
-            "a": {"lower": -5, "upper": 5},
-            "b": {"lower": 0.1, "upper": 4, "scale": "log"},
-            "d": {"lower": 0, "upper": 1},
-        },
-        observations=[
-            {"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.0]}},
-            {"series": "z", "points": {"x": [1, 2, 3, 4], "y": [3.0, 6.1, 8.9, 12.0]}, "weight": 0.5},
-        ],
-        method={"kind": "monte_carlo", "samples": 400},
-        stopping={},
-    ) | changes
+    return (
+        line_problem(
+            name="two lines",
+            forward_model={"kind": "formula", "series": {"y": "a + b * x + 0 * d", "z": "b * x"}},
+            parameters={
+                "a": {"lower": -5, "upper": 5},
+                "b": {"lower": 0.1, "upper": 4, "scale": "log"},
+                "d": {"lower": 0, "upper": 1},
+            },
+            observations=[
+                {"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.0]}},
+                {"series": "z", "points": {"x": [1, 2, 3, 4], "y": [3.0, 6.1, 8.9, 12.0]}, "weight": 0.5},
+            ],
+            method={"kind": "monte_carlo", "samples": 400},
+            stopping={},
+        )
+        | changes
+    )
 
 
 def ended(service: JobService, document: dict[str, Any]) -> str:
@@ -69,13 +77,12 @@ def chosen(page: Page) -> int:
 
 
 def slide(page: Page, value: int) -> None:
-    page.locator("#threshold").evaluate("(slider, v) => { slider.value = v; slider.dispatchEvent(new Event('input')); }", value)
+    page.locator("#threshold").evaluate(MOVE, value)
 
 
 def test_points_are_those_of_the_service(embedded: Site, page: Page, job: str) -> None:
     base = page.locator("body").get_attribute("data-static")
-    read = f"async (base) => {{ const p = await ({POINTS})(base); return [p.count, [...p.values[1]], [...p.objective], [...p.misfits.z]]; }}"
-    count, b, objectives, misfits = page.evaluate(read, base)
+    count, b, objectives, misfits = page.evaluate(READ_POINTS, base)
     stored = embedded.service.evaluations(job, limit=1000).items
     assert count == 400
     assert b == pytest.approx([item.parameters["b"] for item in stored], rel=1e-6)
@@ -182,7 +189,9 @@ def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> Non
     expect(page.locator("#uncertainty table")).to_contain_text("Standard error")
 
 
-@pytest.mark.parametrize("options", [{"color_scheme": "light"}, {"color_scheme": "dark", "viewport": {"width": 390, "height": 844}}])
+@pytest.mark.parametrize(
+    "options", [{"color_scheme": "light"}, {"color_scheme": "dark", "viewport": {"width": 390, "height": 844}}]
+)
 def test_statistics_can_be_used_by_everybody(embedded: Site, visit: Visit, job: str, options: dict[str, Any]) -> None:
     page, _ = visit(embedded, f"/jobs/{job}/statistics", **options)
     expect(page.locator("#verdicts .card")).to_have_count(3)

@@ -8,7 +8,7 @@ from typing import Any
 
 from playwright.sync_api import Page, expect
 
-from solver.problem import load_problem, parse_problem
+from solver.problem import load_problem
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_statistics import ended
 from workers.access import Principal
