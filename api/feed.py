@@ -79,7 +79,7 @@ class EventFeed:
         Silence after which :meth:`listen` yields None [s].
     """
 
-    def __init__(self, service: JobService, *, poll_seconds: float = 0.05, heartbeat_seconds: float = 10.0) -> None:
+    def __init__(self, service: JobService, *, poll_seconds: float = 0.1, heartbeat_seconds: float = 10.0) -> None:
         self._service = service
         self._poll = poll_seconds
         self._heartbeat = heartbeat_seconds
