@@ -1,4 +1,4 @@
-"""All successful evaluations of a job as one block of float32, for plots of many thousand points.
+"""The successful evaluations of a job as one block of float32, for plots of many thousand points.
 
 Layout: an unsigned 32-bit length, a JSON object of that many bytes (padded with blanks, so that what follows is
 aligned), then the columns of the object one after the other. Everything is little-endian.
@@ -68,6 +68,7 @@ def _head(problem: Problem, samples: Samples) -> dict[str, Any]:
     return {
         "count": samples.size,
         "failed": samples.failed,
+        "left_out": samples.left_out,
         "source": samples.source if samples.size else None,
         "parameters": [
             {

@@ -28,7 +28,7 @@ def points(
     request: Request,
     responses: Annotated[bool, Query(description="with the calculated values at the observed points")] = False,
 ) -> Response:
-    """Give all successful evaluations as one block of float32; docs/http-api.md describes it."""
+    """Give the successful evaluations as one block of float32, a selection of long histories; see docs/http-api.md."""
     job = service.statistics.stored(job_id)
     block = points_block(job.problem, job.samples, responses=responses)
     body, headers = compressed(block, request.headers.get("accept-encoding", ""))

@@ -26,7 +26,7 @@ export function paint(context, view, map, size) {
   context.lineJoin = "round";
   if (view.shown === "regions") regions(context, view, pixels);
   else contours(context, view, pixels);
-  if (view.options.lines) lines(context, view.mesh.triangles, pixels, colour("--muted"), 0.45);
+  if (view.options.lines) lines(context, view.mesh.triangles, pixels, colour("--muted"), view.shown === "regions" ? 0.45 : 0.25);
   interfaces(context, view.mesh.interfaces, pixels);
   if (view.options.outline) edges(context, view.outline, view.mesh.nodes.map(map), colour("--ink"), [5, 4]);
   if (view.options.points) points(context, view.mesh, pixels);

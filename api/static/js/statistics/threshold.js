@@ -52,7 +52,8 @@ export class ThresholdSlider {
   /** Say how many are chosen. */
   tell(chosen, kept) {
     const { cloud } = this;
+    const left = cloud.points.left_out;
     const limited = cloud.ranges.size ? `; ${count(chosen)} inside the ranges` : "";
-    this.told.textContent = `${count(kept)} of ${count(cloud.count)} evaluations${limited}`;
+    this.told.textContent = `${count(kept)} of ${count(cloud.count)} evaluations${limited}${left ? ` (${count(left)} more are left out of the statistics)` : ""}`;
   }
 }
