@@ -47,6 +47,7 @@ from workers.trial import TrialBench
 from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
+    from workers.bodies import BodyDesk
     from workers.statistics import StatisticsDesk
 
 __all__ = ["JobService"]
@@ -80,6 +81,13 @@ class JobService:
         from workers.statistics import StatisticsDesk
 
         return StatisticsDesk(self.store, self._row, self._shelf)
+
+    @property
+    def bodies(self) -> BodyDesk:
+        """Meshes and fields of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
+        from workers.bodies import BodyDesk
+
+        return BodyDesk(self.store, self._row, self._shelf, self._trials)
 
     def on_behalf_of(self, principal: Principal) -> JobService:
         """Return this service as somebody may use it: other owners' jobs are not there."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from api.routes import (
+    administration,
     events,
     examples,
     fit,
@@ -12,7 +13,9 @@ from api.routes import (
     health,
     jobs,
     measurements,
+    mesh,
     metrics,
+    points,
     problems,
     results,
     session,
@@ -30,6 +33,7 @@ for module in (
     jobs,
     results,
     fit,
+    points,
     statistics,
     uncertainty,
     events,
@@ -39,6 +43,8 @@ for module in (
     forward_models,
     workers,
     session,
+    administration,
+    mesh,
 ):
     api_router.include_router(module.router)
 health_router = health.router

@@ -20,7 +20,7 @@ from solver.errors import ProblemError
 from solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
 from solver.problem.reading import Form
 
-__all__ = ["router"]
+__all__ = ["one_at_a_time", "router"]
 
 router = APIRouter(prefix="/problems", tags=["problems"])
 
@@ -30,7 +30,7 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
     """Validate a problem, make one test run and estimate the cost. Nothing is stored."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     # One at a time, as a test run occupies a core; those who wait occupy no thread.
-    report = await anyio.to_thread.run_sync(service.check, problem, limiter=_one_at_a_time(request))
+    report = await anyio.to_thread.run_sync(service.check, problem, limiter=one_at_a_time(request))
     return CheckResult.model_validate(asdict(report))
 
 
@@ -66,7 +66,8 @@ def _two_at_a_time(request: Request) -> anyio.CapacityLimiter:
     return limiter
 
 
-def _one_at_a_time(request: Request) -> anyio.CapacityLimiter:
+def one_at_a_time(request: Request) -> anyio.CapacityLimiter:
+    """Return what test runs and the like wait at: each occupies a core."""
     state = request.app.state
     if not hasattr(state, "test_runs"):
         state.test_runs = anyio.CapacityLimiter(1)
