@@ -30,6 +30,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStart,
     Worker,
 )
 from geoswarm.client.statistics import AsyncStatistics
@@ -108,6 +109,10 @@ class AsyncClient(AsyncStatistics):
     async def check(self, problem: Problem) -> CheckResult:
         """Validate a problem, let the service make one test run and estimate the cost."""
         return await self._send(await asyncio.to_thread(calls.check, problem))
+
+    async def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
+        """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
+        return tuple((await self._send(await asyncio.to_thread(calls.warm_starts, problem))).items)
 
     async def list(self, *, state: str | None = None, limit: int = 50, cursor: str | None = None) -> Page[Job]:
         """List jobs, newest first."""

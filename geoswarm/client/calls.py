@@ -38,6 +38,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStarts,
     Worker,
 )
 
@@ -71,6 +72,7 @@ __all__ = [
     "reader",
     "retry_failed",
     "submit",
+    "warm_starts",
     "workers",
 ]
 
@@ -191,6 +193,12 @@ def check(problem: Problem) -> Call[CheckResult]:
     """Validate, run once, estimate."""
     content = _problem_text(problem)
     return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
+
+
+def warm_starts(problem: Problem) -> Call[WarmStarts]:
+    """Name earlier jobs to learn from."""
+    content = _problem_text(problem)
+    return Call("POST", f"{API}/problems/warm-starts", reader(WarmStarts), headers=JSON_BODY, content=content)
 
 
 def list_jobs(state: str | None, limit: int, cursor: str | None) -> Call[Page[Job]]:
