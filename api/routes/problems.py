@@ -15,7 +15,7 @@ from api.draft_schemas import ProblemDraft
 from api.drafts import describe_draft
 from api.errors import DetailError
 from api.routes.jobs import PROBLEM_BODY
-from api.schemas import CheckResult
+from api.schemas import CheckResult, WarmStarts
 from solver.errors import ProblemError
 from solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
 from solver.problem.reading import Form
@@ -31,7 +31,18 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     # One at a time, as a test run occupies a core; those who wait occupy no thread.
     report = await anyio.to_thread.run_sync(service.check, problem, limiter=one_at_a_time(request))
-    return CheckResult.model_validate(asdict(report))
+    earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
+    return CheckResult.model_validate(asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
+
+
+@router.post(
+    "/warm-starts", responses=problems_of(400, 408, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY}
+)
+async def warm_starts(document: ProblemDocument, service: Service) -> WarmStarts:
+    """Name earlier jobs with the same forward model whose stored evaluations the search could learn from."""
+    problem = await anyio.to_thread.run_sync(parse_problem, document)
+    earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
+    return WarmStarts.model_validate({"items": [asdict(job) for job in earlier]})
 
 
 @router.post("/read", responses=problems_of(400, 408, 413, 415), openapi_extra={"requestBody": PROBLEM_BODY})

@@ -31,6 +31,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStart,
     Worker,
 )
 from geoswarm.client.statistics import AsyncStatistics
@@ -109,6 +110,10 @@ class AsyncClient(AsyncStatistics, AsyncDrafts):
     async def check(self, problem: Problem) -> CheckResult:
         """Validate a problem, let the service make one test run and estimate the cost."""
         return await self._send(await asyncio.to_thread(calls.check, problem))
+
+    async def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
+        """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
+        return tuple((await self._send(await asyncio.to_thread(calls.warm_starts, problem))).items)
 
     async def list(
         self,

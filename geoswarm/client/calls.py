@@ -38,6 +38,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStarts,
     Worker,
 )
 
@@ -74,6 +75,7 @@ __all__ = [
     "reader",
     "retry_failed",
     "submit",
+    "warm_starts",
     "workers",
 ]
 
@@ -195,6 +197,12 @@ def check(problem: Problem) -> Call[CheckResult]:
     """Validate, run once, estimate."""
     content = _problem_text(problem)
     return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
+
+
+def warm_starts(problem: Problem) -> Call[WarmStarts]:
+    """Name earlier jobs to learn from."""
+    content = _problem_text(problem)
+    return Call("POST", f"{API}/problems/warm-starts", reader(WarmStarts), headers=JSON_BODY, content=content)
 
 
 def list_jobs(**filters: Any) -> Call[Page[Job]]:

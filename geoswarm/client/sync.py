@@ -30,6 +30,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStart,
     Worker,
 )
 from geoswarm.client.statistics import Statistics
@@ -106,6 +107,10 @@ class Client(Statistics, Drafts):
     def check(self, problem: Problem) -> CheckResult:
         """Validate a problem, let the service make one test run and estimate the cost."""
         return self._send(calls.check(problem))
+
+    def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
+        """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
+        return tuple(self._send(calls.warm_starts(problem)).items)
 
     def list(
         self,

@@ -21,7 +21,9 @@ def _law(c: float = 5.0, phi: float = 30.0, psi: float = 0.0, tension: float | N
 
 def test_elastic_below_the_limit() -> None:
     D = np.zeros((2, 2))
-    assert interface_update(-50.0, 0.0, 0.0, -1.0e-3, 2.0e-3, _law().constants(), D) == pytest.approx((-60.0, 10.0, 0.0))
+    assert interface_update(-50.0, 0.0, 0.0, -1.0e-3, 2.0e-3, _law().constants(), D) == pytest.approx(
+        (-60.0, 10.0, 0.0)
+    )
     assert np.allclose(D, np.diag([1.0e4, 5.0e3]), rtol=1.0e-9, atol=1.0e-9)
 
 
