@@ -39,6 +39,8 @@ __all__ = [
     "Session",
     "SignIn",
     "TestRun",
+    "WarmStart",
+    "WarmStarts",
     "Worker",
     "WorkerList",
 ]
@@ -228,9 +230,24 @@ class TestRun(Model):
     parameters: dict[str, float] = Field(description="all parameters, by name")
     objective: Number
     misfits: dict[str, Number]
+    responses: dict[str, Response] = Field(description="calculated series at their observed points, base units")
     seconds: float
     reason: str | None
     message: str | None
+
+
+class WarmStart(Model):
+    """An earlier job with the same forward model: `warm_start: {jobs: [ID]}` offers its runs to the search."""
+
+    job: str
+    name: str
+    evaluations: int = Field(description="that could be taken over at no cost, 2000 at most are counted")
+
+
+class WarmStarts(Model):
+    """Earlier jobs that a problem could learn from, newest first, five at most."""
+
+    items: list[WarmStart]
 
 
 class CheckResult(Model):
@@ -245,6 +262,7 @@ class CheckResult(Model):
     planned_evaluations: int | None = Field(description="null when only time or quality ends the search")
     test_run: TestRun
     estimated_seconds: float | None = Field(description="time of all planned evaluations on one worker")
+    warm_starts: list[WarmStart] = Field(description="earlier jobs that it could learn from, newest first")
 
 
 class Parameter(Model):

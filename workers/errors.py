@@ -13,6 +13,7 @@
     ├── KeyNotFoundError            no API key has this id
     ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
+    ├── NoBodyError                 the job, or its evaluation, has no mesh or no fields
     ├── NoOptimumError              the job has not found yet what a follow-up begins at
     ├── StoreUnavailableError       the database does not answer, or cannot be used
     └── BrokerUnavailableError      the broker does not answer
@@ -31,6 +32,7 @@ __all__ = [
     "InvalidCursorError",
     "InvalidTransitionError",
     "JobNotFoundError",
+    "NoBodyError",
     "NoOptimumError",
     "KeyNotFoundError",
     "NothingLeftError",
@@ -114,6 +116,10 @@ class InvalidCursorError(WorkersError):
     def __init__(self, cursor: str) -> None:
         self.cursor = cursor
         super().__init__(f"cursor {cursor[:80]!r} is not one that this listing returned in next_cursor")
+
+
+class NoBodyError(WorkersError):
+    """There is no mesh, no such evaluation, or its forward run for the fields has failed; the message says which."""
 
 
 class NoOptimumError(WorkersError):

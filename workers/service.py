@@ -40,13 +40,14 @@ from workers.store.codec import clean_text, pack_json, unpack_json, unpack_probl
 from workers.store.evaluations import get_evaluation, list_attempts
 from workers.store.job_list import JobFilters, list_jobs, list_trends, spaced
 from workers.store.listing import Filters, list_evaluations
-from workers.store.offers import find_offer, write_offer
+from workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
 from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
 from workers.store.workers import current_work, list_workers
 from workers.trial import TrialBench
 from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
+    from workers.bodies import BodyDesk
     from workers.statistics import StatisticsDesk
 
 __all__ = ["JobService"]
@@ -81,6 +82,13 @@ class JobService:
 
         return StatisticsDesk(self.store, self._row, self._shelf)
 
+    @property
+    def bodies(self) -> BodyDesk:
+        """Meshes and fields of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
+        from workers.bodies import BodyDesk
+
+        return BodyDesk(self.store, self._row, self._shelf, self._trials)
+
     def on_behalf_of(self, principal: Principal) -> JobService:
         """Return this service as somebody may use it: other owners' jobs are not there."""
         bound = copy.copy(self)
@@ -96,6 +104,11 @@ class JobService:
             See :func:`solver.check.check_problem`.
         """
         return self._trials.check(problem)
+
+    def warm_starts(self, problem: Problem) -> builtins.list[WarmStart]:
+        """Return earlier jobs of the same forward model whose runs a problem could learn from, newest first."""
+        owner = None if self.principal.role == "admin" else self.principal.owner or ""
+        return self.store.read(lambda connection: find_warm_starts(connection, problem, owner))
 
     def close(self) -> None:
         """End what test runs have started."""

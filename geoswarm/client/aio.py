@@ -14,6 +14,7 @@ import httpx
 
 from geoswarm.client import calls
 from geoswarm.client.calls import Call, Problem, SortKey
+from geoswarm.client.drafts import AsyncDrafts
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
 from geoswarm.client.files import partial_file
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
@@ -30,6 +31,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStart,
     Worker,
 )
 from geoswarm.client.statistics import AsyncStatistics
@@ -39,7 +41,7 @@ __all__ = ["AsyncClient"]
 T = TypeVar("T")
 
 
-class AsyncClient(AsyncStatistics):
+class AsyncClient(AsyncStatistics, AsyncDrafts):
     """Talks to a geoswarm service. Lives in one event loop; close it, or use it in an ``async with`` statement.
 
     The methods are those of :class:`geoswarm.client.sync.Client`.
@@ -108,6 +110,10 @@ class AsyncClient(AsyncStatistics):
     async def check(self, problem: Problem) -> CheckResult:
         """Validate a problem, let the service make one test run and estimate the cost."""
         return await self._send(await asyncio.to_thread(calls.check, problem))
+
+    async def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
+        """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
+        return tuple((await self._send(await asyncio.to_thread(calls.warm_starts, problem))).items)
 
     async def list(
         self,

@@ -38,10 +38,12 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStarts,
     Worker,
 )
 
 __all__ = [
+    "API",
     "DEFAULT_URL",
     "Call",
     "JSON_BODY",
@@ -73,6 +75,7 @@ __all__ = [
     "reader",
     "retry_failed",
     "submit",
+    "warm_starts",
     "workers",
 ]
 
@@ -97,7 +100,7 @@ class Call(Generic[T]):
     read: Callable[[httpx.Response], T]
     query: Mapping[str, Query] = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
-    content: str | None = None
+    content: str | bytes | None = None
     accepted: frozenset[int] = frozenset()
     """Statuses beside 2xx that ``read`` understands."""
 
@@ -194,6 +197,12 @@ def check(problem: Problem) -> Call[CheckResult]:
     """Validate, run once, estimate."""
     content = _problem_text(problem)
     return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
+
+
+def warm_starts(problem: Problem) -> Call[WarmStarts]:
+    """Name earlier jobs to learn from."""
+    content = _problem_text(problem)
+    return Call("POST", f"{API}/problems/warm-starts", reader(WarmStarts), headers=JSON_BODY, content=content)
 
 
 def list_jobs(**filters: Any) -> Call[Page[Job]]:

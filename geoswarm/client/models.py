@@ -5,7 +5,7 @@ Fields that a newer service adds are ignored.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from html import escape
 from typing import Any, Generic, TypeVar
@@ -30,6 +30,8 @@ __all__ = [
     "Retry",
     "Series",
     "TestRun",
+    "WarmStart",
+    "WarmStarts",
     "Worker",
 ]
 
@@ -246,6 +248,23 @@ class TestRun:
     seconds: float
     reason: str | None
     message: str | None
+    responses: dict[str, Curve] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class WarmStart:
+    """An earlier job with the same forward model: ``warm_start: {jobs: [ID]}`` offers its runs to the search."""
+
+    job: str
+    name: str
+    evaluations: int
+
+
+@dataclass(frozen=True, slots=True)
+class WarmStarts:
+    """Earlier jobs that a problem could learn from."""
+
+    items: list[WarmStart]
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,6 +280,7 @@ class CheckResult:
     planned_evaluations: int | None
     test_run: TestRun
     estimated_seconds: float | None
+    warm_starts: list[WarmStart]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ import httpx
 
 from geoswarm.client import calls
 from geoswarm.client.calls import Call, Problem, SortKey
+from geoswarm.client.drafts import Drafts
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
 from geoswarm.client.files import partial_file
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
@@ -29,6 +30,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStart,
     Worker,
 )
 from geoswarm.client.statistics import Statistics
@@ -38,7 +40,7 @@ __all__ = ["Client"]
 T = TypeVar("T")
 
 
-class Client(Statistics):
+class Client(Statistics, Drafts):
     """Talks to a geoswarm service. Safe to use from several threads; close it, or use it in a ``with`` statement.
 
     Parameters
@@ -105,6 +107,10 @@ class Client(Statistics):
     def check(self, problem: Problem) -> CheckResult:
         """Validate a problem, let the service make one test run and estimate the cost."""
         return self._send(calls.check(problem))
+
+    def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
+        """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
+        return tuple(self._send(calls.warm_starts(problem)).items)
 
     def list(
         self,

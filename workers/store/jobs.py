@@ -29,6 +29,7 @@ from workers.coordinator.machine import Job, PublishEvent, RecordGeneration, Tra
 from workers.store.clock import database_now
 from workers.store.codec import clean_text, pack_json, unpack_json
 from workers.store.database import Record
+from workers.store.event_bell import insert_events
 from workers.store.tables import evaluations, events, generations, jobs
 
 __all__ = [
@@ -133,7 +134,7 @@ def save_job(
         if isinstance(instruction, PublishEvent)
     ]
     if published:
-        connection.execute(insert(events), published)
+        insert_events(connection, published)
     progress = after.progress
     ended = after.state in ("finished", "failed", "cancelled")
     values: dict[str, Any] = {
@@ -178,7 +179,7 @@ def publish_state(
 ) -> None:
     """Tell who watches that a job has another state."""
     data = pack_json({"state": state, "stop_reasons": list(stop_reasons), "error": error})
-    connection.execute(insert(events).values(job_id=locked.id, kind="state", data=data, created_at=locked.now))
+    insert_events(connection, [{"job_id": locked.id, "kind": "state", "data": data, "created_at": locked.now}])
 
 
 def _insert_generations(
@@ -223,7 +224,8 @@ def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:
     if connection.scalar(upsert(jobs).values(row).on_conflict_do_nothing().returning(jobs.c.id)) is None:
         return False
     data = pack_json({"state": "queued", "stop_reasons": [], "error": None})
-    connection.execute(insert(events).values(job_id=values["id"], kind="state", data=data, created_at=database_now()))
+    now = connection.scalar(select(database_now()))
+    insert_events(connection, [{"job_id": values["id"], "kind": "state", "data": data, "created_at": now}])
     return True
 
 
