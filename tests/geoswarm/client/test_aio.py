@@ -89,7 +89,10 @@ def test_steering_and_the_catalogue(server: LiveServer) -> None:
             await asyncio.sleep(0.2)
             assert (await client.cancel(job.id)).state == "cancelled"
             assert (await waiting).state == "cancelled"
-            assert (await client.list(limit=1)).items[0].id == job.id
+            assert (await client.list(limit=1, search="line", sort="created", order="descending")).items[0].id == job.id
+            going = await client.change_stopping(job.id, {"max_seconds": 900})
+            assert going.state in ("queued", "running")
+            assert (await client.cancel(job.id)).state == "cancelled"
             assert (await client.health()).ok
             assert len(await client.workers()) == 1
             assert (await client.forward_model("formula")).depends_on_section
