@@ -9,10 +9,10 @@ import pytest
 from playwright.sync_api import expect
 
 from solver.problem import parse_problem
-from tests.api.conftest import line_problem, wait_for_end
+from tests.api.conftest import wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
-from tests.dashboard.test_job import LONG, SOON
+from tests.dashboard.test_job import LONG, SOON, textbook
 
 Visit = Callable[..., Opened]
 
@@ -22,7 +22,7 @@ def ids(embedded: Site) -> list[str]:
     """Three finished jobs, one with a fixed parameter."""
     parameters = {"a": {"value": 0.5}, "b": {"lower": 0, "upper": 4}}
     made = [
-        embedded.service.submit(parse_problem(line_problem(name=name, **changes)))[0].id
+        embedded.service.submit(parse_problem(textbook(name=name, **changes)))[0].id
         for name, changes in (("free", {}), ("other-seed", {"seed": 8}), ("fixed-a", {"parameters": parameters}))
     ]
     for job_id in made:
@@ -60,7 +60,7 @@ def test_jobs_are_added_and_removed(embedded: Site, visit: Visit, ids: list[str]
 
 
 def test_a_running_job_is_followed(embedded: Site, visit: Visit, ids: list[str]) -> None:
-    view, _ = embedded.service.submit(parse_problem(line_problem(name="running", **LONG)))
+    view, _ = embedded.service.submit(parse_problem(textbook(name="running", **LONG)))
     try:
         page, _ = visit(embedded, f"/compare?job={ids[0]}&job={view.id}")
         state = page.locator(".chosen .state").nth(1)

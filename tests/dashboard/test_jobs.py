@@ -9,9 +9,10 @@ import pytest
 from playwright.sync_api import expect
 
 from solver.problem import parse_problem
-from tests.api.conftest import line_problem, wait_for_end
+from tests.api.conftest import wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.test_job import textbook
 
 Visit = Callable[..., Opened]
 
@@ -21,7 +22,7 @@ def ids(embedded: Site) -> list[str]:
     """Three finished jobs."""
     made = []
     for name, most in (("gravel-wall", 30), ("clay-test", 60), ("silt-test", 90)):
-        problem = parse_problem(line_problem(name=name, stopping={"max_evaluations": most}, seed=most))
+        problem = parse_problem(textbook(name=name, stopping={"max_evaluations": most}, seed=most))
         made.append(embedded.service.submit(problem)[0].id)
     for job_id in made:
         wait_for_end(embedded.service, job_id)
@@ -57,7 +58,7 @@ def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
     box = page.locator(f"tr[data-job='{ids[0]}'] input")
     box.focus()
     page.keyboard.press("Space")
-    view, _ = embedded.service.submit(parse_problem(line_problem(name="just-now")))
+    view, _ = embedded.service.submit(parse_problem(textbook(name="just-now")))
     row = page.locator(f"tr[data-job='{view.id}']")
     expect(row.locator(".state")).to_have_text("finished", timeout=30_000)
     expect(box).to_be_checked()
@@ -67,7 +68,7 @@ def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
 
 def test_pages_are_leafed_through(embedded: Site, visit: Visit) -> None:
     for number in range(52):
-        view, _ = embedded.service.submit(parse_problem(line_problem(name=f"leaf-{number:02}")))
+        view, _ = embedded.service.submit(parse_problem(textbook(name=f"leaf-{number:02}")))
         embedded.service.cancel(view.id)
     page, _ = visit(embedded, "/?q=leaf&state=cancelled&sort=name")
     rows = page.locator("tr[data-job]")

@@ -9,9 +9,9 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from solver.problem import parse_problem
-from tests.api.conftest import line_problem, wait_for_end
+from tests.api.conftest import wait_for_end
 from tests.dashboard.conftest import Opened, Site
-from tests.dashboard.test_job import LONG, SOON, counted, state
+from tests.dashboard.test_job import LONG, SOON, counted, state, textbook
 
 Visit = Callable[..., Opened]
 
@@ -19,7 +19,7 @@ Visit = Callable[..., Opened]
 @pytest.fixture
 def job(embedded: Site) -> Iterator[str]:
     """A job that goes on for long."""
-    view, _ = embedded.service.submit(parse_problem(line_problem(name="long", **LONG)))
+    view, _ = embedded.service.submit(parse_problem(textbook(name="long", **LONG)))
     yield view.id
     if embedded.service.get(view.id).state in ("queued", "running", "paused"):
         embedded.service.cancel(view.id)
@@ -91,7 +91,7 @@ def test_a_reload_and_a_restart_of_the_service_lose_nothing(embedded: Site, visi
 
 
 def test_an_ended_job_that_goes_on_is_noticed(embedded: Site, visit: Visit) -> None:
-    view, _ = embedded.service.submit(parse_problem(line_problem(name="again", stopping={"max_evaluations": 30})))
+    view, _ = embedded.service.submit(parse_problem(textbook(name="again", stopping={"max_evaluations": 30})))
     wait_for_end(embedded.service, view.id)
     page, _ = visit(embedded, f"/jobs/{view.id}")
     state(page).to_have_text("finished")
