@@ -82,7 +82,7 @@ def test_pages_are_leafed_through(embedded: Site, visit: Visit) -> None:
 
 
 def test_two_jobs_are_chosen_and_compared(embedded: Site, visit: Visit, ids: list[str]) -> None:
-    page, _ = visit(embedded, "/")
+    page, _ = visit(embedded, "/?state=finished")
     button = page.get_by_role("button", name="Compare")
     expect(button).to_be_disabled()
     for job_id in ids[:2]:
