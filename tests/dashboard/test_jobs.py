@@ -12,7 +12,7 @@ from solver.problem import parse_problem
 from tests.api.conftest import wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
-from tests.dashboard.test_job import textbook
+from tests.dashboard.test_job import LONG, textbook
 
 Visit = Callable[..., Opened]
 
@@ -68,7 +68,7 @@ def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
 
 def test_pages_are_leafed_through(embedded: Site, visit: Visit) -> None:
     for number in range(52):
-        view, _ = embedded.service.submit(parse_problem(textbook(name=f"leaf-{number:02}")))
+        view, _ = embedded.service.submit(parse_problem(textbook(name=f"leaf-{number:02}", **LONG)))
         embedded.service.cancel(view.id)
     page, _ = visit(embedded, "/?q=leaf&state=cancelled&sort=name")
     rows = page.locator("tr[data-job]")
