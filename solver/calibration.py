@@ -50,12 +50,25 @@ __all__ = [
     "Progress",
     "Step",
     "choose_seed",
+    "search_space",
 ]
 
 SAMPLES_COMPLETED = "samples_completed"
 POLISHED = "polished"
 
 _LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
+
+
+def search_space(problem: Problem) -> SearchSpace:
+    """Return the space of the free parameters of a problem."""
+    return SearchSpace(
+        names=problem.free_names,
+        lower=np.array([p.lower for p in problem.free], dtype=np.float64),
+        upper=np.array([p.upper for p in problem.free], dtype=np.float64),
+        log=np.array([p.scale == "log" for p in problem.free], dtype=np.bool_),
+        feasible=lambda x: problem.satisfies(problem.values(x.tolist())),
+        integer=np.array([p.integer for p in problem.free], dtype=np.bool_),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,14 +197,7 @@ class Calibration:
         self.objective = LeastSquares(observed)
         self.grids = {series.series: series.x for series in observed}
         self.criteria = stop_criteria(problem.stopping)
-        self.space = SearchSpace(
-            names=self.free_names,
-            lower=np.array([p.lower for p in problem.free], dtype=np.float64),
-            upper=np.array([p.upper for p in problem.free], dtype=np.float64),
-            log=np.array([p.scale == "log" for p in problem.free], dtype=np.bool_),
-            feasible=lambda x: problem.satisfies(problem.values(x.tolist())),
-            integer=np.array([p.integer for p in problem.free], dtype=np.bool_),
-        )
+        self.space = search_space(problem)
         self.offered = None
         if offer is not None and len(offer.parameters):
             rows = np.array([self.objective.weighted_residuals(r) for r in offer.responses])

@@ -31,7 +31,6 @@ __all__ = [
     "Series",
     "TestRun",
     "WarmStart",
-    "WarmStarts",
     "Worker",
 ]
 
@@ -189,7 +188,8 @@ class Best:
 
 @dataclass(frozen=True, slots=True)
 class Generation:
-    """One finished generation; everything but ``best_objective`` is a total, or the best, so far."""
+    """One finished generation; ``evaluations`` and ``failed`` are totals so far, ``objective`` and ``parameters`` the
+    best so far; ``diversity``, where it was asked for, is near 1 for particles all over the space, 0 at one point."""
 
     number: int
     evaluations: int
@@ -199,6 +199,7 @@ class Generation:
     parameters: dict[str, float] | None
     created_at: datetime
     finished_at: datetime
+    diversity: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,13 +255,6 @@ class WarmStart:
     job: str
     name: str
     evaluations: int
-
-
-@dataclass(frozen=True, slots=True)
-class WarmStarts:
-    """Earlier jobs that a problem could learn from."""
-
-    items: list[WarmStart]
 
 
 @dataclass(frozen=True, slots=True)
