@@ -280,11 +280,10 @@ class Proposer:
         make its slopes known. Where the surface misses much, slopes are fitted to runs with like responses. After a
         restart the residuals have misled once: every other generation trusts the objective alone.
         """
+        pattern: tuple[str, ...] = VECTOR_PATTERN
         if told and hold_out > MISLEADING:
             pattern = MISLED_PATTERN
-        elif basins.restarts == 0:
-            pattern = VECTOR_PATTERN
-        else:
+        elif basins.restarts:
             pattern = RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
         return tuple(arm.replace("gauss_newton", "alike") for arm in pattern) if hold_out > CURVED else pattern
 
