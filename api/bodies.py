@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from fastapi import Depends, Request
 
@@ -11,27 +11,23 @@ from api.errors import DetailError
 from api.settings import ApiSettings
 from solver.errors import ProblemError
 from solver.problem import read_document
+from solver.problem.reading import Form
 
-__all__ = ["BODY_MEDIA_TYPES", "ProblemDocument"]
+__all__ = ["BODY_MEDIA_TYPES", "FileContent", "ProblemDocument", "ProblemText"]
 
-BODY_MEDIA_TYPES: dict[str, Literal["json", "yaml"]] = {"application/json": "json", "application/yaml": "yaml"}
+BODY_MEDIA_TYPES: dict[str, Form] = {"application/json": "json", "application/yaml": "yaml"}
 
 MAX_YAML_BYTES = 200_000
 """The YAML reader takes some 15 s of a core for a megabyte; JSON takes hundredths of a second."""
 
 
-async def _problem_document(request: Request) -> dict[str, Any]:
-    settings: ApiSettings = request.app.state.settings
+async def _problem_text(request: Request) -> tuple[str, Form]:
     media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     form = BODY_MEDIA_TYPES.get(media_type)
     if form is None:
         accepted = " or ".join(BODY_MEDIA_TYPES)
         raise DetailError(415, f"Content-Type {media_type!r} is not understood; send the problem as {accepted}.")
-    try:
-        async with asyncio.timeout(settings.body_seconds):
-            body = await _read(request, settings.max_body_bytes)
-    except TimeoutError:
-        raise DetailError(408, f"The body did not arrive within {settings.body_seconds:g} s.") from None
+    body = await _file_content(request)
     if form == "yaml" and len(body) > MAX_YAML_BYTES:
         raise DetailError(
             413,
@@ -39,13 +35,26 @@ async def _problem_document(request: Request) -> dict[str, Any]:
             " application/json.",
         )
     try:
-        text = body.decode("utf-8")
+        return body.decode("utf-8"), form
     except UnicodeDecodeError as error:
         raise DetailError(400, f"The body is not UTF-8 text: {error.reason} at byte {error.start}.") from None
+
+
+async def _problem_document(given: Annotated[tuple[str, Form], Depends(_problem_text)]) -> dict[str, Any]:
+    text, form = given
     try:
         return await asyncio.to_thread(read_document, text, form)
     except ProblemError as error:
         raise DetailError(400, str(error), kind="malformed-body", title="Malformed body", issues=error.issues) from None
+
+
+async def _file_content(request: Request) -> bytes:
+    settings: ApiSettings = request.app.state.settings
+    try:
+        async with asyncio.timeout(settings.body_seconds):
+            return await _read(request, settings.max_body_bytes)
+    except TimeoutError:
+        raise DetailError(408, f"The body did not arrive within {settings.body_seconds:g} s.") from None
 
 
 async def _read(request: Request, limit: int) -> bytes:
@@ -64,3 +73,9 @@ async def _read(request: Request, limit: int) -> bytes:
 
 ProblemDocument = Annotated[dict[str, Any], Depends(_problem_document)]
 """The problem that was sent, read but not yet judged."""
+
+ProblemText = Annotated[tuple[str, Form], Depends(_problem_text)]
+"""The text of a problem that was sent, and what it is written in."""
+
+FileContent = Annotated[bytes, Depends(_file_content)]
+"""A body of any type."""

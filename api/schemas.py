@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
+from solver.problem import Stopping
+
 __all__ = [
     "Attempt",
     "AttemptList",
@@ -25,6 +27,7 @@ __all__ = [
     "GenerationList",
     "Health",
     "Job",
+    "JobChange",
     "JobPage",
     "JobState",
     "Liveness",
@@ -82,6 +85,11 @@ class Job(Model):
     max_evaluations: int | None = Field(description="planned number of evaluations, when there is one")
     priority: int
     retrying: bool = Field(description="its failed evaluations are run again; then it is what it was before")
+    owner: str | None = Field(description="whose key submitted it; null: none, or that of the environment")
+    last_event: int = Field(description="id of its newest event: follow the events after it")
+    trend: list[Number] | None = Field(
+        None, description="lowest objective so far at evenly spaced generations; only in lists, when asked for"
+    )
 
 
 class JobPage(Model):
@@ -137,6 +145,14 @@ class AttemptList(Model):
     """Tries in the order in which they were begun."""
 
     items: list[Attempt]
+
+
+class JobChange(BaseModel):
+    """What can be changed of a job that is there."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    stopping: Stopping = Field(description="the stop criteria from now on, in place of all there were")
 
 
 class Retry(Model):
@@ -217,6 +233,7 @@ class TestRun(Model):
     parameters: dict[str, float] = Field(description="all parameters, by name")
     objective: Number
     misfits: dict[str, Number]
+    responses: dict[str, Response] = Field(description="calculated series at their observed points, base units")
     seconds: float
     reason: str | None
     message: str | None

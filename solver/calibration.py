@@ -26,10 +26,10 @@ from solver.search import (
     Runs,
     SamplingDesign,
     Search,
-    SearchSpace,
     Snapshot,
     SwarmSettings,
 )
+from solver.space import search_space
 from solver.stopping import (
     MaxEvaluations,
     MaxSeconds,
@@ -50,25 +50,13 @@ __all__ = [
     "Progress",
     "Step",
     "choose_seed",
-    "search_space",
+    "stop_criteria",
 ]
 
 SAMPLES_COMPLETED = "samples_completed"
 POLISHED = "polished"
 
 _LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
-
-
-def search_space(problem: Problem) -> SearchSpace:
-    """Return the space of the free parameters of a problem."""
-    return SearchSpace(
-        names=problem.free_names,
-        lower=np.array([p.lower for p in problem.free], dtype=np.float64),
-        upper=np.array([p.upper for p in problem.free], dtype=np.float64),
-        log=np.array([p.scale == "log" for p in problem.free], dtype=np.bool_),
-        feasible=lambda x: problem.satisfies(problem.values(x.tolist())),
-        integer=np.array([p.integer for p in problem.free], dtype=np.bool_),
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,7 +255,12 @@ class Calibration:
         return self.follow_up is not None and self.follow_up.learns
 
     def advance(
-        self, progress: Progress, objectives: Sequence[float | None], seconds: float, runs: Runs | None = None
+        self,
+        progress: Progress,
+        objectives: Sequence[float | None],
+        seconds: float,
+        runs: Runs | None = None,
+        criteria: Sequence[StopCriterion] | None = None,
     ) -> Step:
         """Close the current generation and ask for the next one; pure.
 
@@ -281,6 +274,8 @@ class Calibration:
             Running time of the job so far [s].
         runs
             All evaluations so far, this generation included; needed when :attr:`accelerated`.
+        criteria
+            Stop criteria in place of the problem's.
         """
         if self.accelerated and runs is None:
             raise ValueError("an accelerated search needs the runs so far")
@@ -297,7 +292,7 @@ class Calibration:
             objective=best.objective if best else None,
             stagnation=stagnation,
         )
-        reasons = satisfied_reasons(self.criteria, status)
+        reasons = satisfied_reasons(self.criteria if criteria is None else criteria, status)
         method = self.problem.method
         if isinstance(method, MonteCarloMethod) and evaluations == method.samples:
             reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))

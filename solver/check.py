@@ -29,6 +29,9 @@ class TestRunReport:
         Values of all parameters (free, fixed, linked) that it was made for.
     objective, misfits
         f and f'_g of every observed series, in base units squared; None and empty when failed.
+    responses
+        Every observed series, calculated at its observed points: ``x`` and ``y`` in base units, each of length m_g;
+        empty when failed.
     seconds
         Wall time of the calculation when warm [s].
     reason, message
@@ -41,6 +44,7 @@ class TestRunReport:
     parameters: dict[str, float]
     objective: float | None
     misfits: dict[str, float]
+    responses: dict[str, dict[str, list[float]]]
     seconds: float
     reason: str | None
     message: str | None
@@ -113,7 +117,7 @@ def check_problem(
         free_parameters=problem.free_names,
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
-        test_run=_report(run, problem.values(point.tolist())),
+        test_run=_report(run, problem, problem.values(point.tolist())),
         estimated_seconds=_estimate(run.seconds, planned, problem.stopping.max_seconds),
     )
 
@@ -133,12 +137,14 @@ def _estimate(seconds: float, planned: int | None, max_seconds: float | None) ->
     return whole if max_seconds is None else min(whole, max_seconds)
 
 
-def _report(run: Evaluation, parameters: dict[str, float]) -> TestRunReport:
+def _report(run: Evaluation, problem: Problem, parameters: dict[str, float]) -> TestRunReport:
+    observed = {observation.series: observation.x for observation in problem.observations}
     return TestRunReport(
         state="finished" if run.reason is None else "failed",
         parameters=parameters,
         objective=run.objective,
         misfits=run.misfits,
+        responses={name: {"x": observed[name].tolist(), "y": y.tolist()} for name, y in run.responses.items()},
         seconds=run.seconds,
         reason=run.reason,
         message=run.message,

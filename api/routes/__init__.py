@@ -5,11 +5,17 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from api.routes import (
+    administration,
     events,
+    examples,
+    fit,
     forward_models,
     health,
     jobs,
+    measurements,
+    mesh,
     metrics,
+    points,
     problems,
     results,
     session,
@@ -23,7 +29,23 @@ __all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
 API_PREFIX = "/api/v1"
 
 api_router = APIRouter(prefix=API_PREFIX)
-for module in (jobs, results, statistics, uncertainty, events, problems, forward_models, workers, session):
+for module in (
+    jobs,
+    results,
+    fit,
+    points,
+    statistics,
+    uncertainty,
+    events,
+    problems,
+    examples,
+    measurements,
+    forward_models,
+    workers,
+    session,
+    administration,
+    mesh,
+):
     api_router.include_router(module.router)
 health_router = health.router
 metrics_router = metrics.router

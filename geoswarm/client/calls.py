@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeAlias, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -43,14 +43,17 @@ from geoswarm.client.models import (
 )
 
 __all__ = [
+    "API",
     "DEFAULT_URL",
     "Call",
     "JSON_BODY",
     "Problem",
     "Query",
+    "SortKey",
     "attempts",
     "best",
     "change",
+    "change_stopping",
     "check",
     "connection_failed",
     "connection_settings",
@@ -85,6 +88,7 @@ Problem = Mapping[str, Any] | str | Path
 
 Json = Mapping[str, Any]
 Query = str | int | float | list[str]
+SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +100,7 @@ class Call(Generic[T]):
     read: Callable[[httpx.Response], T]
     query: Mapping[str, Query] = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
-    content: str | None = None
+    content: str | bytes | None = None
     accepted: frozenset[int] = frozenset()
     """Statuses beside 2xx that ``read`` understands."""
 
@@ -202,9 +206,9 @@ def warm_starts(problem: Problem) -> Call[tuple[WarmStart, ...]]:
     return Call("POST", f"{API}/problems/warm-starts", read, headers=JSON_BODY, content=content)
 
 
-def list_jobs(state: str | None, limit: int, cursor: str | None) -> Call[Page[Job]]:
+def list_jobs(**filters: Any) -> Call[Page[Job]]:
     """List jobs."""
-    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(state=state, limit=limit, cursor=cursor))
+    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(**filters))
 
 
 def get(job_id: str) -> Call[Job]:
@@ -220,6 +224,12 @@ def problem(job_id: str) -> Call[dict[str, Any]]:
 def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
     """Cancel, pause or resume."""
     return Call("POST", f"{job_path(job_id)}/{action}", reader(Job))
+
+
+def change_stopping(job_id: str, stopping: Mapping[str, Any]) -> Call[Job]:
+    """Replace the stop criteria."""
+    content = json.dumps({"stopping": dict(stopping)}, default=plain)
+    return Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content)
 
 
 def retry_failed(job_id: str) -> Call[Retry]:

@@ -5,7 +5,7 @@ Fields that a newer service adds are ignored.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from html import escape
 from typing import Any, Generic, TypeVar
@@ -64,6 +64,9 @@ class Job:
     max_evaluations: int | None
     priority: int = 0
     retrying: bool = False
+    owner: str | None = None
+    last_event: int = 0
+    trend: list[float | None] | None = None
 
     @property
     def ended(self) -> bool:
@@ -246,6 +249,7 @@ class TestRun:
     seconds: float
     reason: str | None
     message: str | None
+    responses: dict[str, Curve] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

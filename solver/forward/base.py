@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeAlias
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, JsonValue
 
 from solver.arrays import FloatArray
 
-__all__ = ["ForwardModel", "ForwardModelSpec", "ForwardRun", "ParameterInfo", "SeriesInfo"]
+__all__ = ["ForwardModel", "ForwardModelSpec", "ForwardRun", "ParameterInfo", "SeriesInfo", "in_unit"]
 
 ForwardRun: TypeAlias = Callable[[Mapping[str, float]], dict[str, FloatArray]]
 """Parameter values by name -> response of every prepared series at its prepared points, in base units."""
@@ -88,6 +88,15 @@ class ForwardModel(Protocol):
         The returned function takes values of all required parameters and returns one finite or non-finite array of
         shape (m_g,) a series. It raises :class:`solver.errors.ForwardError` when the calculation fails.
         """
+
+
+def in_unit(unit: str, lowest: float | None = None, highest: float | None = None) -> dict[str, JsonValue]:
+    """What a field's JSON schema tells forms beside its description: ``x-unit`` and a usual range, ``x-typical``.
+
+    For ``Field(json_schema_extra=...)``.
+    """
+    hint: dict[str, JsonValue] = {"x-unit": unit}
+    return hint if lowest is None or highest is None else hint | {"x-typical": [lowest, highest]}
 
 
 class ForwardModelSpec(BaseModel, ABC):

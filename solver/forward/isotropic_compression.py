@@ -10,6 +10,7 @@ from pydantic import Field
 
 from solver.arrays import FloatArray
 from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from solver.forward.base import in_unit
 from solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, StagedLoadModel, StagedLoadSpec
 
 __all__ = ["IsotropicCompressionModel", "IsotropicCompressionSpec"]
@@ -25,8 +26,18 @@ class IsotropicCompressionSpec(StagedLoadSpec):
     """
 
     kind: Literal["isotropic_compression"] = "isotropic_compression"
-    diameter: float = Field(gt=0.0, le=MAX_LENGTH, description="Diameter of the specimen at the beginning, m.")
-    initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="All-round stress before the first stage, kPa.")
+    diameter: float = Field(
+        gt=0.0,
+        le=MAX_LENGTH,
+        description="Diameter of the specimen at the beginning, m.",
+        json_schema_extra=in_unit("m", 0.038, 0.1),
+    )
+    initial_stress: float = Field(
+        gt=0.0,
+        le=MAX_STRESS,
+        description="All-round stress before the first stage, kPa.",
+        json_schema_extra=in_unit("kPa", 1, 50),
+    )
 
     def build(self) -> IsotropicCompressionModel:
         """Build the forward model."""

@@ -12,6 +12,7 @@ from solver.arrays import FloatArray
 from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from solver.element_test.axial import lateral_limits
 from solver.errors import InfeasibleError
+from solver.forward.base import in_unit
 from solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, StagedLoadModel, StagedLoadSpec
 
 __all__ = ["OedometerModel", "OedometerSpec"]
@@ -26,15 +27,24 @@ class OedometerSpec(StagedLoadSpec):
     """
 
     kind: Literal["oedometer"] = "oedometer"
-    initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Vertical stress before the first stage, kPa.")
+    initial_stress: float = Field(
+        gt=0.0,
+        le=MAX_STRESS,
+        description="Vertical stress before the first stage, kPa.",
+        json_schema_extra=in_unit("kPa", 0.2, 20),
+    )
     diameter: float | None = Field(
         None,
         gt=0.0,
         le=MAX_LENGTH,
         description="Diameter of the ring, m (finite_element; the ring is smooth, so it has no effect).",
+        json_schema_extra=in_unit("m", 0.05, 0.1),
     )
     K0: float | None = Field(
-        None, gt=0.0, description="Initial ratio of horizontal to vertical stress; K0nc unless given."
+        None,
+        gt=0.0,
+        description="Initial ratio of horizontal to vertical stress; K0nc unless given.",
+        json_schema_extra=in_unit("1", 0.4, 1),
     )
 
     def build(self) -> OedometerModel:

@@ -23,7 +23,7 @@ from solver.arrays import FloatArray, IntArray
 from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
 from solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
-from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo, in_unit
 from solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
 
 if TYPE_CHECKING:
@@ -57,8 +57,15 @@ class LoadStage(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    stress: float = Field(gt=0.0, le=MAX_STRESS, description="Applied stress, kPa, compression positive.")
-    duration: float = Field(gt=0.0, le=MAX_DURATION, description="Duration, day.")
+    stress: float = Field(
+        gt=0.0,
+        le=MAX_STRESS,
+        description="Applied stress, kPa, compression positive.",
+        json_schema_extra=in_unit("kPa", 5, 1600),
+    )
+    duration: float = Field(
+        gt=0.0, le=MAX_DURATION, description="Duration, day.", json_schema_extra=in_unit("day", 0.5, 7)
+    )
 
 
 class SpecimenMesh(BaseModel):
@@ -78,7 +85,12 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         "material_point",
         description="How the specimen is represented: one point, or axisymmetric six-node triangles with their weight.",
     )
-    height: float = Field(gt=0.0, le=MAX_LENGTH, description="Height of the specimen at the beginning, m.")
+    height: float = Field(
+        gt=0.0,
+        le=MAX_LENGTH,
+        description="Height of the specimen at the beginning, m.",
+        json_schema_extra=in_unit("m", 0.02, 0.2),
+    )
     initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Stress before the first stage, kPa.")
     stages: tuple[LoadStage, ...] = Field(
         min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
@@ -87,12 +99,20 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         1, ge=1, description="Stage before whose application time, displacement and strain are zero."
     )
     OCR: float | None = Field(None, ge=1.0, description="Default of the parameter OCR (1 unless given here).")
-    POP: float | None = Field(None, ge=0.0, description="Default of the parameter POP, kPa; not together with OCR.")
+    POP: float | None = Field(
+        None,
+        ge=0.0,
+        description="Default of the parameter POP, kPa; not together with OCR.",
+        json_schema_extra=in_unit("kPa", 0, 50),
+    )
     formulation: Literal["translated", "untranslated"] = Field(
         "translated", description="Whether stiffness and creep see the mean stress shifted by c cot(phi)."
     )
     tension_cutoff: float | None = Field(
-        0.0, ge=0.0, description="Largest admissible tension, kPa; null for no cut-off."
+        0.0,
+        ge=0.0,
+        description="Largest admissible tension, kPa; null for no cut-off.",
+        json_schema_extra=in_unit("kPa"),
     )
     geometry: Literal["updated", "fixed"] = Field(
         "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
@@ -104,13 +124,19 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         description="Time integration error aimed at, as axial logarithmic strain; controlled step by step.",
     )
     unit_weight: float | None = Field(
-        None, ge=0.0, description="Unit weight of the specimen, kN/m³ (finite_element; 17.85 unless given)."
+        None,
+        ge=0.0,
+        description="Unit weight of the specimen, kN/m³ (finite_element; 17.85 unless given).",
+        json_schema_extra=in_unit("kN/m³", 14, 22),
     )
     mesh: SpecimenMesh | None = Field(
         None, description="Elements (finite_element; one cell of two triangles unless given)."
     )
     initial_void_ratio: float | None = Field(
-        None, gt=0.0, description="Void ratio before the first stage; needed by the series stage_void_ratio."
+        None,
+        gt=0.0,
+        description="Void ratio before the first stage; needed by the series stage_void_ratio.",
+        json_schema_extra=in_unit("1", 0.5, 3),
     )
 
     @model_validator(mode="after")

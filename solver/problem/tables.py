@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["MAX_TABLE_BYTES", "Table", "TableError", "read_table"]
+__all__ = ["MAX_TABLE_BYTES", "Table", "TableError", "cell_number", "decoded", "read_table", "table_rows"]
 
 MAX_TABLE_BYTES = 32 * 2**20
 """Largest CSV file."""
@@ -49,7 +49,7 @@ def read_table(path: Path, x: str | None = None, y: str | None = None, weight: s
     TableError
         Missing or unreadable file, missing column, or cells that are no finite numbers.
     """
-    rows = _rows(_text(path), path.name)
+    rows = table_rows(_text(path), path.name)
     if not rows:
         raise TableError(f"{path.name} is empty; a header line x,y is expected")
     (line, header), *body = rows
@@ -78,6 +78,11 @@ def _text(path: Path) -> str:
         raise TableError(f"{path} cannot be read: {reason}") from None
     if len(content) > MAX_TABLE_BYTES:
         raise TableError(f"{path.name} is larger than {MAX_TABLE_BYTES} bytes")
+    return decoded(content)
+
+
+def decoded(content: bytes) -> str:
+    """Text of a table: UTF-8 or UTF-16 with its mark, else Latin-1."""
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):  # spreadsheets call this "Unicode text"
         return content.decode("utf-16", errors="replace")
     try:
@@ -86,7 +91,14 @@ def _text(path: Path) -> str:
         return content.decode("latin-1")  # older spreadsheets; numbers and most headers are the same in both
 
 
-def _rows(text: str, name: str) -> list[tuple[int, list[str]]]:
+def table_rows(text: str, name: str) -> list[tuple[int, list[str]]]:
+    """Rows of a table that are neither empty nor comments: number of the line and its cells, the header first.
+
+    Raises
+    ------
+    TableError
+        Quotes are not closed or the like.
+    """
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if _counts(line)]
     if not lines:
         return []
@@ -105,6 +117,18 @@ def _rows(text: str, name: str) -> list[tuple[int, list[str]]]:
 def _counts(line: str) -> bool:
     content = line.strip()
     return bool(content.strip(",;")) and not content.startswith("#")
+
+
+def cell_number(cell: str) -> float | None:
+    """The finite number that a cell shows, with a decimal point or comma; None for anything else."""
+    if _NUMBER.fullmatch(cell):
+        value = float(cell)
+    elif _NUMBER_WITH_COMMA.fullmatch(cell):
+        # Only possible beside another delimiter, or in quotes.
+        value = float(cell.replace(",", "."))
+    else:
+        return None
+    return value if abs(value) < float("inf") else None
 
 
 def _key(cell: str) -> str:
@@ -127,14 +151,8 @@ class _Cells:
 
     def number(self, cells: list[str], place: int, line: int) -> float:
         cell = cells[place] if place < len(cells) else ""
-        if _NUMBER.fullmatch(cell):
-            value = float(cell)
-        elif _NUMBER_WITH_COMMA.fullmatch(cell):
-            # Only possible beside another delimiter, or in quotes.
-            value = float(cell.replace(",", "."))
-        else:
-            return self._bad(cell, place, line)
-        return value if abs(value) < float("inf") else self._bad(cell, place, line)
+        value = cell_number(cell)
+        return self._bad(cell, place, line) if value is None else value
 
     def _bad(self, cell: str, place: int, line: int) -> float:
         what = f"'{cell[:50]}' is no finite number" if cell else "the cell is empty"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from sqlalchemy import Connection, select
 
-from solver.calibration import search_space
 from solver.problem import parse_problem
 from solver.search.diversity import diversity
+from solver.space import search_space
 from workers.store.codec import unpack_array, unpack_problem
 from workers.store.jobs import get_problem
 from workers.store.tables import evaluations

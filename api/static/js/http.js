@@ -27,7 +27,7 @@ export function address(path, query = {}) {
 /** The bare Response of a request; throws RequestError unless it is a success. */
 export async function request(method, path, { query, body, headers = {}, signal } = {}) {
   const own = { Accept: "application/json", "X-Requested-With": "geoswarm", ...headers };
-  if (body !== undefined && typeof body !== "string") {
+  if (body !== undefined && typeof body !== "string" && !(body instanceof Blob)) {
     body = JSON.stringify(body);
     own["Content-Type"] ??= "application/json";
   }

@@ -1,1 +1,100 @@
-// The form of a new job.
+// The form of a new job: sections of one draft, which the service judges after every change.
+import { announce, element, failure } from "./dom.js";
+import { get } from "./http.js";
+import { checkSection } from "./new/check.js";
+import { createDraft, forget, kept } from "./new/draft.js";
+import { errorPlace, field, showIssues } from "./new/fields.js";
+import { methodSection } from "./new/method.js";
+import { modelSection } from "./new/model.js";
+import { observationsSection } from "./new/observations.js";
+import { parametersSection } from "./new/parameters.js";
+import { reader, words } from "./new/schema.js";
+import { yamlPanel } from "./new/yaml.js";
+
+const EMPTY = { name: "calibration", method: { kind: "particle_swarm" }, stopping: { max_evaluations: 600, stagnation_generations: 25 } };
+
+const main = document.querySelector("main");
+const content = document.getElementById("content");
+
+async function open() {
+  const [root, models, examples] = await Promise.all([get("/problems/schema"), get("/forward-models"), get("/examples")]);
+  const schemas = reader(root);
+  const draft = createDraft();
+  draft.document = await beginning(root, schemas);
+  const context = { draft, root, schemas };
+  let strict = false;
+  content.replaceChildren(form(context, models.items, examples.items, () => strict, async () => {
+    strict = true;
+    return draft.judge();
+  }));
+  draft.on("answer", ({ issues }) => showIssues(content, issues, strict));
+  await draft.judge();
+}
+
+/** What the address names, else what this tab has kept, else an empty problem. */
+async function beginning(root, schemas) {
+  if (main.dataset.from) return tidy(await get(`/jobs/${main.dataset.from}/problem`), root, schemas);
+  if (main.dataset.example) return (await get(`/examples/${encodeURIComponent(main.dataset.example)}`)).problem;
+  const old = kept();
+  if (old) announce("This is where you stopped. “Start anew” empties the form.");
+  return old ?? structuredClone(EMPTY);
+}
+
+/** A stored problem without the defaults that the service has written out. */
+function tidy(problem, root, schemas) {
+  const kind = problem.forward_model?.kind;
+  const section = root.$defs[`forward_model_${kind}`];
+  const { forward_model: model, ...rest } = problem;
+  const left = { ...schemas.pruned(rest, { ...root, required: ["name", "parameters", "observations", "method", "stopping"] }), forward_model: section ? schemas.pruned(model, section) : model };
+  left.name = `${problem.name} again`.slice(0, 200);
+  delete left.seed;
+  return left;
+}
+
+function form(context, kinds, examples, strict, judged) {
+  const { draft } = context;
+  const places = Object.fromEntries(["model", "measurements", "parameters", "method", "check", "yaml"].map((name) => [name, element("div", { id: `${name}-body` })]));
+  const section = (id, title, ...inside) => element("section", { class: "step", "aria-labelledby": `${id}-title` }, element("h2", { id: `${id}-title` }, title), inside);
+  const name = element("div", {});
+  const drawName = () => name.replaceChildren(field(draft, ["name"], { label: "Name of the job", wide: true }));
+  drawName();
+  draft.on("replace", drawName);
+  modelSection(context, places.model, kinds);
+  observationsSection(context, places.measurements);
+  parametersSection(context, places.parameters);
+  methodSection(context, places.method);
+  yamlPanel(context, places.yaml, strict);
+  checkSection(context, places.check, judged);
+  return element("div", { class: "new-job" },
+    element("div", { class: "steps" },
+      starting(draft, examples), name,
+      section("model", "1. Forward model", places.model),
+      section("measurements", "2. Measurements", places.measurements),
+      section("parameters", "3. Parameters", places.parameters),
+      section("method", "4. Method and stopping", places.method),
+      section("go", "5. Check and start", places.check, errorPlace([]))),
+    element("aside", { id: "yaml-panel", "aria-label": "YAML of the problem" }, places.yaml));
+}
+
+/** Examples to begin with, and an empty form. */
+function starting(draft, examples) {
+  const pick = element("select", { id: "example" }, element("option", { value: "" }, "choose …"), examples.map((one) => element("option", { value: one.name }, `${one.title} (${words(one.forward_model)})`)));
+  const about = element("p", { class: "help", id: "example-help" }, "Examples come with their data and can be started as they are.");
+  const place = element("div", {});
+  pick.addEventListener("change", async () => {
+    if (!pick.value) return;
+    try {
+      const example = await get(`/examples/${encodeURIComponent(pick.value)}`);
+      about.textContent = example.description;
+      place.replaceChildren();
+      draft.replace(example.problem);
+    } catch (error) {
+      place.replaceChildren(failure(error));
+    }
+  });
+  const anew = element("button", { type: "button", class: "quiet", onclick: () => { forget(); pick.value = ""; draft.replace(structuredClone(EMPTY)); } }, "Start anew");
+  return element("div", { class: "beginning" },
+    element("div", { class: "field" }, element("label", { for: "example" }, "Begin with an example"), element("div", { class: "with-unit" }, pick, anew), about), place);
+}
+
+open().catch((error) => content.replaceChildren(failure(error)));

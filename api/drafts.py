@@ -1,0 +1,86 @@
+"""Judges problems in the making, and finds the examples to begin with."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import Any
+
+from api.draft_schemas import DraftIssue, DraftObservation, Example, ProblemDraft
+from api.schemas import Parameter, Series
+from solver.examples import example_file, example_names
+from solver.problem import Draft, Problem, load_problem
+from solver.problem.units import convert
+
+__all__ = ["describe_draft", "find_examples"]
+
+MAX_LISTED = 2000
+
+
+def describe_draft(draft: Draft) -> ProblemDraft:
+    """What is to be told of a draft."""
+    model, problem = draft.model, draft.problem
+    return ProblemDraft(
+        valid=problem is not None,
+        document=draft.document,
+        yaml=draft.yaml,
+        issues=[DraftIssue.model_validate(issue) for issue in draft.issues],
+        parameters=None if model is None else [Parameter.model_validate(one) for one in model.parameters[:MAX_LISTED]],
+        series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
+        open_parameters=model is not None and model.open_parameters,
+        observations=[] if problem is None else _observations(problem),
+        free_parameters=[] if problem is None else list(problem.free_names),
+        planned_evaluations=None if problem is None else problem.planned_evaluations,
+    )
+
+
+def _observations(problem: Problem) -> list[DraftObservation]:
+    infos = {info.name: info for info in problem.model.series}
+    total = sum(observation.weight for observation in problem.observations)
+    described = []
+    for one in problem.observations:
+        info = infos[one.series]
+        x_unit, y_unit = one.x_unit or info.x_unit, one.y_unit or info.y_unit
+        described.append(
+            DraftObservation(
+                series=one.series,
+                points=one.x.size,
+                weight=one.weight,
+                share=one.weight / total,
+                x_unit=x_unit,
+                y_unit=y_unit,
+                x_factor=float(convert(1.0, x_unit, info.x_unit)),
+                y_factor=float(convert(1.0, y_unit, info.y_unit)),
+            )
+        )
+    return described
+
+
+@cache
+def find_examples() -> dict[str, Example]:
+    """The examples by name, their points in place of their files."""
+    return {name: _example(name) for name in example_names()}
+
+
+def _example(name: str) -> Example:
+    from solver.problem.reading import read_problem_file
+
+    with example_file(name) as path:
+        text = path.read_text(encoding="utf-8")
+        document = read_problem_file(path)
+        problem = load_problem(path)
+    comment = [line.lstrip("# ") for line in text.partition("\nname:")[0].splitlines() if line.startswith("#")]
+    pairs = zip(document["observations"], problem.observations, strict=True)
+    document["observations"] = [_with_points(section, one.points.document()) for section, one in pairs]
+    return Example(
+        name=name,
+        title=problem.name,
+        forward_model=problem.forward_model.kind,
+        description=re.sub(r"[,:] see README.md|; see README.md", "", " ".join(comment)),
+        problem=document,
+    )
+
+
+def _with_points(section: dict[str, Any], points: dict[str, list[float]]) -> dict[str, Any]:
+    left = {key: value for key, value in section.items() if key != "file" and not key.endswith("_column")}
+    return {"series": left.pop("series"), **left, "points": points}

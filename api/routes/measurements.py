@@ -1,0 +1,53 @@
+"""Files of measurements, before they are part of a problem."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import anyio
+import anyio.to_thread
+from fastapi import APIRouter, Query, Request
+
+from api.bodies import FileContent
+from api.dependencies import problems_of
+from api.draft_schemas import MeasurementFile
+from api.errors import DetailError
+from solver.errors import Issue
+from solver.problem import TableError, read_measurements
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/measurements", tags=["problems"])
+
+FILE_BODY = {
+    "required": True,
+    "description": "the file as it is: CSV (comma, semicolon, tab) or XLSX; which of them follows from the content",
+    "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+}
+
+
+@router.post("", responses=problems_of(408, 413, 422), openapi_extra={"requestBody": FILE_BODY})
+async def read_file(
+    content: FileContent,
+    request: Request,
+    name: Annotated[str, Query(max_length=200, description="name of the file, for messages")] = "file",
+    sheet: Annotated[
+        str | None, Query(max_length=200, description="of a workbook; the first one with cells if absent")
+    ] = None,
+) -> MeasurementFile:
+    """Read columns, numbers and probable units of a file. Nothing is stored."""
+    try:
+        found = await anyio.to_thread.run_sync(read_measurements, content, name, sheet, limiter=_one_at_a_time(request))
+    except TableError as error:
+        issues = [Issue("", message) for message in error.messages]
+        raise DetailError(422, str(error), kind="unreadable-file", title="File cannot be read", issues=issues) from None
+    return MeasurementFile.model_validate(found)
+
+
+def _one_at_a_time(request: Request) -> anyio.CapacityLimiter:
+    """Large files take memory."""
+    state = request.app.state
+    if not hasattr(state, "files"):
+        state.files = anyio.CapacityLimiter(1)
+    limiter: anyio.CapacityLimiter = state.files
+    return limiter

@@ -1,0 +1,113 @@
+// One forward calculation before the job: does it run, how far is it from the data, what will the search cost. And the start.
+import { announce, connection, element, failure } from "../dom.js";
+import { count, duration, number, percent, symbol } from "../format.js";
+import { post } from "../http.js";
+import { forget } from "./draft.js";
+import { redrawn } from "./fields.js";
+import { pointsPlot } from "./points_plot.js";
+
+const PLACEHOLDER = "The check makes one forward calculation with the estimates (or the middle of the bounds), shows it against the data and estimates the cost.";
+
+/** `judged(strict)` makes the page show all mistakes and returns the service's judgement. */
+export function checkSection(context, place, judged) {
+  const { draft } = context;
+  const result = element("div", { "aria-live": "polite" }), stale = element("p", { class: "help stale", hidden: true }, "The problem has changed since this check.");
+  const check = element("button", { type: "button", class: "quiet", id: "check", onclick: () => run(checked) }, "Check");
+  const start = element("button", { type: "button", id: "start", onclick: () => run(submitted) }, "Start the job");
+  let checkedAt = -1;
+  // The same key as long as the problem is the same: a second click, or a lost answer, never makes a second job.
+  let key = newKey(), keyAt = -1;
+
+  async function run(act) {
+    check.disabled = start.disabled = true;
+    try {
+      const answer = await judged();
+      if (!answer) return;
+      if (!answer.valid) {
+        const count_ = answer.issues.length;
+        redrawn(result, element("p", { class: "error", role: "alert" }, `${count_ === 1 ? "One thing is" : `${count_} things are`} missing or wrong; they are marked above and listed beside the YAML.`));
+        return;
+      }
+      await act(answer);
+      connection(null);
+    } catch (error) {
+      redrawn(result, failure(error), error.issues?.length ? element("ul", {}, error.issues.map((one) => element("li", {}, `${one.path}: ${one.message}`))) : null);
+    } finally {
+      check.disabled = start.disabled = false;
+    }
+  }
+
+  async function submitted(answer) {
+    if (keyAt !== draft.changes) [key, keyAt] = [newKey(), draft.changes];
+    const job = await post("/jobs", answer.document, { headers: { "Idempotency-Key": key } });
+    forget();
+    announce("The job has begun.");
+    location.assign(`/jobs/${job.id}`);
+  }
+
+  async function checked(answer) {
+    redrawn(result, element("p", { class: "help" }, "Calculating …"));
+    const at = draft.changes;
+    const found = await post("/problems/check", answer.document);
+    checkedAt = at;
+    stale.hidden = at === draft.changes;
+    show(found, answer);
+  }
+
+  function show(found, answer) {
+    const run_ = found.test_run;
+    const cost = found.planned_evaluations === null
+      ? "not limited by a number of evaluations"
+      : `at most ${count(found.planned_evaluations)} evaluations${found.estimated_seconds === null ? "" : `, about ${duration(found.estimated_seconds)} on one worker`}`;
+    const fact = (name, value) => element("div", {}, element("dt", {}, name), element("dd", {}, value));
+    redrawn(result,
+      element("h3", {}, run_.state === "finished" ? "The forward calculation works" : "The forward calculation failed"),
+      run_.state === "finished" ? null : element("p", { class: "error", role: "alert" }, `${run_.reason}: ${run_.message}`),
+      element("dl", {},
+        fact("Estimated cost", cost), fact("One calculation", duration(run_.seconds)), fact("Readings", count(found.data_points)),
+        run_.objective === null ? null : fact("Objective there", number(run_.objective)),
+        ...Object.entries(run_.parameters).map(([name, value]) => fact(symbol(name), `${number(value)}${unitOf(answer, name)}`))),
+      shares(run_, answer), plots(run_, answer));
+  }
+
+  /** Parts of the objective: what the weights really do, at this point. */
+  function shares(run_, answer) {
+    if (answer.observations.length < 2 || !(run_.objective > 0)) return null;
+    return element("div", { class: "wide" }, element("table", {},
+      element("thead", {}, element("tr", {}, ["Series", "Weight", "Share of the weights", "Share of the objective here"].map((name, i) => element("th", { scope: "col", class: i ? "n" : null }, name)))),
+      element("tbody", {}, answer.observations.map((one) => element("tr", {},
+        element("th", { scope: "row" }, one.series), element("td", { class: "n" }, number(one.weight)), element("td", { class: "n" }, percent(one.share, 1)),
+        element("td", { class: "n" }, percent((one.weight * run_.misfits[one.series]) / run_.objective, 1)))))));
+  }
+
+  function plots(run_, answer) {
+    const made = element("div", { class: "panels" });
+    for (const one of answer.observations) {
+      const calculated = run_.responses[one.series];
+      const given = answer.document.observations.find((each) => each.series === one.series)?.points;
+      if (!calculated || !given) continue;
+      const about = answer.series.find((each) => each.name === one.series);
+      const panel = element("div", {});
+      made.append(element("section", { class: "panel", "aria-label": `Test run of ${one.series}` }, element("h3", {}, one.series), panel));
+      pointsPlot(panel, () => ({
+        x: given.x, y: given.y, calculated: calculated.y.map((y) => (y === null ? null : y / one.y_factor)), label: one.series,
+        xLabel: [about.x_quantity, one.x_unit], yLabel: [about.y_quantity, one.y_unit],
+      })).draw();
+    }
+    return made;
+  }
+
+  place.replaceChildren(element("div", { class: "buttons" }, check, start), stale, result);
+  redrawn(result, element("p", { class: "help" }, PLACEHOLDER));
+  draft.on("change", () => { stale.hidden = checkedAt < 0 || checkedAt === draft.changes; });
+}
+
+function unitOf(answer, name) {
+  const unit = answer.parameters.find((one) => one.name === name || one.name === name.split(".").at(-1))?.unit;
+  return unit ? ` ${unit}` : "";
+}
+
+/** Random text; crypto.randomUUID is there only on https and loopback. */
+function newKey() {
+  return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+}

@@ -1,0 +1,143 @@
+// Inputs that are bound to a place in the draft, with label, unit, help and the place for what is wrong.
+import { element } from "../dom.js";
+import { number } from "../format.js";
+import { pathText } from "./draft.js";
+
+/** Id of the input of a path. */
+export const idOf = (path) => `f-${pathText(path).replace(/[^\w]/g, "-")}`;
+
+/** What an input for numbers holds: a number, null for "none", undefined when empty, else the text for the service to judge. */
+export function numberOf(text, nullable = false) {
+  const plain = text.trim();
+  if (plain === "") return undefined;
+  if (nullable && /^(none|null)$/i.test(plain)) return null;
+  const value = Number(/^[+-]?\d*,\d+(e[+-]?\d+)?$/i.test(plain) ? plain.replace(",", ".") : plain);
+  return Number.isFinite(value) ? value : plain;
+}
+
+export function shown(value) {
+  if (value === null) return "none";
+  if (value === undefined) return "";
+  return typeof value === "object" ? JSON.stringify(value) : String(value);
+}
+
+/** Where messages about a path appear. */
+export function errorPlace(path) {
+  const text = pathText(path);
+  return element("p", { class: "error", id: `${idOf(path)}-error`, dataset: { error: text } });
+}
+
+/**
+ * A labelled input. `kind`: number, text, mixed (a number or text), numbers (a list) or select (`options`: [value, label]).
+ * `fallback` is what holds when nothing is given; choosing it gives nothing. `bare` hides the label (in tables).
+ */
+export function field(draft, path, { label, kind = "text", unit, help, fallback, nullable, options, typical, required, bare, onchange, wide } = {}) {
+  const id = idOf(path);
+  const write = (value) => {
+    draft.write(path, value);
+    onchange?.(value);
+  };
+  const input = kind === "select" ? select(draft.read(path), fallback, options, write) : text(draft.read(path), kind, nullable, fallback, write);
+  input.id = id;
+  input.dataset.path = pathText(path);
+  const described = [help || typical ? `${id}-help` : null, `${id}-error`].filter(Boolean).join(" ");
+  input.setAttribute("aria-describedby", described);
+  if (required) input.setAttribute("aria-required", "true");
+  const unitText = unit && unit !== "1" && unit !== "-" && unit !== "dimensionless" ? unit : null;
+  return element("div", { class: `field ${wide ? "wide-field" : ""}` },
+    element("label", { for: id, class: bare ? "visually-hidden" : null }, label, unitText && bare ? ` [${unitText}]` : null),
+    element("div", { class: "with-unit" }, input, unitText && !bare ? element("span", { class: "unit" }, unitText) : null),
+    help || typical
+      ? element("p", { class: bare ? "visually-hidden" : "help", id: `${id}-help` }, help ?? null, typical ? ` Usual: ${number(typical[0])} to ${number(typical[1])}${unitText ? ` ${unitText}` : ""}.` : null)
+      : null,
+    errorPlace(path));
+}
+
+function text(value, kind, nullable, fallback, write) {
+  const numeric = kind === "number";
+  const place = fallback === undefined || fallback === null || typeof fallback === "object" ? null : String(fallback);
+  const input = element("input", {
+    type: "text", value: Array.isArray(value) ? value.join(", ") : shown(value), placeholder: place, spellcheck: "false", autocomplete: "off",
+    inputmode: numeric ? "decimal" : null, class: numeric ? "n" : null,
+  });
+  input.addEventListener("input", () => write(parsed(input.value, kind, nullable)));
+  return input;
+}
+
+function parsed(given, kind, nullable) {
+  if (kind === "number" || kind === "mixed") return numberOf(given, nullable);
+  if (kind === "numbers") return given.trim() === "" ? undefined : given.split(/[;\s]+|,\s*/).filter(Boolean).map((one) => numberOf(one));
+  if (kind === "texts") return given.trim() === "" ? undefined : given.split(/\s*,\s*/).filter(Boolean);
+  if (kind === "json") return jsonOf(given);
+  return given === "" ? undefined : given;
+}
+
+function jsonOf(given) {
+  try {
+    return given.trim() === "" ? undefined : JSON.parse(given);
+  } catch {
+    return given;
+  }
+}
+
+function select(value, fallback, options, write) {
+  const given = value === undefined ? fallback : value;
+  const known = options.some(([one]) => one === given);
+  const all = known ? options : [[given, given === undefined ? "choose …" : String(given)], ...options];
+  const made = element("select", {}, all.map(([one, name], i) => element("option", { value: String(i), selected: one === given }, name)));
+  made.addEventListener("change", () => {
+    const chosen = all[Number(made.value)][0];
+    write(chosen === fallback ? undefined : chosen);
+  });
+  return made;
+}
+
+/** A checkbox; unchecked and the default are not written. */
+export function checkbox(draft, path, { label, help, fallback = false, onchange } = {}) {
+  const id = idOf(path);
+  const input = element("input", { type: "checkbox", id, checked: draft.read(path) ?? fallback, dataset: { path: pathText(path) }, "aria-describedby": help ? `${id}-help` : null });
+  input.addEventListener("change", () => {
+    draft.write(path, input.checked === fallback ? undefined : input.checked);
+    onchange?.(input.checked);
+  });
+  return element("div", { class: "field check" },
+    element("label", { for: id }, input, ` ${label}`),
+    help ? element("p", { class: "help", id: `${id}-help` }, help) : null,
+    errorPlace(path));
+}
+
+/** Draw again inside a place, and leave the cursor where it was. */
+export function redrawn(place, ...children) {
+  const active = document.activeElement;
+  const inside = place.contains(active) && active.id ? { id: active.id, start: active.selectionStart, end: active.selectionEnd } : null;
+  place.replaceChildren(...children.flat(Infinity).filter(Boolean));
+  if (!inside) return;
+  const again = document.getElementById(inside.id);
+  again?.focus({ preventScroll: true });
+  if (again?.setSelectionRange && inside.start !== null && inside.start !== undefined) again.setSelectionRange(inside.start, inside.end);
+}
+
+const MISSING = /^is missing/;
+
+/** Whether an issue is something that is still to be given, not a mistake. */
+export const isTodo = (issue) => MISSING.test(issue.message);
+
+/** Show issues at their fields, or at the nearest thing around them; what is only missing, when `strict`. */
+export function showIssues(root, issues, strict) {
+  for (const input of root.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
+  const places = new Map();
+  for (const place of root.querySelectorAll("[data-error]")) {
+    place.textContent = "";
+    places.set(place.dataset.error, place);
+  }
+  for (const issue of issues) {
+    if (isTodo(issue) && !strict) continue;
+    let path = issue.path;
+    while (path && !places.has(path)) path = path.slice(0, Math.max(path.lastIndexOf("."), path.lastIndexOf("["), 0));
+    const place = places.get(path);
+    if (!place) continue;
+    const rest = path === issue.path ? "" : `${issue.path.slice(path.length).replace(/^\./, "")}: `;
+    place.textContent += `${place.textContent ? "\n" : ""}${rest}${issue.message}`;
+    root.querySelector(`[data-path="${CSS.escape(path)}"]`)?.setAttribute("aria-invalid", "true");
+  }
+}

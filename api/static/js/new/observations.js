@@ -1,0 +1,104 @@
+// What was measured: readings of series, their units and weights, and the share of each weight.
+import { element, empty } from "../dom.js";
+import { count, percent } from "../format.js";
+import { errorPlace, field, idOf, redrawn } from "./fields.js";
+import { pointsPlot } from "./points_plot.js";
+import { button } from "./schema_form.js";
+import { uploader } from "./upload.js";
+import { unitsOf } from "./units.js";
+
+const SCHEMES = [
+  [undefined, "as given"], ["by_error", "by error: precision of the readings"],
+  ["by_count", "by count: every reading counts alike"], ["by_range", "by range: relative to the range of each series"],
+];
+
+export function observationsSection(context, place) {
+  const { draft } = context;
+  const list = element("div", {}), scheme = element("div", {}), look = element("div", {});
+  const all = () => { const given = draft.read(["observations"]); return Array.isArray(given) ? given : []; };
+  const series = () => draft.answer?.series ?? [];
+  const info = (name) => series().find((one) => one.name === name);
+  let shownSeries = null, plot = null, drawnFor = "";
+
+  const upload = uploader(series, () => all().map((one) => one.series), (observation) => {
+    const same = all().findIndex((one) => one.series === observation.series);
+    const old = same >= 0 ? all()[same] : {};
+    draft.write(["observations", same >= 0 ? same : all().length], { ...old, ...observation });
+    shownSeries = observation.series;
+    draw();
+  });
+
+  function card(one, i) {
+    const path = ["observations", i];
+    const names = series().map(({ name }) => [name, name]);
+    const about = info(one.series);
+    const points = one.points?.x?.length;
+    const unit = (axis) => {
+      const made = field(draft, [...path, `${axis}_unit`], { label: `Unit of ${about?.[`${axis}_quantity`] ?? axis}`, fallback: about?.[`${axis}_unit`] || "dimensionless", onchange: redrawPlot });
+      const id = `${idOf([...path, `${axis}_unit`])}-list`;
+      made.querySelector("input").setAttribute("list", id);
+      made.append(element("datalist", { id }, unitsOf(about?.[`${axis}_unit`]).map((name) => element("option", { value: name }))));
+      return made;
+    };
+    return element("div", { class: "item observation" },
+      element("h3", {}, one.series ?? `Series ${i + 1}`, element("small", {}, points ? ` ${count(points)} readings` : " no readings")),
+      element("div", { class: "fields" },
+        field(draft, [...path, "series"], { label: "Series", kind: "select", options: names, onchange: draw, help: about?.description }),
+        unit("x"), unit("y"),
+        field(draft, [...path, "weight"], { label: "Weight", kind: "number", fallback: 1, onchange: showShares }),
+        field(draft, [...path, "error"], { label: "Standard deviation of a reading", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "Where it is known." })),
+      element("div", { class: "share" }, element("span", { dataset: { share: String(i) } }), element("meter", { min: "0", max: "1", value: "0", id: `share-${i}`, "aria-label": `Share of ${one.series ?? "the series"} in the weights` })),
+      element("div", { class: "buttons" },
+        all().length > 1 ? button(`Show ${one.series}`, () => { shownSeries = one.series; redrawPlot(); }) : null,
+        button(`Remove ${one.series ?? "it"}`, () => { draft.write(path, undefined); draw(); })),
+      errorPlace(path));
+  }
+
+  function draw() {
+    drawnFor = key();
+    redrawn(list, all().length ? all().map(card) : empty("No measurements yet."), errorPlace(["observations"]));
+    redrawn(scheme, all().length > 1
+      ? field(draft, ["weighting"], { label: "Weights of the series", kind: "select", options: SCHEMES, help: "A scheme multiplies the weights above.", onchange: showShares })
+      : null);
+    showShares();
+    redrawPlot();
+  }
+
+  /** Shares as the service found them; without a scheme they can be told from the weights alone. */
+  function showShares() {
+    const told = draft.answer?.valid && draft.answer.observations.length === all().length ? draft.answer.observations.map((one) => one.share) : null;
+    const weights = all().map((one) => one.weight ?? 1);
+    const sum = weights.reduce((total, one) => total + one, 0);
+    const own = draft.read(["weighting"]) === undefined && weights.every((one) => typeof one === "number" && one >= 0) && sum > 0;
+    for (const label of list.querySelectorAll("[data-share]")) {
+      const i = Number(label.dataset.share);
+      const share = own ? weights[i] / sum : told?.[i];
+      label.textContent = share === undefined ? "Share of the weights: known when there are no mistakes" : `Share of the weights: ${percent(share, 1)}`;
+      list.querySelector(`#share-${i}`).value = share ?? 0;
+    }
+  }
+
+  function redrawPlot() {
+    const found = () => all().find((one) => one.series === shownSeries && Array.isArray(one.points?.x)) ?? all().find((one) => Array.isArray(one.points?.x));
+    if (!found()) {
+      plot?.remove();
+      plot = null;
+      return;
+    }
+    plot ??= pointsPlot(look, () => {
+      const one = found() ?? { points: { x: [], y: [] } };
+      const about = info(one.series);
+      return {
+        x: one.points.x, y: one.points.y ?? [], label: one.series,
+        xLabel: [about?.x_quantity ?? "x", one.x_unit ?? about?.x_unit], yLabel: [about?.y_quantity ?? "y", one.y_unit ?? about?.y_unit],
+      };
+    });
+    plot.draw();
+  }
+
+  const key = () => JSON.stringify([series().map((one) => [one.name, one.x_unit, one.y_unit]), all().map((one) => [one.series, one.points?.x?.length])]);
+  place.replaceChildren(upload, list, scheme, look);
+  draft.on("replace", draw);
+  draft.on("answer", () => { if (key() === drawnFor) showShares(); else draw(); });
+  draw();
+}

@@ -1,0 +1,130 @@
+// Each parameter free, fixed or linked, and the constraints between them.
+import { element, empty } from "../dom.js";
+import { number, symbol } from "../format.js";
+import { pathText } from "./draft.js";
+import { checkbox, errorPlace, field, idOf, redrawn } from "./fields.js";
+import { button, sentence } from "./schema_form.js";
+
+const MODES = { free: "free", fixed: "fixed", linked: "linked" };
+
+/** What a section of a parameter is; null when it is not given. */
+export function modeOf(section) {
+  if (!section || typeof section !== "object") return null;
+  if ("expression" in section) return "linked";
+  return "value" in section ? "fixed" : "free";
+}
+
+/** Bounds to begin with: the usual range, on a log scale when it spans a decade. */
+function started(mode, info, old) {
+  if (mode === "fixed") return { value: old?.initial ?? (info?.default || undefined) };
+  if (mode === "linked") return { expression: "" };
+  const [low, high] = info?.typical ?? [];
+  const lower = low === 0 && info.lower_open ? high / 1000 : low;
+  return { lower, upper: high, ...(lower > 0 && high / lower >= 10 ? { scale: "log" } : {}) };
+}
+
+const defined = (section) => Object.fromEntries(Object.entries(section).filter(([, value]) => value !== undefined));
+
+export function parametersSection(context, place) {
+  const { draft } = context;
+  const list = element("div", {}), rules = element("div", {});
+  let drawnFor = "";
+  const given = () => { const all = draft.read(["parameters"]); return all && typeof all === "object" ? all : {}; };
+  const infos = () => draft.answer?.parameters ?? [];
+
+  function card(name, info) {
+    const path = ["parameters", name];
+    const mode = modeOf(draft.read(path));
+    const id = `${idOf(path)}-mode`;
+    const offered = [mode === null ? ["", info?.default === null || !info ? "choose …" : `default: ${number(info.default)}`] : null, ...Object.entries(MODES)].filter(Boolean);
+    const all = mode !== null && info && info.default !== null ? [["", `default: ${number(info.default)}`], ...offered] : offered;
+    const pick = element("select", { id, dataset: { path: pathText(path) } }, all.map(([value, label]) => element("option", { value, selected: value === (mode ?? "") }, label)));
+    pick.addEventListener("change", () => {
+      draft.write(path, pick.value ? defined(started(pick.value, info, draft.read(path))) : undefined);
+      draw();
+    });
+    const unit = info?.unit;
+    const range = info?.typical ? `Usual: ${number(info.typical[0])} to ${number(info.typical[1])}${unit ? ` ${unit}` : ""}.` : "";
+    return element("div", { class: `item parameter ${mode ?? "absent"}` },
+      element("div", { class: "parameter-name" },
+        element("h3", {}, symbol(name), unit ? element("small", {}, ` [${unit}]`) : null, symbol(name) === name ? null : element("small", {}, ` ${name}`)),
+        element("p", { class: "help" }, `${sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones.")} ${range}`.trim())),
+      element("div", { class: "field" }, element("label", { for: id }, element("span", { class: "visually-hidden" }, `${name} is `), element("span", { "aria-hidden": "true" }, "Mode")), pick),
+      inputs(path, name, mode, unit),
+      info ? null : button(`Remove ${name}`, () => { draft.write(path, undefined); draw(); }),
+      errorPlace(path));
+  }
+
+  function inputs(path, name, mode, unit) {
+    const one = (key, label, more = {}) => field(draft, [...path, key], { label: element("span", {}, label, element("span", { class: "visually-hidden" }, ` of ${name}`)), kind: "number", unit, ...more });
+    if (mode === "free") {
+      return [one("lower", "Lower bound", { required: true }), one("upper", "Upper bound", { required: true }), one("initial", "Estimate"),
+        logScale(path, name),
+        draft.read([...path, "integer"]) ? checkbox(draft, [...path, "integer"], { label: "Whole numbers only" }) : null];
+    }
+    if (mode === "fixed") return one("value", "Value", { required: true });
+    if (mode === "linked") return one("expression", "Expression", { kind: "text", unit: null, required: true, wide: true, help: "Of other parameters, such as 0.5 * lambda_star." });
+    return null;
+  }
+
+  function logScale(path, name) {
+    const id = idOf([...path, "scale"]);
+    const box = element("input", { type: "checkbox", id, checked: draft.read([...path, "scale"]) === "log", dataset: { path: pathText([...path, "scale"]) } });
+    box.addEventListener("change", () => draft.write([...path, "scale"], box.checked ? "log" : undefined));
+    return element("div", { class: "field check" }, element("label", { for: id }, box, " Log scale", element("span", { class: "visually-hidden" }, ` of ${name}`)), errorPlace([...path, "scale"]));
+  }
+
+  function draw() {
+    drawnFor = key();
+    const known = infos();
+    const names = new Set(known.map((info) => info.name));
+    const first = known.filter((info) => info.default === null || info.name in given());
+    const rest = known.filter((info) => !first.includes(info));
+    const own = Object.keys(given()).filter((name) => !names.has(name));
+    const free = Object.values(given()).filter((one) => modeOf(one) === "free").length;
+    redrawn(list,
+      known.length || own.length ? element("p", { class: "help" }, `${free} free. Free ones are identified between their bounds, fixed ones are known, linked ones follow from others.`) : empty("Describe the forward model: then its parameters stand here."),
+      first.map((info) => card(info.name, info)), own.map((name) => card(name, null)),
+      rest.length ? element("details", { class: "more" }, element("summary", {}, `Parameters with a default: ${rest.map((info) => symbol(info.name)).join(", ")}`), rest.map((info) => card(info.name, info))) : null,
+      known.length ? helper() : null, errorPlace(["parameters"]));
+    drawRules();
+  }
+
+  function helper() {
+    const input = element("input", { type: "text", id: "helper-name", spellcheck: "false", autocomplete: "off" });
+    const add = () => {
+      const name = input.value.trim();
+      if (!name || name in given()) return input.focus();
+      draft.write(["parameters", name], { lower: 0, upper: 1 });
+      draw();
+    };
+    return element("details", { class: "more" }, element("summary", {}, "Another parameter"),
+      element("p", { class: "help" }, "One that linked parameters use, or the value for one part of a combined model alone (", element("code", {}, "part.name"), ")."),
+      element("div", { class: "buttons" }, element("label", { for: "helper-name" }, "Name"), input, button("Add", add)));
+  }
+
+  function drawRules() {
+    const all = draft.read(["constraints"]);
+    const texts = Array.isArray(all) ? all : [];
+    const indices = ["lambda_star", "kappa_star"].every((name) => modeOf(given()[name]) === "free");
+    const usual = indices && !texts.some((text) => /lambda_star|kappa_star/.test(text)) ? "lambda_star > kappa_star" : null;
+    const add = (text) => {
+      draft.write(["constraints", texts.length], text);
+      drawRules();
+      document.getElementById(idOf(["constraints", texts.length]))?.focus();
+    };
+    redrawn(rules,
+      element("p", { class: "help" }, "Comparisons that hold for every proposal of the search, checked as you type."),
+      texts.map((_, i) => element("div", { class: "constraint" },
+        field(draft, ["constraints", i], { label: `Constraint ${i + 1}`, wide: true }),
+        button("Remove", () => { draft.write(["constraints", i], undefined); drawRules(); }, { "aria-label": `Remove constraint ${i + 1}` }))),
+      element("div", { class: "buttons" }, button("Add a constraint", () => add("")), usual ? button(`Add ${usual}`, () => add(usual)) : null),
+      errorPlace(["constraints"]));
+  }
+
+  const key = () => JSON.stringify([infos(), Object.entries(given()).map(([name, one]) => [name, modeOf(one)])]);
+  place.replaceChildren(list, element("h3", {}, "Constraints"), rules);
+  draft.on("replace", draw);
+  draft.on("answer", () => { if (draft.answer.parameters && key() !== drawnFor) draw(); });
+  draw();
+}

@@ -1,0 +1,87 @@
+// The same problem as YAML: always there, can be written, copied and downloaded; with the list of what is wrong.
+import { announce, element } from "../dom.js";
+import { isTodo } from "./fields.js";
+
+export function yamlPanel(context, place, strict) {
+  const { draft } = context;
+  const area = element("textarea", { id: "yaml", spellcheck: "false", autocomplete: "off", wrap: "off", rows: "24", "aria-describedby": "yaml-help" });
+  const issues = element("div", { id: "issues", role: "region", "aria-label": "What is missing or wrong", "aria-live": "polite" });
+  const verdict = element("p", { id: "verdict", role: "status" });
+  const note = element("p", { class: "error", role: "alert" });
+  let typing = false; // the text is the user's until the form changes something
+
+  area.addEventListener("input", () => {
+    typing = true;
+    draft.edit(area.value);
+  });
+  draft.on("change", () => { if (document.activeElement !== area) typing = false; });
+  draft.on("answer", (answer) => {
+    note.textContent = "";
+    area.disabled = answer.yaml === null;
+    if (answer.yaml === null) note.textContent = "With so many readings the problem is too long to be edited as text here; the form goes on.";
+    if (answer.yaml !== null && !typing && area.value !== answer.yaml) area.value = answer.yaml;
+    showIssues(answer);
+  });
+  draft.on("failure", (error) => { note.textContent = error.message; });
+
+  function showIssues(answer) {
+    const todo = answer.issues.filter(isTodo), wrong = answer.issues.filter((one) => !isTodo(one));
+    verdict.textContent = answer.valid
+      ? "Complete and sound: it can be started."
+      : [wrong.length ? `${wrong.length} to mend` : "", todo.length ? `${todo.length} still to be given` : ""].filter(Boolean).join(", ");
+    verdict.className = answer.valid ? "good" : wrong.length || strict() ? "error" : "help";
+    issues.replaceChildren(answer.issues.length ? element("ul", {}, [...wrong, ...todo].map(item)) : "");
+  }
+
+  function item(issue) {
+    const words = `${issue.path || "problem"}: ${issue.message}`;
+    const jump = element("button", { type: "button", class: "link", onclick: () => go(issue) }, issue.line ? `line ${issue.line}` : "show");
+    return element("li", { class: isTodo(issue) ? "todo" : "wrong" }, words, " ", jump);
+  }
+
+  /** To the field of the form when there is one, else to the line. */
+  function go(issue) {
+    const input = document.querySelector(`[data-path="${CSS.escape(issue.path)}"]`);
+    if (input) {
+      for (let fold = input.closest("details"); fold; fold = fold.parentElement.closest("details")) fold.open = true;
+      input.scrollIntoView({ block: "center" });
+      return input.focus({ preventScroll: true });
+    }
+    if (!issue.line) return area.focus();
+    const lines = area.value.split("\n");
+    const start = lines.slice(0, issue.line - 1).reduce((sum, line) => sum + line.length + 1, 0);
+    area.focus();
+    area.setSelectionRange(start, start + lines[issue.line - 1].length);
+    area.scrollTop = (area.scrollHeight / lines.length) * Math.max(0, issue.line - 4);
+    return undefined;
+  }
+
+  function download() {
+    const name = String(draft.read(["name"]) ?? "problem").replace(/[^\w.-]+/g, "-") || "problem";
+    const [text, ending, type] = draft.answer?.yaml === null ? [JSON.stringify(draft.document, null, 1), "json", "application/json"] : [area.value, "yaml", "application/yaml"];
+    const address = URL.createObjectURL(new Blob([text], { type }));
+    const link = element("a", { href: address, download: `${name}.${ending}` });
+    document.body.append(link);
+    link.click();
+    link.remove();
+    setTimeout(() => URL.revokeObjectURL(address), 1000);
+  }
+
+  async function copy() {
+    try {
+      await navigator.clipboard.writeText(area.value);
+      announce("Copied.");
+    } catch {
+      area.select();
+      announce("Press Ctrl+C to copy.");
+    }
+  }
+
+  place.replaceChildren(
+    element("label", { for: "yaml", class: "title" }, "The problem as YAML"),
+    element("p", { class: "help", id: "yaml-help" }, "What the form says, and the other way round. ", element("code", {}, "geoswarm submit"), " takes the same file."),
+    verdict, issues, area, note,
+    element("div", { class: "buttons" },
+      element("button", { type: "button", class: "quiet", onclick: download }, "Download"),
+      element("button", { type: "button", class: "quiet", onclick: copy }, "Copy")));
+}

@@ -1,0 +1,107 @@
+"""A problem in the making: what is wrong with it by line, and what its forward model offers meanwhile."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from pydantic import ValidationError
+
+from solver.errors import Issue, ProblemError, SolverError
+from solver.forward.base import ForwardModel
+from solver.forward.registry import parse_spec
+from solver.problem.assembly import parse_problem
+from solver.problem.lines import line_of, lines_of
+from solver.problem.problem import Problem
+from solver.problem.reading import plain_document, read_document
+from solver.problem.writing import problem_yaml
+
+__all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text"]
+
+_LINE = re.compile(r" in line (\d+)")
+MAX_YAML_BYTES = 200_000
+"""Longest text that a draft is written as or read from: the YAML reader takes some 15 s of a core for a megabyte."""
+
+
+@dataclass(frozen=True, slots=True)
+class LocatedIssue:
+    """A mistake, and its line in the draft's YAML, counted from 1; None where there is no such place."""
+
+    path: str
+    message: str
+    line: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """A problem that may still have mistakes.
+
+    Parameters
+    ----------
+    document
+        Plain values as they were given; None when the text cannot be read.
+    yaml
+        The same as text: the one that was given, else one written for it; None when that were too long.
+    issues
+        All mistakes; empty when the problem could be submitted.
+    problem
+        None with mistakes.
+    model
+        The forward model of the draft, as soon as its section is sound.
+    """
+
+    document: dict[str, Any] | None
+    yaml: str | None
+    issues: tuple[LocatedIssue, ...]
+    problem: Problem | None
+    model: ForwardModel | None
+
+
+def draft_of_text(text: str) -> Draft:
+    """Read and judge a problem that is being written as YAML."""
+    try:
+        document = read_document(text, "yaml")
+    except ProblemError as error:
+        return Draft(None, text, tuple(_syntax(issue) for issue in error.issues), None, None)
+    return _judged(document, text)
+
+
+def draft_of_document(document: Mapping[str, Any]) -> Draft:
+    """Judge a problem that is being put together, and write it as YAML.
+
+    Raises
+    ------
+    ProblemError
+        A value is nothing that JSON knows.
+    """
+    plain = plain_document(document)
+    text = problem_yaml(plain)
+    return _judged(plain, text if len(text.encode()) <= MAX_YAML_BYTES else None)
+
+
+def _judged(document: dict[str, Any], text: str | None) -> Draft:
+    model = _model(json.dumps(document.get("forward_model")))
+    try:
+        return Draft(document, text, (), parse_problem(document), model)
+    except ProblemError as error:
+        lines = {} if text is None else lines_of(text)
+        issues = tuple(LocatedIssue(one.path, one.message, line_of(one.path, lines)) for one in error.issues)
+        return Draft(document, text, issues, None, model)
+
+
+def _syntax(issue: Issue) -> LocatedIssue:
+    """Messages about syntax name the line themselves."""
+    found = _LINE.search(issue.message)
+    return LocatedIssue(issue.path, issue.message, int(found[1]) if found else None)
+
+
+@lru_cache(maxsize=16)  # drafts are judged at every change, most of which are elsewhere; a section plans a mesh
+def _model(section: str) -> ForwardModel | None:
+    try:
+        return parse_spec(json.loads(section)).with_files(None, "forward_model").build()
+    except (ValidationError, SolverError, ValueError):
+        return None

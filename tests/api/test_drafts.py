@@ -1,0 +1,131 @@
+"""Problems in the making, files of measurements and examples, over HTTP and through both clients."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from geoswarm.client import AsyncClient, Client, HttpError
+from tests.api.conftest import API, App, LiveServer, line_problem
+from tests.solver.problem.test_measurements import ROWS, STRINGS, workbook
+
+YAML = {"Content-Type": "application/yaml"}
+
+
+def test_a_document_is_judged_and_written_as_yaml(app: App) -> None:
+    draft = app.post(f"{API}/problems/read", json=line_problem()).json()
+    assert (draft["valid"], draft["issues"], draft["document"]) == (True, [], line_problem())
+    assert draft["yaml"].startswith("name: line\nforward_model:\n  kind: formula\n")
+    assert draft["free_parameters"] == ["a", "b"]
+    assert draft["planned_evaluations"] == 60
+    again = app.post(f"{API}/problems/read", content=draft["yaml"], headers=YAML).json()
+    assert again == draft
+
+
+def test_mistakes_are_an_answer_with_lines(app: App) -> None:
+    answer = app.post(f"{API}/problems/read", content="name: a\nparameters:\n  c: {lower: 2, upper: 1}\n", headers=YAML)
+    assert answer.status_code == 200
+    draft = answer.json()
+    assert (draft["valid"], draft["parameters"], draft["observations"]) == (False, None, [])
+    lines = {issue["path"]: issue["line"] for issue in draft["issues"]}
+    assert lines["parameters.c.lower"] == 3
+    assert lines["forward_model"] is None
+    broken = app.post(f"{API}/problems/read", content="name: [", headers=YAML).json()
+    assert (broken["valid"], broken["document"], broken["yaml"]) == (False, None, "name: [")
+    assert broken["issues"][0]["line"] is not None
+
+
+def test_shares_and_factors_of_observations(app: App) -> None:
+    series = {name: {"expression": "a * x", "x_unit": "day", "y_unit": "m"} for name in ("u", "v")}
+    observed = [
+        {"series": "u", "x_unit": "h", "y_unit": "mm", "weight": 3, "points": {"x": [1, 2], "y": [1, 2]}},
+        {"series": "v", "points": {"x": [1], "y": [1]}},
+    ]
+    problem = line_problem(
+        forward_model={"kind": "formula", "series": series},
+        parameters={"a": {"lower": 0, "upper": 1}},
+        observations=observed,
+    )
+    u, v = app.post(f"{API}/problems/read", json=problem).json()["observations"]
+    assert (u["share"], v["share"], u["points"]) == (0.75, 0.25, 2)
+    assert (u["x_unit"], u["y_unit"], v["x_unit"], v["y_unit"]) == ("h", "mm", "day", "m")
+    assert u["x_factor"] == pytest.approx(1 / 24, rel=1e-15)
+    assert (u["y_factor"], v["x_factor"], v["y_factor"]) == (0.001, 1.0, 1.0)
+
+
+def test_what_is_no_problem_at_all_is_refused(app: App) -> None:
+    assert app.post(f"{API}/problems/read", json=[1]).status_code == 400
+    assert (
+        app.post(f"{API}/problems/read", content="{", headers={"Content-Type": "application/json"}).status_code == 400
+    )
+    assert app.post(f"{API}/problems/read", content="a: 1", headers={"Content-Type": "text/plain"}).status_code == 415
+    assert app.post(f"{API}/problems/read", content="a" * 200_001, headers=YAML).status_code == 413
+
+
+def test_the_schema_has_every_section(app: App) -> None:
+    schema = app.get(f"{API}/problems/schema").json()
+    assert {"forward_model", "parameters", "observations", "method", "stopping"} <= schema["properties"].keys()
+    oedometer = schema["$defs"]["forward_model_oedometer"]["properties"]
+    assert (oedometer["height"]["x-unit"], oedometer["initial_stress"]["x-unit"]) == ("m", "kPa")
+    assert len(oedometer["height"]["x-typical"]) == 2
+
+
+def test_files_of_both_kinds_are_read(app: App) -> None:
+    found = app.post(f"{API}/measurements?name=a.csv", content=b"time [h],u [mm]\n1,2\n3,\n").json()
+    assert (found["name"], found["rows"], found["sheets"], found["sheet"]) == ("a.csv", 2, [], None)
+    assert [(c["label"], c["unit"], c["base"], c["values"]) for c in found["columns"]] == [
+        ("time", "h", "day", [1.0, 3.0]),
+        ("u", "mm", "m", [2.0, None]),
+    ]
+    sheet = app.post(f"{API}/measurements", content=workbook(("Readings", ROWS), strings=STRINGS)).json()
+    assert (sheet["sheet"], sheet["columns"][1]["bad"]) == ("Readings", 1)
+
+
+def test_a_file_that_cannot_be_read_is_explained(app: App) -> None:
+    answer = app.post(f"{API}/measurements?name=photo.png", content=b"\x89PNG\r\n\0\0")
+    assert answer.status_code == 422
+    assert answer.json()["type"].endswith("unreadable-file")
+    assert "photo.png is neither text (CSV) nor an XLSX workbook" in answer.json()["detail"]
+    assert app.post(f"{API}/measurements", content=b"x" * (32 * 2**20 + 1)).status_code == 413
+
+
+def test_every_example_is_sound_and_carries_its_data(app: App) -> None:
+    items = app.get(f"{API}/examples").json()["items"]
+    assert {"oedometer", "isotropic_compression", "formula", "combined", "slope"} <= {item["name"] for item in items}
+    for item in items:
+        example = app.get(f"{API}/examples/{item['name']}").json()
+        assert example["description"]
+        assert "README" not in example["description"]
+        draft = app.post(f"{API}/problems/read", json=example["problem"]).json()
+        assert (draft["valid"], draft["issues"]) == (True, [])
+        assert draft["document"]["name"] == example["title"]
+
+
+def test_an_unknown_example_names_the_known_ones(app: App) -> None:
+    answer = app.get(f"{API}/examples/nothing")
+    assert answer.status_code == 404
+    assert "oedometer" in answer.json()["detail"]
+
+
+def test_both_clients_can_ask_for_all_of_it(server: LiveServer, tmp_path: Path) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text("time [min],u [mm]\n1,2\n")
+    with Client(server.url) as client:
+        assert client.read_problem("name: a")["valid"] is False
+        assert client.read_measurements(file)["name"] == "readings.csv"
+        assert client.example(client.examples()[0]["name"])["problem"]
+        assert "properties" in client.problem_schema()
+        (tmp_path / "a.xlsx").write_bytes(workbook(("Readings", ROWS), strings=STRINGS))
+        with pytest.raises(HttpError, match="no sheet"):
+            client.read_measurements(tmp_path / "a.xlsx", "Other")
+
+    async def asked() -> bool:
+        async with AsyncClient(server.url) as client:
+            found = [await client.read_problem("name: a"), await client.read_measurements(file)]
+            names = [item["name"] for item in await client.examples()]
+            found += [await client.example(names[0]), await client.problem_schema()]
+            return all(found)
+
+    assert asyncio.run(asked())
