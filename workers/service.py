@@ -37,6 +37,7 @@ from workers.settings import Settings
 from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
+from workers.store.diversity import diversities
 from workers.store.evaluations import get_evaluation, list_attempts
 from workers.store.job_list import JobFilters, list_jobs, list_trends
 from workers.store.listing import Filters, list_evaluations
@@ -387,13 +388,16 @@ class JobService:
 
         return stream()
 
-    def generations(self, job_id: str, *, after: int = -1, limit: int = 1000) -> builtins.list[GenerationView]:
-        """Return finished generations with a number above ``after``, in order."""
+    def generations(
+        self, job_id: str, *, after: int = -1, limit: int = 1000, diversity: bool = False
+    ) -> builtins.list[GenerationView]:
+        """Return finished generations with a number above ``after``, in order; ``diversity`` reads all their runs."""
 
         def work(connection: Connection) -> builtins.list[GenerationView]:
             self._row(connection, job_id)
             rows = jobs.list_generations(connection, job_id, after=after, limit=_clip(limit))
-            return [generation_view(row) for row in rows]
+            scattered = diversities(connection, job_id, rows[0].number, rows[-1].number) if diversity and rows else {}
+            return [generation_view(row, scattered.get(row.number)) for row in rows]
 
         return self.store.read(work)
 
