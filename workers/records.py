@@ -12,6 +12,7 @@ from sqlalchemy import Connection
 from workers.cursors import decode_cursor, encode_cursor
 from workers.errors import EvaluationNotFoundError
 from workers.store import Store, jobs
+from workers.store.diversity import diversities
 from workers.store.evaluations import get_evaluation, list_attempts
 from workers.store.job_list import spaced
 from workers.store.listing import Filters, list_evaluations
@@ -149,18 +150,20 @@ class JobRecords(ABC):
         return stream()
 
     def generations(
-        self, job_id: str, *, after: int = -1, limit: int = 1000, points: int | None = None
+        self, job_id: str, *, after: int = -1, limit: int = 1000, points: int | None = None, diversity: bool = False
     ) -> list[GenerationView]:
         """Return finished generations with a number above ``after``, in order.
 
-        With ``points`` at most so many of all, evenly spaced, the first and the last one included.
+        With ``points`` at most so many of all, evenly spaced, the first and the last one included; ``diversity`` reads
+        all their runs.
         """
 
         def work(connection: Connection) -> list[GenerationView]:
             total = self._row(connection, job_id).generations
             numbers = None if points is None or total <= points else spaced(total, points)
             rows = jobs.list_generations(connection, job_id, after=after, limit=clip(limit), numbers=numbers)
-            return [generation_view(row) for row in rows]
+            scattered = diversities(connection, job_id, rows[0].number, rows[-1].number) if diversity and rows else {}
+            return [generation_view(row, scattered.get(row.number)) for row in rows]
 
         return self.store.read(work)
 

@@ -61,6 +61,12 @@ def test_submit_wait_and_read_the_result(client: Client) -> None:
     generations = client.generations(job.id)
     assert [generation.number for generation in generations] == list(range(10))
     assert generations[-1].objective == job.objective
+    assert generations[-1].diversity is None
+    (last,) = client.generations(job.id, after=8, diversity=True)
+    assert last.diversity is not None
+    assert 0.0 < last.diversity < 1.8
+    (earlier,) = client.warm_starts(line_problem(method={"kind": "particle_swarm", "particles": 6}))
+    assert (earlier.job, earlier.evaluations) == (job.id, 60)
     assert client.get(job.id) == job
 
 
