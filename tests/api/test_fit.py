@@ -12,7 +12,9 @@ from tests.api.conftest import API, App, line_problem, wait_for_end
 from workers.engine import Engine
 
 MEASURED = {"x": [120.0, 0.0, 60.0], "y": [500.0, 100.0, 300.0]}
+TEXTBOOK = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
 CHANGES: dict[str, Any] = {
+    "method": TEXTBOOK,
     "forward_model": {
         "kind": "formula",
         "series": {"settlement": {"expression": "a + b * x", "x_unit": "day", "y_unit": "m"}},
@@ -92,7 +94,7 @@ def test_lists_are_filtered_over_http(engine: Engine, job: str) -> None:
 
 def test_the_end_of_a_job_is_changed_over_http(engine: Engine) -> None:
     app = App(engine.service)
-    job_id = app.post(f"{API}/jobs", json=line_problem(stopping={"max_evaluations": 12})).json()["id"]
+    job_id = app.post(f"{API}/jobs", json=line_problem(method=TEXTBOOK, stopping={"max_evaluations": 12})).json()["id"]
     wait_for_end(engine.service, job_id)
     path = f"{API}/jobs/{job_id}"
     assert app("PATCH", path, json={"stopping": {"max_evaluations": 12}}).status_code == 409
