@@ -143,6 +143,11 @@ def test_list_iterate_pause_resume_cancel_delete(client: Client) -> None:
     for job_id in ids:
         assert client.cancel(job_id).state == "cancelled"
     assert client.wait(ids[0], timeout=5).state == "cancelled"
+    assert client.change_stopping(ids[0], {"max_seconds": 900}).state in ("queued", "running")
+    assert client.cancel(ids[0]).state == "cancelled"
+    found = client.list(search=ids[0], sort="evaluations", order="ascending", trend=4).items
+    assert [job.id for job in found] == ids[:1]
+    assert found[0].trend is not None
     client.delete(ids[0])
     with pytest.raises(NotFoundError, match="no job"):
         client.get(ids[0])
