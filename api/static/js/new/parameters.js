@@ -16,14 +16,12 @@ export function modeOf(section) {
 
 /** Bounds to begin with: the usual range, on a log scale when it spans a decade. */
 function started(mode, info, old) {
-  if (mode === "fixed") return { value: old?.initial ?? (info?.default || undefined) };
+  if (mode === "fixed") return { value: old?.initial ?? info?.default ?? null };
   if (mode === "linked") return { expression: "" };
   const [low, high] = info?.typical ?? [];
-  const lower = low === 0 && info.lower_open ? high / 1000 : low;
-  return { lower, upper: high, ...(lower > 0 && high / lower >= 10 ? { scale: "log" } : {}) };
+  const lower = low === 0 && info.lower_open ? high / 1000 : low; // 0 itself may be refused
+  return { lower: lower ?? null, upper: high ?? null, ...(lower > 0 && high / lower >= 10 ? { scale: "log" } : {}) };
 }
-
-const defined = (section) => Object.fromEntries(Object.entries(section).filter(([, value]) => value !== undefined));
 
 export function parametersSection(context, place) {
   const { draft } = context;
@@ -40,7 +38,7 @@ export function parametersSection(context, place) {
     const all = mode !== null && info && info.default !== null ? [["", `default: ${number(info.default)}`], ...offered] : offered;
     const pick = element("select", { id, dataset: { path: pathText(path) } }, all.map(([value, label]) => element("option", { value, selected: value === (mode ?? "") }, label)));
     pick.addEventListener("change", () => {
-      draft.write(path, pick.value ? defined(started(pick.value, info, draft.read(path))) : undefined);
+      draft.write(path, pick.value ? started(pick.value, info, draft.read(path)) : undefined);
       draw();
     });
     const unit = info?.unit;
@@ -49,7 +47,7 @@ export function parametersSection(context, place) {
       element("div", { class: "parameter-name" },
         element("h3", {}, symbol(name), unit ? element("small", {}, ` [${unit}]`) : null, symbol(name) === name ? null : element("small", {}, ` ${name}`)),
         element("p", { class: "help" }, `${sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones.")} ${range}`.trim())),
-      element("div", { class: "field" }, element("label", { for: id }, element("span", { class: "visually-hidden" }, `${name} is `), element("span", { "aria-hidden": "true" }, "Mode")), pick),
+      element("div", { class: "field" }, element("label", { for: id }, "Mode", element("span", { class: "visually-hidden" }, ` of ${name}`)), pick),
       inputs(path, name, mode, unit),
       info ? null : button(`Remove ${name}`, () => { draft.write(path, undefined); draw(); }),
       errorPlace(path));
@@ -58,12 +56,12 @@ export function parametersSection(context, place) {
   function inputs(path, name, mode, unit) {
     const one = (key, label, more = {}) => field(draft, [...path, key], { label: element("span", {}, label, element("span", { class: "visually-hidden" }, ` of ${name}`)), kind: "number", unit, ...more });
     if (mode === "free") {
-      return [one("lower", "Lower bound", { required: true }), one("upper", "Upper bound", { required: true }), one("initial", "Estimate"),
+      return [one("lower", "Lower bound", { required: true, blank: null }), one("upper", "Upper bound", { required: true, blank: null }), one("initial", "Estimate"),
         logScale(path, name),
         draft.read([...path, "integer"]) ? checkbox(draft, [...path, "integer"], { label: "Whole numbers only" }) : null];
     }
-    if (mode === "fixed") return one("value", "Value", { required: true });
-    if (mode === "linked") return one("expression", "Expression", { kind: "text", unit: null, required: true, wide: true, help: "Of other parameters, such as 0.5 * lambda_star." });
+    if (mode === "fixed") return one("value", "Value", { required: true, blank: null });
+    if (mode === "linked") return one("expression", "Expression", { kind: "text", unit: null, required: true, blank: "", wide: true, help: "Of other parameters, such as 0.5 * lambda_star." });
     return null;
   }
 
