@@ -28,11 +28,13 @@ from solver.errors import InfeasibleSpaceError, Issue, ProblemError
 from solver.identifiability import StatisticsError
 from workers.errors import (
     BrokerUnavailableError,
+    EvaluationNotFoundError,
     IdempotencyConflictError,
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
     NoOptimumError,
+    NothingLeftError,
     NothingToRetryError,
     QuotaExceededError,
     StoreUnavailableError,
@@ -161,6 +163,10 @@ def translate(error: Exception) -> DetailError:
             )
         case JobNotFoundError():
             return DetailError(404, str(error), kind="job-not-found", title="Job not found")
+        case EvaluationNotFoundError():
+            return DetailError(404, str(error), kind="evaluation-not-found", title="Evaluation not found")
+        case NothingLeftError():
+            return DetailError(409, str(error), kind="nothing-left", title="Nothing left to evaluate")
         case NothingToRetryError():
             return DetailError(409, str(error), kind="nothing-to-retry", title="No failed evaluation")
         case InvalidTransitionError():
@@ -191,8 +197,10 @@ TRANSLATED: tuple[type[Exception], ...] = (
     InfeasibleSpaceError,
     RequestValidationError,
     JobNotFoundError,
+    EvaluationNotFoundError,
     InvalidTransitionError,
     NoOptimumError,
+    NothingLeftError,
     NothingToRetryError,
     IdempotencyConflictError,
     InvalidCursorError,

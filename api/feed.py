@@ -1,4 +1,4 @@
-"""Live events of jobs: one query a tick for all watched jobs, however many listeners.
+"""Live events of jobs: one query for all watched jobs when there is news, or once a tick, however many listeners.
 
 The database is the only source, so a listener of any process sees the events of every process, and what was missed
 between two connections is read again. Reads run in a few threads of their own; a waiting listener holds neither a
@@ -14,6 +14,7 @@ import time
 from collections import deque
 from collections.abc import AsyncGenerator, Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TypeVar
 
 import anyio
@@ -21,6 +22,7 @@ import anyio.to_thread
 
 from workers.errors import JobNotFoundError, StoreUnavailableError
 from workers.service import JobService
+from workers.store.event_bell import EventBell
 from workers.views import EventView
 
 __all__ = ["ENDED_STATES", "EventFeed", "ends_job"]
@@ -33,7 +35,8 @@ BATCH = 500
 RETRY_SECONDS = 2.0
 READING_THREADS = 4
 EXISTENCE_SECONDS = 2.0  # how soon listeners learn that their job was deleted
-GATHER_SECONDS = 0.02
+GATHER_SECONDS = 0.01
+QUIET_SECONDS = 1.0  # between two looks while the database tells of events by itself
 
 T = TypeVar("T")
 
@@ -74,12 +77,12 @@ class EventFeed:
     service
         Where events are read.
     poll_seconds
-        Interval at which the watched jobs are looked at [s].
+        Interval at which the watched jobs are looked at [s] where the database does not tell of events by itself.
     heartbeat_seconds
         Silence after which :meth:`listen` yields None [s].
     """
 
-    def __init__(self, service: JobService, *, poll_seconds: float = 0.05, heartbeat_seconds: float = 10.0) -> None:
+    def __init__(self, service: JobService, *, poll_seconds: float = 0.1, heartbeat_seconds: float = 10.0) -> None:
         self._service = service
         self._poll = poll_seconds
         self._heartbeat = heartbeat_seconds
@@ -87,7 +90,8 @@ class EventFeed:
         self._limiter: anyio.CapacityLimiter | None = None
         self._closed = False
         self._poller: asyncio.Task[None] | None = None
-        self._joined = asyncio.Event()
+        self._bell: EventBell | None = None
+        self._rung = asyncio.Event()
 
     @property
     def watched(self) -> int:
@@ -165,9 +169,14 @@ class EventFeed:
         tail = self._tails.get(job_id)
         if tail is None or tail.gone:
             tail = self._tails[job_id] = _Tail(floor=after, last=after)
-            self._joined.set()
+            self._rung.set()
             if self._poller is None or self._poller.done():
+                self._rest()
                 self._poller = asyncio.create_task(self._follow(), name="events of watched jobs")
+                self._bell = EventBell(
+                    self._service.store, partial(_set_from_thread, asyncio.get_running_loop(), self._rung)
+                )
+                self._bell.start()
         tail.listeners += 1
         return tail
 
@@ -175,14 +184,21 @@ class EventFeed:
         tail.listeners -= 1
         if tail.listeners == 0 and self._tails.get(job_id) is tail:
             del self._tails[job_id]
-            if not self._tails and self._poller is not None:
-                self._poller.cancel()
-                self._poller = None
+            if not self._tails:
+                self._rest()
+
+    def _rest(self) -> None:
+        if self._poller is not None:
+            self._poller.cancel()
+            self._poller = None
+        if self._bell is not None:
+            self._bell.stop()
+            self._bell = None
 
     async def _follow(self) -> None:
         check_at = time.monotonic() + EXISTENCE_SECONDS
         while True:
-            self._joined.clear()
+            self._rung.clear()
             watched = {job_id: (tail, tail.last) for job_id, tail in self._tails.items()}
             try:
                 count = await self._look(watched)
@@ -194,9 +210,10 @@ class EventFeed:
                 await asyncio.sleep(RETRY_SECONDS)
                 continue
             if count < BATCH:
+                patience = QUIET_SECONDS if self._bell is not None and self._bell.live else self._poll
                 with contextlib.suppress(TimeoutError):
-                    await asyncio.wait_for(self._joined.wait(), self._poll)
-                    await asyncio.sleep(GATHER_SECONDS)  # whoever else comes now shares the query
+                    await asyncio.wait_for(self._rung.wait(), patience)
+                    await asyncio.sleep(GATHER_SECONDS)  # whoever or whatever else comes now shares the query
 
     async def _look(self, watched: Mapping[str, tuple[_Tail, int]]) -> int:
         """Give every tail its new events; return how many came."""
@@ -217,3 +234,8 @@ class EventFeed:
             tail, _ = watched[job_id]
             tail.gone = True
             tail.wake()
+
+
+def _set_from_thread(loop: asyncio.AbstractEventLoop, event: asyncio.Event) -> None:
+    with contextlib.suppress(RuntimeError):  # the loop has ended before the thread
+        loop.call_soon_threadsafe(event.set)

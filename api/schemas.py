@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
+from solver.problem import Stopping
+
 __all__ = [
     "Attempt",
     "AttemptList",
@@ -25,6 +27,7 @@ __all__ = [
     "GenerationList",
     "Health",
     "Job",
+    "JobChange",
     "JobPage",
     "JobState",
     "Liveness",
@@ -36,6 +39,8 @@ __all__ = [
     "Session",
     "SignIn",
     "TestRun",
+    "WarmStart",
+    "WarmStarts",
     "Worker",
     "WorkerList",
 ]
@@ -80,6 +85,11 @@ class Job(Model):
     max_evaluations: int | None = Field(description="planned number of evaluations, when there is one")
     priority: int
     retrying: bool = Field(description="its failed evaluations are run again; then it is what it was before")
+    owner: str | None = Field(description="whose key submitted it; null: none, or that of the environment")
+    last_event: int = Field(description="id of its newest event: follow the events after it")
+    trend: list[Number] | None = Field(
+        None, description="lowest objective so far at evenly spaced generations; only in lists, when asked for"
+    )
 
 
 class JobPage(Model):
@@ -135,6 +145,14 @@ class AttemptList(Model):
     """Tries in the order in which they were begun."""
 
     items: list[Attempt]
+
+
+class JobChange(BaseModel):
+    """What can be changed of a job that is there."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    stopping: Stopping = Field(description="the stop criteria from now on, in place of all there were")
 
 
 class Retry(Model):
@@ -218,6 +236,20 @@ class TestRun(Model):
     message: str | None
 
 
+class WarmStart(Model):
+    """An earlier job with the same forward model: `warm_start: {jobs: [ID]}` offers its runs to the search."""
+
+    job: str
+    name: str
+    evaluations: int = Field(description="that could be taken over at no cost, 2000 at most are counted")
+
+
+class WarmStarts(Model):
+    """Earlier jobs that a problem could learn from, newest first, five at most."""
+
+    items: list[WarmStart]
+
+
 class CheckResult(Model):
     """What a valid problem would do and cost."""
 
@@ -230,6 +262,7 @@ class CheckResult(Model):
     planned_evaluations: int | None = Field(description="null when only time or quality ends the search")
     test_run: TestRun
     estimated_seconds: float | None = Field(description="time of all planned evaluations on one worker")
+    warm_starts: list[WarmStart] = Field(description="earlier jobs that it could learn from, newest first")
 
 
 class Parameter(Model):

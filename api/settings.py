@@ -59,7 +59,7 @@ class ApiSettings(BaseModel):
     requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
     request_burst: int = Field(default=500, ge=1)
     heartbeat_seconds: float = Field(default=10.0, gt=0.0, le=20.0)
-    poll_seconds: float = Field(default=0.05, gt=0.0, le=10.0)
+    poll_seconds: float = Field(default=0.1, gt=0.0, le=10.0)
 
     @field_validator("api_key")
     @classmethod

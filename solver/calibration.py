@@ -50,6 +50,7 @@ __all__ = [
     "Progress",
     "Step",
     "choose_seed",
+    "stop_criteria",
 ]
 
 SAMPLES_COMPLETED = "samples_completed"
@@ -261,7 +262,12 @@ class Calibration:
         return self.follow_up is not None and self.follow_up.learns
 
     def advance(
-        self, progress: Progress, objectives: Sequence[float | None], seconds: float, runs: Runs | None = None
+        self,
+        progress: Progress,
+        objectives: Sequence[float | None],
+        seconds: float,
+        runs: Runs | None = None,
+        criteria: Sequence[StopCriterion] | None = None,
     ) -> Step:
         """Close the current generation and ask for the next one; pure.
 
@@ -275,6 +281,8 @@ class Calibration:
             Running time of the job so far [s].
         runs
             All evaluations so far, this generation included; needed when :attr:`accelerated`.
+        criteria
+            Stop criteria in place of the problem's.
         """
         if self.accelerated and runs is None:
             raise ValueError("an accelerated search needs the runs so far")
@@ -291,7 +299,7 @@ class Calibration:
             objective=best.objective if best else None,
             stagnation=stagnation,
         )
-        reasons = satisfied_reasons(self.criteria, status)
+        reasons = satisfied_reasons(self.criteria if criteria is None else criteria, status)
         method = self.problem.method
         if isinstance(method, MonteCarloMethod) and evaluations == method.samples:
             reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation
+from workers.coordinator.ending import changed_criteria
 from workers.coordinator.machine import GenerationJoined, Job, apply
 from workers.coordinator.work import Claim, HandIn, Leap, Result, joined
 from workers.heart import Heart
@@ -92,6 +93,7 @@ class Errand:
         """Run whole generations in a row."""
         claim = self._claim
         began = time.monotonic()
+        criteria = changed_criteria(claim.stopping)
         leaps: list[Leap] = []
         generation, positions = claim.generation, claim.positions
         particles: Sequence[int] = claim.particles
@@ -102,7 +104,8 @@ class Errand:
             if self._decides(results) or len(results) < len(positions):
                 return HandIn(claim, leaps, generation, results, killed)
             elapsed = time.monotonic() - began
-            event = GenerationJoined(generation, joined(_in_order(results)), claim.run_seconds + elapsed)
+            results_there = joined(_in_order(results))
+            event = GenerationJoined(generation, results_there, claim.run_seconds + elapsed, criteria=criteria)
             transition = apply(job, event, self._calibration)
             leaps.append(Leap(generation, results, transition, claim.now + elapsed))
             job = transition.job

@@ -5,12 +5,15 @@
     WorkersError
     ├── SettingsError               the engine cannot be configured like this
     ├── JobNotFoundError            no job has this id
+    ├── EvaluationNotFoundError     the job has no such evaluation
     ├── InvalidTransitionError      the job's state does not admit the request
     ├── IdempotencyConflictError    the key was used before, with another problem
     ├── NothingToRetryError         no failed evaluation of the job can be run again
+    ├── NothingLeftError            the job has ended and cannot go on
     ├── KeyNotFoundError            no API key has this id
     ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
+    ├── NoBodyError                 the job, or its evaluation, has no mesh or no fields
     ├── NoOptimumError              the job has not found yet what a follow-up begins at
     ├── StoreUnavailableError       the database does not answer, or cannot be used
     └── BrokerUnavailableError      the broker does not answer
@@ -24,12 +27,15 @@ from collections.abc import Sequence
 
 __all__ = [
     "BrokerUnavailableError",
+    "EvaluationNotFoundError",
     "IdempotencyConflictError",
     "InvalidCursorError",
     "InvalidTransitionError",
     "JobNotFoundError",
+    "NoBodyError",
     "NoOptimumError",
     "KeyNotFoundError",
+    "NothingLeftError",
     "NothingToRetryError",
     "QuotaExceededError",
     "SettingsError",
@@ -54,6 +60,13 @@ class JobNotFoundError(WorkersError):
         super().__init__(f"there is no job {job_id!r}")
 
 
+class EvaluationNotFoundError(WorkersError):
+    """The job has no such evaluation."""
+
+    def __init__(self, job_id: str, generation: int, particle: int) -> None:
+        super().__init__(f"job {job_id} has no evaluation of particle {particle} in generation {generation}")
+
+
 class KeyNotFoundError(WorkersError):
     """No API key has this id."""
 
@@ -74,6 +87,10 @@ class InvalidTransitionError(WorkersError):
         self.state = state
         self.accepted = tuple(accepted)
         super().__init__(f"cannot {action} a job that is {state}; accepted states: {', '.join(accepted)}")
+
+
+class NothingLeftError(WorkersError):
+    """The job has ended and cannot go on: its search is complete, or would stop at once."""
 
 
 class NothingToRetryError(WorkersError):
@@ -99,6 +116,10 @@ class InvalidCursorError(WorkersError):
     def __init__(self, cursor: str) -> None:
         self.cursor = cursor
         super().__init__(f"cursor {cursor[:80]!r} is not one that this listing returned in next_cursor")
+
+
+class NoBodyError(WorkersError):
+    """There is no mesh, no such evaluation, or its forward run for the fields has failed; the message says which."""
 
 
 class NoOptimumError(WorkersError):

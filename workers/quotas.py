@@ -12,11 +12,13 @@ from workers.store.tables import jobs
 __all__ = ["check_quotas"]
 
 
-def check_quotas(connection: Connection, owner: str, planned: int | None, settings: Settings) -> None:
+def check_quotas(
+    connection: Connection, owner: str, planned: int | None, settings: Settings, *, another: bool = True
+) -> None:
     """Refuse another job of an owner when it would exceed a quota; inside the transaction that enters the job.
 
     A job that has not ended counts with all evaluations that it plans, or with those that it has when it plans no
-    number.
+    number. ``another``: it would be one more job that has not ended.
 
     Raises
     ------
@@ -34,7 +36,7 @@ def check_quotas(connection: Connection, owner: str, planned: int | None, settin
         ).where(jobs.c.owner == owner)
     ).one()
     open_jobs, stored = int(row[0]), int(row[1])
-    if open_jobs >= settings.quota_jobs:
+    if another and open_jobs >= settings.quota_jobs:
         raise QuotaExceededError(
             f"{owner} has {open_jobs} jobs that have not ended; at most {settings.quota_jobs} are accepted."
             " Wait for one, or cancel one"

@@ -9,6 +9,7 @@ import json
 import re
 import secrets
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +18,14 @@ from sqlalchemy import Connection
 from solver.calibration import choose_seed
 from solver.check import CheckReport
 from solver.errors import ProblemError
-from solver.problem import Problem, parse_problem
+from solver.problem import Problem, Stopping, parse_problem
 from workers.access import LOCAL, Principal
-from workers.coordinator.machine import CancelRequested, PauseRequested, ResumeRequested
+from workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
 from workers.coordinator.runtime import Runtime
 from workers.cursors import decode_cursor, encode_cursor
 from workers.doorbell import Doorbell
 from workers.errors import (
+    EvaluationNotFoundError,
     IdempotencyConflictError,
     JobNotFoundError,
 )
@@ -36,14 +38,16 @@ from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
 from workers.store.evaluations import get_evaluation, list_attempts
+from workers.store.job_list import JobFilters, list_jobs, list_trends
 from workers.store.listing import Filters, list_evaluations
-from workers.store.offers import find_offer, write_offer
+from workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
 from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
 from workers.store.workers import current_work, list_workers
 from workers.trial import TrialBench
 from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
+    from workers.bodies import BodyDesk
     from workers.statistics import StatisticsDesk
 
 __all__ = ["JobService"]
@@ -78,6 +82,13 @@ class JobService:
 
         return StatisticsDesk(self.store, self._row, self._shelf)
 
+    @property
+    def bodies(self) -> BodyDesk:
+        """Meshes and fields of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
+        from workers.bodies import BodyDesk
+
+        return BodyDesk(self.store, self._row, self._shelf, self._trials)
+
     def on_behalf_of(self, principal: Principal) -> JobService:
         """Return this service as somebody may use it: other owners' jobs are not there."""
         bound = copy.copy(self)
@@ -93,6 +104,11 @@ class JobService:
             See :func:`solver.check.check_problem`.
         """
         return self._trials.check(problem)
+
+    def warm_starts(self, problem: Problem) -> builtins.list[WarmStart]:
+        """Return earlier jobs of the same forward model whose runs a problem could learn from, newest first."""
+        owner = None if self.principal.role == "admin" else self.principal.owner or ""
+        return self.store.read(lambda connection: find_warm_starts(connection, problem, owner))
 
     def close(self) -> None:
         """End what test runs have started."""
@@ -165,22 +181,29 @@ class JobService:
             return jobs.get_problem(connection, job_id)
 
         row = self.store.read(work)
-        return unpack_problem(row.problem)
+        return unpack_problem(row.problem, row.stopping)
 
-    def list(self, *, state: str | None = None, limit: int = 50, cursor: str | None = None) -> Page[JobView]:
-        """Return jobs, newest first.
+    def list(
+        self, filters: JobFilters | None = None, *, limit: int = 50, cursor: str | None = None, trend: int = 0
+    ) -> Page[JobView]:
+        """Return jobs, newest first unless ``filters`` say otherwise, with ``trend`` values of their convergence each.
 
         Raises
         ------
         InvalidCursorError
         """
-        before = None if cursor is None else decode_cursor(cursor, float, str)
-        limit = _clip(limit)
+        chosen = filters or JobFilters()
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
-        rows = self.store.read(lambda c: jobs.list_jobs(c, state=state, before=before, limit=limit + 1, owner=owner))
-        views = [job_view(row, self._gap) for row in rows[:limit]]
-        following = encode_cursor(rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
-        return Page(views, following)
+
+        def work(connection: Connection) -> Page[JobView]:
+            rows, following = list_jobs(connection, chosen, owner=owner, limit=_clip(limit), cursor=cursor)
+            views = [job_view(row, self._gap) for row in rows]
+            if trend:
+                trends = list_trends(connection, {view.id: view.generations for view in views}, trend)
+                views = [replace(view, trend=trends[view.id]) for view in views]
+            return Page(views, following)
+
+        return self.store.read(work)
 
     def cancel(self, job_id: str) -> JobView:
         """End a job that has not ended; its finished evaluations stay.
@@ -211,6 +234,23 @@ class JobService:
             When it is not paused.
         """
         return self._request(job_id, ResumeRequested())
+
+    def change_stopping(self, job_id: str, stopping: Stopping) -> JobView:
+        """Replace a job's stop criteria; one that has finished or was cancelled goes on exactly where it was.
+
+        Raises
+        ------
+        InvalidTransitionError
+            When it has failed, or its failed evaluations are run again.
+        NothingLeftError
+            When it has ended and would not go on.
+        ProblemError, QuotaExceededError
+        """
+        view = self.get(job_id)
+        quota_of = None if self.principal.role == "admin" else self.principal.owner
+        if self._runtime.change_stopping(job_id, stopping, quota_of):
+            self.doorbell.ring(job_id, kind=view.forward_model)
+        return self.get(job_id)
 
     def retry_failed(self, job_id: str) -> tuple[JobView, int]:
         """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
@@ -262,6 +302,23 @@ class JobService:
                 return None
             row = get_evaluation(connection, job_id, job.best_generation, job.best_particle)
             names, grids = self._frame(connection, job_id)
+            return evaluation_view(row, names, grids)
+
+        return self.store.read(work)
+
+    def evaluation(self, job_id: str, generation: int, particle: int) -> EvaluationView:
+        """Return one evaluation with its responses.
+
+        Raises
+        ------
+        EvaluationNotFoundError
+        """
+
+        def work(connection: Connection) -> EvaluationView:
+            names, grids = self._frame(connection, job_id)
+            row = get_evaluation(connection, job_id, generation, particle)
+            if row is None:
+                raise EvaluationNotFoundError(job_id, generation, particle)
             return evaluation_view(row, names, grids)
 
         return self.store.read(work)
@@ -407,7 +464,7 @@ class JobService:
             raise JobNotFoundError(job_id)
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 
-    def _request(self, job_id: str, event: CancelRequested | PauseRequested | ResumeRequested) -> JobView:
+    def _request(self, job_id: str, event: Request) -> JobView:
         kind = self.get(job_id).forward_model
         if self._runtime.request(job_id, event):
             self.doorbell.ring(job_id, kind=kind)

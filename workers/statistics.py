@@ -225,7 +225,7 @@ def _read(connection: Connection, row: Any) -> StoredJob:
     stored = jobs.get_problem(connection, job_id)
     if stored is None:
         raise JobNotFoundError(job_id)
-    problem = parse_problem(unpack_problem(stored.problem))
+    problem = parse_problem(unpack_problem(stored.problem, stored.stopping))
     samples, failures = _samples(connection, row, problem)
     record = RunRecord(
         id=job_id,

@@ -35,6 +35,12 @@ class TrialBench:
             self._number += 1
             return check_problem(problem, self._evaluate)
 
+    def fields(self, problem: Problem, parameters: FloatArray, part: str) -> Evaluation:
+        """Run a forward calculation for the fields of a body, see :func:`solver.fields.evaluate_fields`."""
+        with self._lock:
+            self._number += 1
+            return self._evaluate(Calibration(problem, 0), parameters, part)
+
     def close(self) -> None:
         """End the evaluation process."""
         with self._lock:
@@ -42,10 +48,11 @@ class TrialBench:
                 self._evaluator.close()
             self._evaluator = None
 
-    def _evaluate(self, calibration: Calibration, position: FloatArray) -> Evaluation:
+    def _evaluate(self, calibration: Calibration, position: FloatArray, fields: str | None = None) -> Evaluation:
         if self._evaluator is None:
             self._evaluator = Runner() if self._settings.isolate else InlineEvaluator()
             self._evaluator.start()
         limits = limits_of(calibration.problem, self._settings).within(self._settings.check_seconds)
-        (outcome,) = self._evaluator.run(f"test run {self._number}", calibration, position[np.newaxis], limits)
+        name = f"test run {self._number}"
+        (outcome,) = self._evaluator.run(name, calibration, position[np.newaxis], limits, fields=fields)
         return outcome.evaluation

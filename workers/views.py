@@ -39,6 +39,12 @@ class JobView:
         Jobs of a higher one get more of the workers.
     retrying
         Its failed evaluations are run again.
+    owner
+        Whose key submitted it; None: nobody's.
+    last_event
+        Id of its newest event, 0 without one: who has read the job follows the events after it.
+    trend
+        Lowest objective so far at evenly spaced generations, where a listing was asked for it.
     """
 
     id: str
@@ -62,6 +68,9 @@ class JobView:
     max_evaluations: int | None
     priority: int = 0
     retrying: bool = False
+    owner: str | None = None
+    last_event: int = 0
+    trend: list[float | None] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,16 +9,55 @@ from fastapi.responses import HTMLResponse
 
 from api.dependencies import Service
 from api.pages.shell import render
+from api.pages.sparkline import sparkline
+from workers.coordinator.machine import JOB_STATES
+from workers.store.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
 
 router = APIRouter()
 
+PAGE = 50
+POINTS = 32
+SORTS: dict[SortKey, str] = {
+    "created": "Newest first",
+    "finished": "Last ended first",
+    "objective": "Best objective first",
+    "evaluations": "Most evaluations first",
+    "seconds": "Longest running first",
+    "name": "Name, A to Z",
+}
+GROUPS = {"active": ("queued", "running", "paused"), "ended": ("finished", "failed", "cancelled")}
+
 
 @router.get("/")
 def jobs_page(
-    request: Request, service: Service, cursor: Annotated[str | None, Query(max_length=500)] = None
+    request: Request,
+    service: Service,
+    cursor: Annotated[str | None, Query(max_length=500)] = None,
+    q: Annotated[str, Query(max_length=200)] = "",
+    state: Annotated[str, Query(max_length=20, description="a state, active or ended")] = "",
+    owner: Annotated[str, Query(max_length=80)] = "",
+    sort: Annotated[str, Query(max_length=20)] = "created",
 ) -> HTMLResponse:
-    """List the jobs, newest first."""
-    page = service.list(limit=50, cursor=cursor)
-    return render(request, "jobs", page=page, first=cursor is None)
+    """List the jobs, newest first unless asked otherwise; what a filter does not know it leaves out."""
+    text = "".join(letter for letter in q.strip() if letter.isprintable())
+    states = GROUPS.get(state, (state,) if state in JOB_STATES else ())
+    whose = "".join(letter for letter in owner.strip() if letter.isprintable())
+    key: SortKey = next((known for known in SORTS if known == sort), "created")
+    filters = JobFilters(states, text or None, whose or None, key)
+    page = service.list(filters, limit=PAGE, cursor=cursor or None, trend=POINTS)
+    chosen = {"q": text, "state": state if states else "", "owner": whose, "sort": key}
+    return render(
+        request,
+        "jobs",
+        page=page,
+        first=not cursor,
+        chosen=chosen,
+        filtered=bool(text or states or whose),
+        kept={name: value for name, value in chosen.items() if value and (name, value) != ("sort", "created")},
+        states=[*GROUPS, *JOB_STATES],
+        sorts=SORTS,
+        sparkline=sparkline,
+        owners=request.app.state.authenticator.needed,
+    )

@@ -16,12 +16,17 @@ from api.feed import ENDED_STATES
 from api.headers import PLOT_POLICY
 from workers.views import JobView
 
-__all__ = ["error_page", "number", "progress", "render"]
+__all__ = ["error_page", "number", "progress", "render", "words"]
 
 
 def number(value: float | None, digits: int = 4) -> str:
     """A number for readers; a dash for None."""
     return "–" if value is None else f"{value:.{digits}g}"
+
+
+def words(name: str) -> str:
+    """The name of a model, a method or a stop criterion as words."""
+    return name.replace("_", " ")
 
 
 def progress(job: JobView) -> float | None:
@@ -36,11 +41,11 @@ templates = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-templates.filters["number"] = number
+templates.filters.update(number=number, words=words)
 templates.globals.update(progress=progress, ended_states=ENDED_STATES)
 
 
-def render(request: Request, view: str, *, plots: bool = False, status: int = 200, **words: Any) -> HTMLResponse:
+def render(request: Request, view: str, *, plots: bool = False, status: int = 200, **values: Any) -> HTMLResponse:
     """Render ``templates/VIEW.html``, whose module is ``static/js/VIEW.js``.
 
     Parameters
@@ -49,7 +54,7 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
         Name of the template and of its module and style.
     plots
         Whether Plotly is used, which needs inline styles allowed.
-    words
+    values
         What the template names beside ``static``, ``plotly``, ``view``, ``owner``, ``is_admin`` and ``signed_in``.
     """
     identity: Identity | None = getattr(request.state, "identity", None)
@@ -63,7 +68,7 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
         is_admin=identity is not None and identity.principal.may("admin"),
         may_submit=identity is not None and identity.principal.may("submit"),
         signed_in=identity is not None and identity.session is not None,
-        **words,
+        **values,
     )
     headers = {"Content-Security-Policy": PLOT_POLICY} if plots else None
     return HTMLResponse(text, status_code=status, headers=headers)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
-from api.dependencies import Service
 from api.pages.shell import render
 
 __all__ = ["router"]
@@ -14,6 +13,6 @@ router = APIRouter()
 
 
 @router.get("/workers")
-def workers_page(request: Request, service: Service) -> HTMLResponse:
+def workers_page(request: Request) -> HTMLResponse:
     """Show who runs what, since when."""
-    return render(request, "workers", workers=service.workers())
+    return render(request, "workers")

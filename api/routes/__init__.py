@@ -5,13 +5,17 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from api.routes import (
+    administration,
     events,
     examples,
+    fit,
     forward_models,
     health,
     jobs,
     measurements,
+    mesh,
     metrics,
+    points,
     problems,
     results,
     session,
@@ -28,6 +32,8 @@ api_router = APIRouter(prefix=API_PREFIX)
 for module in (
     jobs,
     results,
+    fit,
+    points,
     statistics,
     uncertainty,
     events,
@@ -37,6 +43,8 @@ for module in (
     forward_models,
     workers,
     session,
+    administration,
+    mesh,
 ):
     api_router.include_router(module.router)
 health_router = health.router

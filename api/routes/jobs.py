@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Header, Query, Request, Response
 
 from api.bodies import ProblemDocument
 from api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from api.schemas import Job, JobPage, JobState, Retry
+from api.schemas import Job, JobChange, JobPage, JobState, Retry
 from solver.problem import parse_problem
+from workers.store.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
+
+PRINTABLE = r"^[^\x00-\x1f]*$"
 
 PROBLEM_BODY = {
     "required": True,
@@ -54,18 +57,37 @@ def submit(
 @router.get("", responses=problems_of(400, 422), name="list")
 def list_jobs(
     service: Service,
-    state: Annotated[JobState | None, Query(description="only jobs in this state")] = None,
+    state: Annotated[list[JobState] | None, Query(description="only jobs in one of these states")] = None,
+    q: Annotated[
+        str | None,
+        Query(max_length=200, pattern=PRINTABLE, description="text in name, model, method, owner or id"),
+    ] = None,
+    owner: Annotated[str | None, Query(max_length=80, pattern=PRINTABLE, description="only jobs of this owner")] = None,
+    sort: Annotated[SortKey, Query(description="what to order by")] = "created",
+    order: Annotated[
+        Literal["ascending", "descending"] | None,
+        Query(description="newest, best or largest first and names from A to Z when absent"),
+    ] = None,
+    trend: Annotated[int, Query(ge=0, le=60, description="most values of each job's convergence; 0: none")] = 0,
     limit: Limit = 50,
     cursor: Cursor = None,
 ) -> JobPage:
-    """List jobs, newest first."""
-    return JobPage.model_validate(service.list(state=state, limit=limit, cursor=cursor))
+    """List jobs, newest first unless asked otherwise; a cursor belongs to the order that it was given in."""
+    ascending = None if order is None else order == "ascending"
+    filters = JobFilters(tuple(state or ()), q, owner, sort, ascending)
+    return JobPage.model_validate(service.list(filters, limit=limit, cursor=cursor, trend=trend))
 
 
 @router.get("/{job_id}", responses=problems_of(404))
 def show(job_id: JobId, service: Service) -> Job:
     """Show a job."""
     return Job.model_validate(service.get(job_id))
+
+
+@router.patch("/{job_id}", responses=problems_of(404, 409, 422))
+def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
+    """Change when a job ends. One that has finished or was cancelled goes on, as if it had been asked so at first."""
+    return Job.model_validate(service.change_stopping(job_id, wanted.stopping))
 
 
 @router.get("/{job_id}/problem", responses=problems_of(404))

@@ -15,12 +15,12 @@ from api.draft_schemas import ProblemDraft
 from api.drafts import describe_draft
 from api.errors import DetailError
 from api.routes.jobs import PROBLEM_BODY
-from api.schemas import CheckResult
+from api.schemas import CheckResult, WarmStarts
 from solver.errors import ProblemError
 from solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
 from solver.problem.reading import Form
 
-__all__ = ["router"]
+__all__ = ["one_at_a_time", "router"]
 
 router = APIRouter(prefix="/problems", tags=["problems"])
 
@@ -30,8 +30,19 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
     """Validate a problem, make one test run and estimate the cost. Nothing is stored."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     # One at a time, as a test run occupies a core; those who wait occupy no thread.
-    report = await anyio.to_thread.run_sync(service.check, problem, limiter=_one_at_a_time(request))
-    return CheckResult.model_validate(asdict(report))
+    report = await anyio.to_thread.run_sync(service.check, problem, limiter=one_at_a_time(request))
+    earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
+    return CheckResult.model_validate(asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
+
+
+@router.post(
+    "/warm-starts", responses=problems_of(400, 408, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY}
+)
+async def warm_starts(document: ProblemDocument, service: Service) -> WarmStarts:
+    """Name earlier jobs with the same forward model whose stored evaluations the search could learn from."""
+    problem = await anyio.to_thread.run_sync(parse_problem, document)
+    earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
+    return WarmStarts.model_validate({"items": [asdict(job) for job in earlier]})
 
 
 @router.post("/read", responses=problems_of(400, 408, 413, 415), openapi_extra={"requestBody": PROBLEM_BODY})
@@ -66,7 +77,8 @@ def _two_at_a_time(request: Request) -> anyio.CapacityLimiter:
     return limiter
 
 
-def _one_at_a_time(request: Request) -> anyio.CapacityLimiter:
+def one_at_a_time(request: Request) -> anyio.CapacityLimiter:
+    """Return what test runs and the like wait at: each occupies a core."""
     state = request.app.state
     if not hasattr(state, "test_runs"):
         state.test_runs = anyio.CapacityLimiter(1)

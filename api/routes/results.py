@@ -150,6 +150,17 @@ def evaluations(
     )
 
 
+@router.get("/evaluations/{generation}/{particle}", responses=problems_of(404, 422))
+def evaluation(
+    job_id: JobId,
+    service: Service,
+    generation: Annotated[int, Path(ge=0, le=MAX_GENERATION)],
+    particle: Annotated[int, Path(ge=0, le=MAX_GENERATION)],
+) -> Evaluation:
+    """Show one evaluation, with its responses."""
+    return Evaluation.model_validate(service.evaluation(job_id, generation, particle))
+
+
 @router.get("/evaluations/{generation}/{particle}/attempts", responses=problems_of(404, 422))
 def attempts(
     job_id: JobId,

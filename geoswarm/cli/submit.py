@@ -35,9 +35,15 @@ def submit_command(
 ) -> None:
     """Submit a problem as a job.
 
-    Data files that the problem names are read here and sent along. Prints the job's id.
+    Data files that the problem names are read here and sent along. Prints the job's id. Earlier jobs with the same
+    forward model, whose stored evaluations the search could have learnt from, are named.
     """
     with connect(url, api_key) as client:
+        for earlier in client.warm_starts(problem):
+            note(
+                f"Job {earlier.job} ({earlier.name}) has {earlier.evaluations} stored evaluations of this forward model; "
+                f"to learn from them: warm_start: {{jobs: [{earlier.job}]}}"
+            )
         job = client.submit(problem, idempotency_key=idempotency_key)
         if watch:
             note(f"Job {job.id}; Ctrl-C stops watching, the job goes on.")

@@ -45,6 +45,7 @@ from geoswarm.client.models import (
     Retry,
     Series,
     TestRun,
+    WarmStart,
     Worker,
 )
 from geoswarm.client.sync import Client
@@ -70,6 +71,7 @@ __all__ = [
     "Retry",
     "Series",
     "TestRun",
+    "WarmStart",
     "Worker",
     "ConflictError",
     "ConnectionFailedError",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncGenerator, AsyncIterator, Callable
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping
 from contextlib import aclosing
 from pathlib import Path
 from types import TracebackType
@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar
 import httpx
 
 from geoswarm.client import calls
-from geoswarm.client.calls import Call, Problem
+from geoswarm.client.calls import Call, Problem, SortKey
 from geoswarm.client.drafts import AsyncDrafts
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
 from geoswarm.client.files import partial_file
@@ -31,6 +31,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStart,
     Worker,
 )
 from geoswarm.client.statistics import AsyncStatistics
@@ -110,9 +111,38 @@ class AsyncClient(AsyncStatistics, AsyncDrafts):
         """Validate a problem, let the service make one test run and estimate the cost."""
         return await self._send(await asyncio.to_thread(calls.check, problem))
 
-    async def list(self, *, state: str | None = None, limit: int = 50, cursor: str | None = None) -> Page[Job]:
-        """List jobs, newest first."""
-        return await self._send(calls.list_jobs(state, limit, cursor))
+    async def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
+        """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
+        return tuple((await self._send(await asyncio.to_thread(calls.warm_starts, problem))).items)
+
+    async def list(
+        self,
+        *,
+        state: str | None = None,
+        search: str | None = None,
+        owner: str | None = None,
+        sort: SortKey | None = None,
+        order: Literal["ascending", "descending"] | None = None,
+        trend: int | None = None,
+        limit: int = 50,
+        cursor: str | None = None,
+    ) -> Page[Job]:
+        """List jobs, newest first unless ``sort`` says otherwise.
+
+        Parameters
+        ----------
+        state, search, owner
+            Only jobs in this state, with this text in name, model, method or owner, of this owner.
+        sort, order
+            Newest, best or largest first, names from A to Z, unless ``order`` says otherwise.
+        trend
+            Most values of each job's convergence; none when not given.
+        """
+        return await self._send(
+            calls.list_jobs(
+                state=state, q=search, owner=owner, sort=sort, order=order, trend=trend, limit=limit, cursor=cursor
+            )
+        )
 
     async def iterate_jobs(self, *, state: str | None = None) -> AsyncIterator[Job]:
         """Go through all jobs, newest first."""
@@ -143,6 +173,10 @@ class AsyncClient(AsyncStatistics, AsyncDrafts):
     async def resume(self, job_id: str) -> Job:
         """Go on with a paused job."""
         return await self._send(calls.change(job_id, "resume"))
+
+    async def change_stopping(self, job_id: str, stopping: Mapping[str, Any]) -> Job:
+        """Replace all stop criteria of a job; one that has finished or was cancelled goes on where it was."""
+        return await self._send(calls.change_stopping(job_id, stopping))
 
     async def retry_failed(self, job_id: str) -> Retry:
         """Run the failed evaluations of a paused or ended job again, and only them."""

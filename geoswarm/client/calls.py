@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeAlias, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -38,6 +38,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
+    WarmStarts,
     Worker,
 )
 
@@ -48,9 +49,11 @@ __all__ = [
     "JSON_BODY",
     "Problem",
     "Query",
+    "SortKey",
     "attempts",
     "best",
     "change",
+    "change_stopping",
     "check",
     "connection_failed",
     "connection_settings",
@@ -72,6 +75,7 @@ __all__ = [
     "reader",
     "retry_failed",
     "submit",
+    "warm_starts",
     "workers",
 ]
 
@@ -84,6 +88,7 @@ Problem = Mapping[str, Any] | str | Path
 
 Json = Mapping[str, Any]
 Query = str | int | float | list[str]
+SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,9 +199,15 @@ def check(problem: Problem) -> Call[CheckResult]:
     return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
 
 
-def list_jobs(state: str | None, limit: int, cursor: str | None) -> Call[Page[Job]]:
+def warm_starts(problem: Problem) -> Call[WarmStarts]:
+    """Name earlier jobs to learn from."""
+    content = _problem_text(problem)
+    return Call("POST", f"{API}/problems/warm-starts", reader(WarmStarts), headers=JSON_BODY, content=content)
+
+
+def list_jobs(**filters: Any) -> Call[Page[Job]]:
     """List jobs."""
-    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(state=state, limit=limit, cursor=cursor))
+    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(**filters))
 
 
 def get(job_id: str) -> Call[Job]:
@@ -212,6 +223,12 @@ def problem(job_id: str) -> Call[dict[str, Any]]:
 def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
     """Cancel, pause or resume."""
     return Call("POST", f"{job_path(job_id)}/{action}", reader(Job))
+
+
+def change_stopping(job_id: str, stopping: Mapping[str, Any]) -> Call[Job]:
+    """Replace the stop criteria."""
+    content = json.dumps({"stopping": dict(stopping)}, default=plain)
+    return Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content)
 
 
 def retry_failed(job_id: str) -> Call[Retry]:

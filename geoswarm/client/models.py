@@ -30,6 +30,8 @@ __all__ = [
     "Retry",
     "Series",
     "TestRun",
+    "WarmStart",
+    "WarmStarts",
     "Worker",
 ]
 
@@ -63,6 +65,9 @@ class Job:
     max_evaluations: int | None
     priority: int = 0
     retrying: bool = False
+    owner: str | None = None
+    last_event: int = 0
+    trend: list[float | None] | None = None
 
     @property
     def ended(self) -> bool:
@@ -247,6 +252,22 @@ class TestRun:
 
 
 @dataclass(frozen=True, slots=True)
+class WarmStart:
+    """An earlier job with the same forward model: ``warm_start: {jobs: [ID]}`` offers its runs to the search."""
+
+    job: str
+    name: str
+    evaluations: int
+
+
+@dataclass(frozen=True, slots=True)
+class WarmStarts:
+    """Earlier jobs that a problem could learn from."""
+
+    items: list[WarmStart]
+
+
+@dataclass(frozen=True, slots=True)
 class CheckResult:
     """What a valid problem would do and cost; ``estimated_seconds`` is for one worker."""
 
@@ -259,6 +280,7 @@ class CheckResult:
     planned_evaluations: int | None
     test_run: TestRun
     estimated_seconds: float | None
+    warm_starts: list[WarmStart]
 
 
 @dataclass(frozen=True, slots=True)

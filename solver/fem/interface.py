@@ -1,7 +1,7 @@
 """Zero-thickness interfaces of three node pairs: forces of contact and friction, integrated at the pairs (1:4:1).
 
 The tangent t of the middle line points from start to end, side A is on its left. The relative displacement A - B is
-resolved along t and the normal to its left: opening is positive.
+resolved along t and the normal to its left: opening is positive. What has opened must close before it presses again.
 """
 
 from __future__ import annotations
@@ -26,14 +26,16 @@ PAIR_WEIGHTS: Final = np.array([1.0 / 3.0, 1.0 / 3.0, 4.0 / 3.0])
 
 @kernel
 def interface_update(
-    normal: float, shear: float, opening: float, slip: float, constants: FloatArray, D: FloatArray
-) -> tuple[float, float]:
+    normal: float, shear: float, gap: float, opening: float, slip: float, constants: FloatArray, D: FloatArray
+) -> tuple[float, float, float]:
     """Tractions after a step of relative displacement.
 
     Parameters
     ----------
     normal, shear
         Old tractions, kPa, tension positive.
+    gap
+        How far the sides are apart, m; 0 where they touch.
     opening, slip
         Increments of relative displacement, m.
     constants
@@ -43,8 +45,8 @@ def interface_update(
 
     Returns
     -------
-    normal, shear
-        New tractions, with ``|shear| + normal tan(phi) <= c`` and ``normal <= tension``.
+    normal, shear, gap
+        New tractions and gap, with ``|shear| + normal tan(phi) <= c`` and ``normal <= tension``.
     """
     kn, ks, cohesion, friction, dilatancy, tension = (
         constants[0],
@@ -56,12 +58,12 @@ def interface_update(
     )
     if friction > 0.0:
         tension = min(tension, cohesion / friction)
-    tn, ts = normal + kn * opening, shear + ks * slip
+    tn, ts = normal + kn * (gap + opening), shear + ks * slip
     D[0, 0], D[0, 1], D[1, 0], D[1, 1] = kn, 0.0, 0.0, ks
     way = 1.0 if ts >= 0.0 else -1.0
     excess = way * ts + tn * friction - cohesion
     if excess <= 0.0 and tn <= tension:
-        return tn, ts
+        return tn, ts, 0.0
     stiffness = ks + kn * friction * dilatancy
     multiplier = excess / stiffness
     shared = tn - kn * dilatancy * multiplier
@@ -70,14 +72,15 @@ def interface_update(
         D[0, 1] = -kn * dilatancy * ks * way / stiffness
         D[1, 0] = -way * ks * kn * friction / stiffness
         D[1, 1] = ks - ks * ks / stiffness
-        return shared, ts - way * ks * multiplier
+        return shared, ts - way * ks * multiplier, 0.0
     # Tension cut-off; friction may still limit the shear there.
     D[0, 0], D[0, 1], D[1, 0] = 0.0, 0.0, 0.0
+    apart = ((shared if excess > 0.0 else tn) - tension) / kn
     limit = max(cohesion - tension * friction, 0.0)
     if abs(ts) > limit:
         D[1, 1] = 0.0
-        return tension, way * limit
-    return tension, ts
+        return tension, way * limit, apart
+    return tension, ts, apart
 
 
 @kernel
@@ -122,8 +125,10 @@ def assemble_interfaces(
             tx, ty = mx / length, my / length
             jump_x, jump_y = du[2 * a] - du[2 * b], du[2 * a + 1] - du[2 * b + 1]
             slip, opening = jump_x * tx + jump_y * ty, jump_y * tx - jump_x * ty
-            tn, ts = interface_update(old.traction[e, n, 0], old.traction[e, n, 1], opening, slip, constants, D)
-            new.traction[e, n, 0], new.traction[e, n, 1] = tn, ts
+            tn, ts, gap = interface_update(
+                old.traction[e, n, 0], old.traction[e, n, 1], old.gap[e, n], opening, slip, constants, D
+            )
+            new.traction[e, n, 0], new.traction[e, n, 1], new.gap[e, n] = tn, ts, gap
             weight = PAIR_WEIGHTS[n]
             radius = line_end[n, 0]
             share = weight * (radius if body.axisymmetric else 1.0)

@@ -23,6 +23,8 @@ NOT_CONVERGED: Final = -2
 SINGULAR: Final = -3
 
 _HALVINGS: Final = 4
+_STALE: Final = 10
+"""Iterations without half the smallest residual so far after which a step is given up."""
 
 
 @kernel
@@ -110,7 +112,8 @@ def newton_step(
     iterations: int,
     modified: bool,
     keep_ratio: float,
-) -> tuple[int, int, int, float]:
+    least: int,
+) -> tuple[int, int, int, int, float]:
     """Find the displacement increments of a step.
 
     Parameters
@@ -123,12 +126,14 @@ def newton_step(
         Smallest size of the forces that residuals are compared with, kN/m.
     tolerance, iterations, modified, keep_ratio
         See :class:`solver.fem.phases.Control`.
+    least
+        Iterations that are done even if the guess is in balance.
     body, x, log_time, old, new, dead, edge_loads, plan, fronts
         As for :func:`assemble`.
 
     Returns
     -------
-    status, iterations, factorisations, residual
+    status, iterations, factorisations, assemblies, residual
         CONVERGED, NOT_CONVERGED, SINGULAR, or the failed element as :func:`assemble` names it; residual over the size
         of the forces.
     """
@@ -137,20 +142,21 @@ def newton_step(
     rest = np.empty(dofs)
     status = assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, True, plan, fronts, inner, outer)
     if status >= 0:
-        return status, 0, 0, math.inf
+        return status, 0, 0, 1, math.inf
     missing, size = _residual(inner, outer, fixed, target, du, floor, r)
-    factorisations = 0
+    factorisations, assemblies = 0, 1
     fresh = True
     held = True
     for i in range(dofs):
         if fixed[i] and r[i] != 0.0:
             held = False
+    smallest, stale = math.inf, 0
     for iteration in range(iterations):
-        if held and missing <= tolerance * size:
-            return CONVERGED, iteration, factorisations, missing / size
+        if held and missing <= tolerance * size and iteration >= least:
+            return CONVERGED, iteration, factorisations, assemblies, missing / size
         if fresh:
             if not factorise(plan, fronts):
-                return SINGULAR, iteration, factorisations, missing / size
+                return SINGULAR, iteration, factorisations, assemblies, missing / size
             factorisations += 1
         solve_factorised(plan, fronts, r)
         for i in range(dofs):
@@ -160,6 +166,7 @@ def newton_step(
         for halving in range(_HALVINGS + 1):
             for i in range(dofs):
                 du[i] = best[i] + step * r[i]
+            assemblies += 1
             # A kept factorisation must survive the assembly.
             status = assemble(
                 body, x, du, log_time, old, new, dead, edge_loads, fixed, not modified, plan, fronts, inner, outer
@@ -170,7 +177,7 @@ def newton_step(
                     break
             if halving == _HALVINGS:
                 if status >= 0:
-                    return status, iteration + 1, factorisations, math.inf
+                    return status, iteration + 1, factorisations, assemblies, math.inf
                 break
             step *= 0.5
         for i in range(dofs):
@@ -182,7 +189,12 @@ def newton_step(
             assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, True, plan, fronts, inner, outer)
             fresh = True
         if not missing < math.inf:
-            return NOT_CONVERGED, iteration + 1, factorisations, math.inf
+            return NOT_CONVERGED, iteration + 1, factorisations, assemblies, math.inf
+        stale += 1
+        if missing < 0.5 * smallest:
+            smallest, stale = missing, 0
+        elif stale >= _STALE and missing > tolerance * size:
+            return NOT_CONVERGED, iteration + 1, factorisations, assemblies, missing / size
     if held and missing <= tolerance * size:
-        return CONVERGED, iterations, factorisations, missing / size
-    return NOT_CONVERGED, iterations, factorisations, missing / size
+        return CONVERGED, iterations, factorisations, assemblies, missing / size
+    return NOT_CONVERGED, iterations, factorisations, assemblies, missing / size

@@ -146,6 +146,8 @@ class Control:
         Creep phases: largest step in logarithmic time; halve it to see what time steps do to a result.
     largest_steps
         Most steps of one phase.
+    largest_assemblies
+        Most assemblies of one phase, those of steps that failed included: the bound of its cost.
     """
 
     tolerance: float = 1.0e-6
@@ -157,3 +159,4 @@ class Control:
     time_tolerance: float = 1.0e-3
     creep_step: float = 2.0
     largest_steps: int = 5000
+    largest_assemblies: int = 50000

@@ -115,6 +115,7 @@ class Calculation:
             self._state = self._blank()
         self._state.stress[tables.material < 0] = 0.0
         self._state.traction[tables.interface_material < 0] = 0.0
+        self._state.gap[tables.interface_material < 0] = 0.0
         if phase.kind == "K0":
             self._state.stress[:] = self._at_rest(phase, tables)
         if phase.kind != "gravity":
@@ -148,6 +149,7 @@ class Calculation:
             np.zeros((count, 3)),
             np.zeros((count, 3), dtype=np.bool_),
             np.zeros((self.mesh.interfaces.shape[0], 3, 2)),
+            np.zeros((self.mesh.interfaces.shape[0], 3)),
         )
 
     def _triangles(self, name: str, tables: MaterialTables) -> IntArray:
@@ -221,6 +223,7 @@ class Calculation:
             fixed,
             target,
             _FLOOR * self._size * (self._size if self._axisymmetric else 1.0),
+            float(np.abs(self.displacements).max()),
             record,
         )
         return steps, history
@@ -244,7 +247,7 @@ class Calculation:
             self.positions,
             zero,
             -math.inf,
-            self._state,
+            self._state._replace(gap=np.zeros_like(self._state.gap)),
             spare,
             zero,
             loads,
@@ -318,7 +321,7 @@ class Calculation:
 
 
 def _copied(state: State) -> State:
-    return State(state.stress.copy(), state.log_pp.copy(), state.plastic.copy(), state.traction.copy())
+    return State(*(array.copy() for array in state))
 
 
 def _ignore(time: float, moved: FloatArray) -> None:

@@ -30,6 +30,8 @@ _PATIENCE: Final = 6
 
 _FIRST_CREEP: Final = 0.01
 _SMALLEST_CREEP: Final = 1.0e-8
+_NOISE: Final = 1.0e-3
+"""Share of the displacements before a creep phase that its own are taken for at least when errors are judged."""
 
 
 @dataclass
@@ -39,6 +41,7 @@ class Work:
     steps: int = 0
     iterations: int = 0
     factorisations: int = 0
+    assemblies: int = 0
 
 
 @dataclass
@@ -46,7 +49,8 @@ class PhaseSteps:
     """One phase on its way: the state moves with every step that converges.
 
     ``start_forces`` and ``end_forces`` (2 n,) are the forces without followers at the beginning and at the end of the
-    load, ``edge_loads`` (q, LOAD_NUMBERS) the follower loads at its end, ``target`` (2 n,) the prescribed changes.
+    load, ``edge_loads`` (q, LOAD_NUMBERS) the follower loads at its end, ``target`` (2 n,) the prescribed changes,
+    ``known`` the largest displacement before the phase, m.
     """
 
     phase: Phase
@@ -63,6 +67,7 @@ class PhaseSteps:
     fixed: BoolArray
     target: FloatArray
     floor: float
+    known: float
     record: Recorder
     moved: FloatArray = field(init=False)
     """(2 n,): displacement since the beginning of the phase."""
@@ -87,8 +92,7 @@ class PhaseSteps:
         """
         done, size = 0.0, min(self.phase.load_step, self.phase.largest_load_step)
         while done < 1.0:
-            if self.work.steps >= self.control.largest_steps:
-                self._give_up(f"{done:.4g} of its load", f"more than {self.control.largest_steps} steps are needed")
+            self._check_work(f"{done:.4g} of its load")
             end = 1.0 if done + size > 1.0 - 1.0e-9 else done + size
             iterations = self._try(end - done, -math.inf, end, (end - done) * self.target)
             if iterations < 0:
@@ -129,8 +133,7 @@ class PhaseSteps:
         now, size = 0.0, _FIRST_CREEP
         for goal in goals:
             while now < goal:
-                if self.work.steps >= self.control.largest_steps:
-                    self._give_up(f"{now:.6g} day", f"more than {self.control.largest_steps} steps are needed")
+                self._check_work(f"{now:.6g} day")
                 # s counts from now on: t - now = (now + theta) (e^s - 1).
                 log_age = np.logaddexp(math.log(now), log_scale) if now > 0.0 else log_scale
                 whole = float(np.logaddexp(0.0, math.log(goal - now) - log_age))
@@ -164,7 +167,7 @@ class PhaseSteps:
         """Local error of a step over the admitted one; without a step before, that of the part that is not linear."""
         expected = self._last * (length / self._last_length) if self._last_length > 0.0 else 0.0 * self._last
         error = 0.5 * float(np.abs(self._increment - expected).max())
-        size = float(np.abs(self.moved + self._increment).max())
+        size = max(float(np.abs(self.moved + self._increment).max()), _NOISE * self.known)
         return error / (self.control.time_tolerance * size) if size > 0.0 and self._last_length > 0.0 else 0.0
 
     def _try(self, length: float, log_time: float, load: float, target: FloatArray) -> int:
@@ -178,9 +181,13 @@ class PhaseSteps:
             attempts.insert(0, (self._last * (length / self._last_length), 0.0, 1))
         if length <= self.control.blend_below:
             attempts.append((rest, _BLEND, _PATIENCE))
+        # Rounding in the balance must not look like a change of the rate of creep.
+        least = 1 if log_time > -math.inf else 0
         for guess, blend, patience in attempts:
+            if self.work.assemblies >= self.control.largest_assemblies:
+                break
             self._increment = guess.copy()
-            status, iterations, factorisations, residual = newton_step(
+            status, iterations, factorisations, assemblies, residual = newton_step(
                 self.body._replace(blend=blend),
                 self.positions,
                 self._increment,
@@ -195,12 +202,14 @@ class PhaseSteps:
                 self.fronts,
                 self.floor,
                 self.control.tolerance,
-                patience * self.control.iterations,
+                min(patience * self.control.iterations, self.control.largest_assemblies - self.work.assemblies),
                 self.control.modified,
                 self.control.keep_ratio,
+                least,
             )
             self.work.iterations += iterations
             self.work.factorisations += factorisations
+            self.work.assemblies += assemblies
             if status == CONVERGED:
                 return int(iterations)
             self._trouble = self._words(status, residual)
@@ -226,6 +235,13 @@ class PhaseSteps:
         x, y = self.positions[self.body.triangles[status % count]].mean(axis=0)
         what = "is turned inside out" if status < count else "has a strain step without a stress"
         return f"triangle {status % count} at ({x:.4g}, {y:.4g}) m {what}"
+
+    def _check_work(self, where: str) -> None:
+        control, why = self.control, f": {self._trouble}" if self._trouble else ""
+        if self.work.steps >= control.largest_steps:
+            self._give_up(where, f"more than {control.largest_steps} steps are needed{why}")
+        if self.work.assemblies >= control.largest_assemblies:
+            self._give_up(where, f"more than {control.largest_assemblies} assemblies of the balance are needed{why}")
 
     def _give_up(self, where: str, why: str) -> None:
         raise DivergedError(f"phase {self.phase.name!r}: no equilibrium beyond {where}: {why}")

@@ -96,6 +96,19 @@ class CombinedModel:
         return (*self._shared, *own)
 
     @property
+    def part_names(self) -> tuple[str, ...]:
+        """Names of the parts."""
+        return tuple(self._parts)
+
+    def part(self, name: str) -> ForwardModel:
+        """The model of a part."""
+        return self._parts[name].model
+
+    def part_values(self, name: str, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Parameters of a part under the names that its model knows."""
+        return self._parts[name].values(parameters)
+
+    @property
     def open_parameters(self) -> bool:
         """Whether a part is open."""
         return any(part.model.open_parameters for part in self._parts.values())

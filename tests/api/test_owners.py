@@ -145,6 +145,7 @@ def test_who_may_only_read_changes_nothing(users: Users, secret_job: str) -> Non
     for method, path in (
         ("POST", f"{API}/jobs"),
         ("POST", f"{API}/problems/check"),
+        ("POST", f"{API}/problems/warm-starts"),
         ("POST", f"{API}/jobs/{secret_job}/cancel"),
         ("DELETE", f"{API}/jobs/{secret_job}"),
     ):

@@ -15,7 +15,16 @@ from workers.service import JobService
 from workers.settings import Settings
 from workers.views import JobView
 
-__all__ = ["LONG", "STEADY", "celery_workers", "long_history", "process_exists", "wait_for", "wait_until_ended"]
+__all__ = [
+    "LONG",
+    "STEADY",
+    "celery_workers",
+    "long_history",
+    "must_end",
+    "process_exists",
+    "wait_for",
+    "wait_until_ended",
+]
 
 # Short times, so that a loss is noticed while a test waits; and every evaluation on its own, so that a job lasts for
 # seconds, with many moments at which something may happen to it.
@@ -75,6 +84,16 @@ def process_exists(pid: int) -> bool:
         return False
 
 
+def must_end(process: subprocess.Popen[bytes]) -> None:
+    """Wait for the end of a process that was asked to; fail, and kill it, when it does not come."""
+    try:
+        process.wait(20)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+        raise
+
+
 @contextmanager
 def celery_workers(settings: Settings, count: int = 1, concurrency: int = 1) -> Iterator[list[subprocess.Popen[bytes]]]:
     """Run real Celery workers; whoever is left at the end is asked to stop, and must."""
@@ -86,9 +105,4 @@ def celery_workers(settings: Settings, count: int = 1, concurrency: int = 1) -> 
         for process in processes:
             process.terminate()
         for process in processes:
-            try:
-                process.wait(20)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-                raise
+            must_end(process)

@@ -23,7 +23,7 @@ import pytest
 from geoswarm import Client
 from solver.local import calibrate
 from solver.problem import load_problem, parse_problem
-from tests.integration.engines import wait_for
+from tests.integration.engines import must_end, wait_for
 from tests.servers import RedisServer, free_port
 
 PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
@@ -93,12 +93,7 @@ def geoswarm(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
         yield process
     finally:
         process.terminate()
-        try:
-            process.wait(20)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-            raise
+        must_end(process)
 
 
 @contextmanager

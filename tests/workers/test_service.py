@@ -18,6 +18,7 @@ from workers.errors import (
 from workers.service import JobService
 from workers.settings import Settings
 from workers.store import Store
+from workers.store.job_list import JobFilters
 from workers.store.tables import attempts, evaluations, events, generations
 
 
@@ -68,7 +69,7 @@ def test_listing_pages_newest_first(service: JobService) -> None:
     third = service.list(limit=2, cursor=second.next_cursor)
     assert [job.id for page in (first, second, third) for job in page.items] == ids[::-1]
     assert third.next_cursor is None
-    assert [job.id for job in service.list(state="cancelled").items] == [ids[3]]
+    assert [job.id for job in service.list(JobFilters(states=("cancelled",))).items] == [ids[3]]
 
 
 @pytest.mark.parametrize(

@@ -78,6 +78,26 @@ def test_a_job_that_is_not_there_or_offers_nothing_is_named(service: JobService,
 
 
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_earlier_jobs_that_would_help_are_named(service: JobService, make_worker: MakeWorker) -> None:
+    problem = parse_problem(document())
+    assert service.warm_starts(problem) == []
+    older = run(service, make_worker, document(name="older", stopping={"max_evaluations": 12}))
+    newer = run(service, make_worker, document(name="newer", stopping={"max_evaluations": 24}))
+    other = {"kind": "formula", "series": {"y": "amplitude * exp(-rate * x / 2)"}}
+    run(service, make_worker, document(forward_model=other))
+    service.submit(problem)  # nothing calculated yet
+    assert [(w.job, w.name, w.evaluations) for w in service.warm_starts(problem)] == [
+        (newer, "newer", 24),
+        (older, "older", 12),
+    ]
+    assert service.submit(parse_problem(document(warm_start={"jobs": [newer, older]})))[1]
+    assert service.on_behalf_of(Principal("alice", "submit")).warm_starts(problem) == []
+    assert service.warm_starts(parse_problem(document(warm_start={"jobs": [older]}))) == []
+    plain = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
+    assert service.warm_starts(parse_problem(document(method=plain))) == []
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_the_same_parameters_are_run_once(service: JobService, make_worker: MakeWorker) -> None:
     whole = {"lower": 1, "upper": 4, "integer": True}
     body = document(parameters={"amplitude": whole, "rate": whole}, stopping={"max_evaluations": 48})

@@ -8,6 +8,7 @@
       +------- Pause -------+          (queued again when it had not started)
     queued, running, paused --CancelRequested--> cancelled
     queued, running         --JobBroken--------> failed
+    finished, cancelled     --GoOnRequested----> running   (queued when it had not started)
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from solver.calibration import Calibration, Progress
 from solver.errors import InfeasibleSpaceError
 from solver.local import GenerationRecord, generation_record, no_success_message
 from solver.search import Runs
+from solver.stopping import StopCriterion
 from workers.errors import InvalidTransitionError
 
 __all__ = [
@@ -31,6 +33,7 @@ __all__ = [
     "DispatchGeneration",
     "FinishJob",
     "GenerationJoined",
+    "GoOnRequested",
     "Instruction",
     "Job",
     "JobBroken",
@@ -41,6 +44,7 @@ __all__ = [
     "PauseRequested",
     "PublishEvent",
     "RecordGeneration",
+    "Request",
     "ResumeRequested",
     "RingDoorbell",
     "Transition",
@@ -102,13 +106,15 @@ class JobStarted:
 class GenerationJoined:
     """Every particle of a generation has its counted result, here in particle order; ``seconds``: running time [s].
 
-    ``runs``: all evaluations so far, for a search that learns from them.
+    ``runs``: all evaluations so far, for a search that learns from them. ``criteria``: when to stop, where that was
+    changed since the job was submitted.
     """
 
     generation: int
     results: Sequence[Joined]
     seconds: float
     runs: Runs | None = None
+    criteria: Sequence[StopCriterion] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,13 +133,19 @@ class ResumeRequested:
 
 
 @dataclass(frozen=True, slots=True)
+class GoOnRequested:
+    """The user wants a job that has ended to go on where it was; that it has somewhere to go was seen to before."""
+
+
+@dataclass(frozen=True, slots=True)
 class JobBroken:
     """The job cannot be worked on: its forward model is not installed here, or the search itself failed."""
 
     message: str
 
 
-JobEvent: TypeAlias = JobStarted | GenerationJoined | CancelRequested | PauseRequested | ResumeRequested | JobBroken
+Request: TypeAlias = CancelRequested | PauseRequested | ResumeRequested | GoOnRequested
+JobEvent: TypeAlias = JobStarted | GenerationJoined | Request | JobBroken
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,6 +222,9 @@ def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> 
             _require("resume", job, "paused")
             state: JobState = "queued" if job.progress is None else "running"
             return _move(replace(job, state=state), RingDoorbell())
+        case GoOnRequested():
+            _require("go on with", job, "finished", "cancelled")
+            return _go_on(job)
         case JobBroken(message):
             if job.state not in ("queued", "running"):
                 return Transition(job)
@@ -237,7 +252,7 @@ def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) ->
             f" ({'with' if calibration else 'without'} a calibration)"
         )
     objectives = [result.objective for result in event.results]
-    step = calibration.advance(progress, objectives, event.seconds, event.runs)
+    step = calibration.advance(progress, objectives, event.seconds, event.runs, event.criteria)
     record = generation_record(calibration.problem, progress.generation, objectives, step.progress)
     reasons = Counter(result.reason for result in event.results if result.reason is not None)
     messages = (result.message for result in event.results if result.reason is not None)
@@ -259,6 +274,16 @@ def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) ->
     else:
         ended = _end(after, "finished")
     return Transition(ended.job, (*done, *ended.instructions))
+
+
+def _go_on(job: Job) -> Transition:
+    """Ended by a criterion, the next generation is known but was never begun; cancelled, it is there already."""
+    if job.progress is None:
+        return _move(replace(job, state="queued"), RingDoorbell())
+    after = replace(job, state="running", stop_reasons=(), error=None)
+    if job.state == "cancelled":
+        return _move(after, RingDoorbell())
+    return _move(after, DispatchGeneration(job.progress.generation, job.progress.positions), RingDoorbell())
 
 
 def _end(job: Job, state: JobState) -> Transition:

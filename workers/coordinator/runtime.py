@@ -17,9 +17,10 @@ from sqlalchemy import Connection
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Progress
 from solver.errors import InfeasibleSpaceError
-from solver.problem import parse_problem
+from solver.problem import Stopping, parse_problem
 from solver.problem.running import Failures
 from solver.runlog import RunKey, RunLog
+from workers.coordinator.ending import change_stopping
 from workers.coordinator.machine import (
     ENDED_STATES,
     CancelRequested,
@@ -27,8 +28,7 @@ from workers.coordinator.machine import (
     JobBroken,
     JobEvent,
     JobStarted,
-    PauseRequested,
-    ResumeRequested,
+    Request,
     Transition,
     apply,
 )
@@ -54,7 +54,7 @@ class Runtime:
         self.settings = settings
         self.logs: MutableMapping[Calibration, RunLog] = WeakKeyDictionary()
 
-    def request(self, job_id: str, event: CancelRequested | PauseRequested | ResumeRequested) -> bool:
+    def request(self, job_id: str, event: Request) -> bool:
         """Apply a user's request; return whether workers should be woken.
 
         Raises
@@ -72,6 +72,25 @@ class Runtime:
             transition = apply(locked.job(), event)
             self._save(connection, locked, [transition])
             return bool(transition.instructions) and transition.job.state in ("queued", "running")
+
+        return self.store.write(work)
+
+    def change_stopping(self, job_id: str, stopping: Stopping, quota_of: str | None) -> bool:
+        """Store other stop criteria, and go on with a job that has ended; return whether workers should be woken.
+
+        Raises
+        ------
+        JobNotFoundError, InvalidTransitionError, NothingLeftError, ProblemError, QuotaExceededError
+        """
+
+        def work(connection: Connection) -> bool:
+            locked = lock_job(connection, job_id)
+            if locked is None:
+                raise JobNotFoundError(job_id)
+            transition = change_stopping(connection, locked, stopping, self.settings, quota_of)
+            if transition is not None:
+                self._save(connection, locked, [transition])
+            return transition is not None
 
         return self.store.write(work)
 
@@ -167,7 +186,7 @@ class Runtime:
             return self.store.read(lambda connection: list_responses(connection, job_id, keys))
 
         joined = replace(due.joined, runs=log.runs(fetch))
-        return Closed(generation, apply(due.job, joined, calibration))
+        return Closed(generation, apply(due.job, joined, calibration), due.stopping)
 
     def renew(self, claim: Claim, worker: str) -> None:
         """Renew the leases of a claim."""

@@ -12,6 +12,7 @@ from sqlalchemy import Connection
 
 from solver.calibration import Calibration
 from solver.runlog import RunLog
+from workers.coordinator.ending import changed_criteria
 from workers.coordinator.evaluation import Claimed, Duplicated, settle
 from workers.coordinator.machine import (
     DispatchGeneration,
@@ -42,14 +43,16 @@ class Due:
 
     job: Job
     joined: GenerationJoined
+    stopping: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """What the state machine made of it; holds if the job still stands there."""
+    """What the state machine made of it; holds if the job still stands there, with these stop criteria."""
 
     generation: int
     transition: Transition
+    stopping: str | None = None
 
 
 class Session:
@@ -142,11 +145,13 @@ class Session:
             board is not None
             and self.state == "running"
             and board.generation == leaps[0].generation
+            and hand_in.claim is not None
+            and hand_in.claim.stopping == self.locked.row.stopping
             and all(c.status.state == "running" and c.status.worker == self.worker for c in board.cells)
         )
         if not valid or board is None:
-            # Paused, cancelled, or taken over by others: the first generation is as good as any worker's result of
-            # it, the following ones will come out the same again.
+            # Paused, cancelled, taken over by others, or to be ended otherwise: the first generation is as good as any
+            # worker's result of it, the following ones will come out the same again.
             self._take_in(board, hand_in, leaps[0].generation, leaps[0].results)
             return board, False
         self._record(board, leaps[0].results)
@@ -198,13 +203,15 @@ class Session:
         values = [cell.values for cell in board.cells]
         if self.job is None:
             raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
-        if closed is not None and closed.generation == board.generation:
+        stopping = self.locked.row.stopping
+        if closed is not None and closed.generation == board.generation and closed.stopping == stopping:
             transition = closed.transition
         else:
             results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
-            event = GenerationJoined(board.generation, results, self.locked.run_seconds(self.settings.lease_seconds))
+            seconds = self.locked.run_seconds(self.settings.lease_seconds)
+            event = GenerationJoined(board.generation, results, seconds, criteria=changed_criteria(stopping))
             if self.calibration.accelerated:  # takes its time: the database must not wait
-                self.due = Due(self.job, event)
+                self.due = Due(self.job, event, stopping)
                 return None
             transition = apply(self.job, event, self.calibration)
         succeeded = [v["seconds"] for v in values if v["reason"] is None]
@@ -318,6 +325,7 @@ class Session:
             run_seconds=self.locked.run_seconds(self.settings.lease_seconds),
             job=self.job if whole else None,
             typical=self.typical,
+            stopping=self.locked.row.stopping,
         )
 
 

@@ -34,6 +34,8 @@ class Claim:
         Given when the claim is a whole generation that is cheap enough to run several in a row; else None.
     typical
         What an evaluation of this job usually takes [s]; None: not known yet.
+    stopping
+        The stop criteria, where they were changed, as in the job's row.
     """
 
     job_id: str
@@ -45,6 +47,7 @@ class Claim:
     run_seconds: float
     job: Job | None
     typical: float | None = None
+    stopping: str | None = None
 
     def followed_by(self, ahead: Claim, *, without: Sequence[Result]) -> Claim:
         """Return what is held of this claim without these results, and one that follows it."""
@@ -137,8 +140,8 @@ class Sizing:
     """How many evaluations a worker takes at once.
 
     Cheap ones go in as many chunks as there are workers, those that cost a little more in chunks that get smaller
-    towards the end of the generation (half of an even share of what is left, so that no worker ends late, and at most
-    ``chunk_seconds``), expensive or unknown ones singly, and generations that cost less than handing them out stay
+    towards the end of the generation (two thirds of an even share of what is left, so that no worker ends late, and at
+    most ``chunk_seconds``), expensive or unknown ones singly, and generations that cost less than handing them out stay
     whole in one worker.
     """
 
@@ -161,5 +164,5 @@ class Sizing:
             return 1
         if typical_seconds > self.cheap_seconds:
             longest = math.ceil(self.chunk_seconds / typical_seconds)
-            return max(1, min(-(-left // (2 * workers)), longest))
+            return max(1, min(-(-2 * left // (3 * workers)), longest))
         return particles if self.burst(typical_seconds, particles) else -(-particles // workers)

@@ -19,12 +19,14 @@ import numpy as np
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation
 from solver.problem import parse_problem
+from workers.runner.evaluator import evaluate
 from workers.runner.wire import Board, ConnectionEnded, Outcome, pack_outcomes, receive, send
 
 __all__ = ["LOG_TAIL", "serve", "tail"]
 
 CACHED_CALIBRATIONS = 8
 SEND_EVERY_SECONDS = 0.005
+NICENESS = 5
 LOG_TAIL = 8192  # bytes of output kept of a failed evaluation
 
 
@@ -37,6 +39,8 @@ def serve(connection: socket.socket, board: Board) -> None:
     with contextlib.suppress(OSError):
         # When memory runs out, the kernel shall choose this process, not the worker that has results to hand in.
         Path("/proc/self/oom_score_adj").write_text("500")
+    # Forward calculations leave the processor to what hands them out, and to the pages, whenever these want it.
+    os.nice(NICENESS)
     known: OrderedDict[str, Calibration] = OrderedDict()
     with contextlib.suppress(ConnectionEnded):
         while True:
@@ -69,7 +73,7 @@ def _run(
         began = board.begin(index)
         if index > 0 and (board.stopped or (budget is not None and began - started > budget)):
             break
-        outcomes.append(_evaluate(calibration, position, began))
+        outcomes.append(_evaluate(calibration, position, began, request["fields"]))
         if outcomes[-1].ended - sent > SEND_EVERY_SECONDS:
             heads, body = pack_outcomes(outcomes)
             send(connection, {"results": heads, "done": False}, body)
@@ -79,11 +83,11 @@ def _run(
     send(connection, {"results": heads, "done": True}, body)
 
 
-def _evaluate(calibration: Calibration, position: FloatArray, began: float) -> Outcome:
+def _evaluate(calibration: Calibration, position: FloatArray, began: float, fields: str | None) -> Outcome:
     if os.fstat(1).st_size:
         os.ftruncate(1, 0)
     try:
-        evaluation = calibration.evaluate(position)
+        evaluation = evaluate(calibration, position, fields)
     except SystemExit as error:
         message = f"the forward model ended the program (sys.exit({error.code!r}))"
         evaluation = Evaluation(position, None, {}, {}, "bad_output", message, time.monotonic() - began)

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from solver.arrays import FloatArray
-from solver.calibration import Calibration
+from solver.calibration import Calibration, Evaluation
 from solver.problem import Problem
 from workers.runner.wire import Outcome
 from workers.settings import Settings
 
-__all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "limits_of"]
+__all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "evaluate", "limits_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,7 @@ class Evaluator(Protocol):
         *,
         budget: float | None = None,
         unwanted: Callable[[], float | None] = lambda: None,
+        fields: str | None = None,
     ) -> Iterator[Outcome]:
         """Evaluate positions, shape (k, d), in order, and give what comes of each.
 
@@ -60,6 +61,8 @@ class Evaluator(Protocol):
             No further evaluation is begun after this time [s]; the first one always is.
         unwanted
             How long the evaluation under way may still take [s], None: it is wanted. No other is begun.
+        fields
+            Part whose displacement fields are wanted in place of responses, see :mod:`solver.fields`; None: responses.
 
         Raises
         ------
@@ -86,6 +89,7 @@ class InlineEvaluator:
         *,
         budget: float | None = None,
         unwanted: Callable[[], float | None] = lambda: None,
+        fields: str | None = None,
     ) -> Iterator[Outcome]:
         """Evaluate positions in order."""
         started = time.monotonic()
@@ -93,10 +97,19 @@ class InlineEvaluator:
             began = time.monotonic()
             if index > 0 and ((budget is not None and began - started > budget) or unwanted() is not None):
                 return
-            yield Outcome(calibration.evaluate(position), None, began, time.monotonic())
+            yield Outcome(evaluate(calibration, position, fields), None, began, time.monotonic())
 
     def close(self) -> None:
         """Do nothing."""
+
+
+def evaluate(calibration: Calibration, position: FloatArray, fields: str | None) -> Evaluation:
+    """Evaluate a position here and now: its responses, or the displacement fields of a part."""
+    if fields is None:
+        return calibration.evaluate(position)
+    from solver.fields import evaluate_fields  # finite elements are loaded by those who need them
+
+    return evaluate_fields(calibration, position, fields)
 
 
 def limits_of(problem: Problem, settings: Settings) -> Limits:

@@ -79,6 +79,7 @@ class Runner:
         *,
         budget: float | None = None,
         unwanted: Callable[[], float | None] = lambda: None,
+        fields: str | None = None,
     ) -> Iterator[Outcome]:
         """Evaluate positions in order; one that exceeds a limit, or ends its process, gives a failed evaluation."""
         started = time.monotonic()
@@ -95,7 +96,7 @@ class Runner:
             first = given
             try:
                 for outcome in self._batch(
-                    job_id, calibration, positions[given : min(lost, default=None)], limits, left, unwanted
+                    job_id, calibration, positions[given : min(lost, default=None)], limits, left, unwanted, fields
                 ):
                     given += 1
                     yield outcome
@@ -132,12 +133,13 @@ class Runner:
         limits: Limits,
         budget: float | None,
         unwanted: Callable[[], float | None],
+        fields: str | None,
     ) -> Iterator[Outcome]:
         """Give the outcomes of one request."""
         connection, board = self._connected()
         board.stopped = False
         board.idle()
-        request = {"op": "run", "job": job_id, "shape": positions.shape, "budget": budget}
+        request = {"op": "run", "job": job_id, "shape": positions.shape, "budget": budget, "fields": fields}
         body = pack_array(np.ascontiguousarray(positions).ravel())
         received = 0
         try:

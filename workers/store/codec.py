@@ -51,9 +51,14 @@ def unpack_json(text: str) -> Any:
     return json.loads(text)
 
 
-def unpack_problem(text: str) -> dict[str, Any]:
-    """Return a stored problem document with what earlier versions did not write: their swarms were not accelerated."""
+def unpack_problem(text: str, stopping: str | None = None) -> dict[str, Any]:
+    """Return a stored problem document with what earlier versions did not write: their swarms were not accelerated.
+
+    ``stopping`` replaces its stop criteria, where they were changed since.
+    """
     document: dict[str, Any] = json.loads(text)
+    if stopping is not None:
+        document["stopping"] = json.loads(stopping)
     method = document.get("method")
     if isinstance(method, dict) and method.get("kind") == "particle_swarm":
         method.setdefault("acceleration", "none")

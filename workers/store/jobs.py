@@ -14,10 +14,10 @@ from sqlalchemy import (
     case,
     delete,
     exists,
+    func,
     insert,
     or_,
     select,
-    tuple_,
     update,
 )
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
@@ -29,6 +29,7 @@ from workers.coordinator.machine import Job, PublishEvent, RecordGeneration, Tra
 from workers.store.clock import database_now
 from workers.store.codec import clean_text, pack_json, unpack_json
 from workers.store.database import Record
+from workers.store.event_bell import insert_events
 from workers.store.tables import evaluations, events, generations, jobs
 
 __all__ = [
@@ -46,7 +47,6 @@ __all__ = [
     "insert_job",
     "list_events",
     "list_generations",
-    "list_jobs",
     "list_news",
     "lock_job",
     "publish_state",
@@ -58,7 +58,8 @@ __all__ = [
 COLUMNS = [column for column in jobs.columns if column.name != "problem"]
 JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
-VIEW_COLUMNS = [column for column in COLUMNS if column.name not in LARGE]
+LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).scalar_subquery().label("last_event")
+VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +134,7 @@ def save_job(
         if isinstance(instruction, PublishEvent)
     ]
     if published:
-        connection.execute(insert(events), published)
+        insert_events(connection, published)
     progress = after.progress
     ended = after.state in ("finished", "failed", "cancelled")
     values: dict[str, Any] = {
@@ -178,7 +179,7 @@ def publish_state(
 ) -> None:
     """Tell who watches that a job has another state."""
     data = pack_json({"state": state, "stop_reasons": list(stop_reasons), "error": error})
-    connection.execute(insert(events).values(job_id=locked.id, kind="state", data=data, created_at=locked.now))
+    insert_events(connection, [{"job_id": locked.id, "kind": "state", "data": data, "created_at": locked.now}])
 
 
 def _insert_generations(
@@ -223,7 +224,8 @@ def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:
     if connection.scalar(upsert(jobs).values(row).on_conflict_do_nothing().returning(jobs.c.id)) is None:
         return False
     data = pack_json({"state": "queued", "stop_reasons": [], "error": None})
-    connection.execute(insert(events).values(job_id=values["id"], kind="state", data=data, created_at=database_now()))
+    now = connection.scalar(select(database_now()))
+    insert_events(connection, [{"job_id": values["id"], "kind": "state", "data": data, "created_at": now}])
     return True
 
 
@@ -241,8 +243,9 @@ def current_generation(connection: Connection, job_id: str) -> int | None:
 
 
 def get_problem(connection: Connection, job_id: str) -> Record | None:
-    """Return ``problem`` and ``seed`` of a job, as they are stored."""
-    return connection.execute(select(jobs.c.problem, jobs.c.seed).where(jobs.c.id == job_id)).one_or_none()
+    """Return ``problem``, ``seed``, and changed ``stopping`` or None, of a job, as they are stored."""
+    columns = (jobs.c.problem, jobs.c.seed, jobs.c.stopping)
+    return connection.execute(select(*columns).where(jobs.c.id == job_id)).one_or_none()
 
 
 def get_frame(connection: Connection, job_id: str) -> Record | None:
@@ -254,25 +257,6 @@ def get_frame(connection: Connection, job_id: str) -> Record | None:
 def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
     """Return ``id`` and ``body_hash`` of the job that was submitted with a key."""
     return connection.execute(select(jobs.c.id, jobs.c.body_hash).where(jobs.c.idempotency_key == key)).one_or_none()
-
-
-def list_jobs(
-    connection: Connection,
-    *,
-    state: str | None,
-    before: tuple[float, str] | None,
-    limit: int,
-    owner: str | None = None,
-) -> Sequence[Record]:
-    """Return jobs, newest first, that come after ``before`` (created_at, id) in this order; ``owner`` None: of all."""
-    statement = select(*VIEW_COLUMNS, database_now().label("now"))
-    if owner is not None:
-        statement = statement.where(jobs.c.owner == owner)
-    if state is not None:
-        statement = statement.where(jobs.c.state == state)
-    if before is not None:
-        statement = statement.where(tuple_(jobs.c.created_at, jobs.c.id) < before)
-    return connection.execute(statement.order_by(jobs.c.created_at.desc(), jobs.c.id.desc()).limit(limit)).all()
 
 
 def list_generations(connection: Connection, job_id: str, *, after: int, limit: int) -> Sequence[Record]:

@@ -14,7 +14,7 @@ from workers.settings import mask_url
 
 __all__ = ["HEAD", "upgrade"]
 
-HEAD = "0005"
+HEAD = "0006"
 """Revision that this program works with: the newest in ``migrations/versions``."""
 
 log = logging.getLogger(__name__)

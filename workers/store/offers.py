@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from sqlalchemy import Connection, insert, select
 
 from solver.calibration import Offer
 from solver.errors import Issue, ProblemError
-from solver.problem import Problem, parse_problem
-from solver.warm_start import EarlierRuns, best_of, offer_of
+from solver.problem import ParticleSwarmMethod, Problem, parse_problem
+from solver.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
 from workers.errors import JobNotFoundError
 from workers.store.codec import pack_array, pack_responses, unpack_array, unpack_problem, unpack_responses
 from workers.store.jobs import get_problem
-from workers.store.tables import evaluations, offers
+from workers.store.tables import evaluations, jobs, offers
 
-__all__ = ["MOST_READ", "find_offer", "read_offer", "write_offer"]
+__all__ = ["MOST_READ", "WarmStart", "find_offer", "find_warm_starts", "read_offer", "write_offer"]
 
 MOST_READ = 20_000
 """Evaluations of an earlier job that are looked at: its first ones."""
+
+_LOOKED_AT, _SUGGESTED, _COUNTED = 50, 5, 2000  # newest jobs of the kind; those named; evaluations of each
+
+
+@dataclass(frozen=True, slots=True)
+class WarmStart:
+    """An earlier job with the same forward model; ``evaluations`` of it could be taken over at no cost."""
+
+    job: str
+    name: str
+    evaluations: int
 
 
 def find_offer(connection: Connection, problem: Problem, visible: Callable[[Connection, str], object]) -> Offer | None:
@@ -53,7 +65,40 @@ def find_offer(connection: Connection, problem: Problem, visible: Callable[[Conn
     return best_of(problem, found)
 
 
-def _earlier_runs(connection: Connection, job_id: str) -> EarlierRuns:
+def find_warm_starts(connection: Connection, problem: Problem, owner: str | None) -> list[WarmStart]:
+    """Return earlier jobs that have runs for a problem, newest first; none where it would not learn from them.
+
+    Parameters
+    ----------
+    owner
+        Whose jobs are looked at; None: all.
+    """
+    method = problem.method
+    if not isinstance(method, ParticleSwarmMethod) or method.acceleration == "none" or problem.warm_start:
+        return []
+    statement = select(jobs.c.id, jobs.c.name, jobs.c.problem).where(
+        jobs.c.forward_model == problem.forward_model.kind, jobs.c.evaluations > jobs.c.failed_evaluations
+    )
+    if owner is not None:
+        statement = statement.where(jobs.c.owner == owner)
+    newest = statement.order_by(jobs.c.created_at.desc(), jobs.c.id.desc()).limit(_LOOKED_AT)
+    wanted, found = forward_model_hash(problem), []
+    for row in connection.execute(newest).all():
+        try:
+            same = forward_model_hash(parse_problem(unpack_problem(row.problem))) == wanted
+        except ProblemError:  # no longer accepted
+            continue
+        if not same:
+            continue
+        offer = offer_of(problem, _earlier_runs(connection, row.id, _COUNTED))
+        if isinstance(offer, Offer):
+            found.append(WarmStart(row.id, row.name, len(offer.parameters)))
+        if len(found) == _SUGGESTED:
+            break
+    return found
+
+
+def _earlier_runs(connection: Connection, job_id: str, most: int = MOST_READ) -> EarlierRuns:
     row = get_problem(connection, job_id)
     if row is None:
         raise JobNotFoundError(job_id)
@@ -61,7 +106,7 @@ def _earlier_runs(connection: Connection, job_id: str) -> EarlierRuns:
     columns = (evaluations.c.parameters, evaluations.c.responses)
     condition = (evaluations.c.job_id == job_id) & (evaluations.c.state == "finished")
     order = (evaluations.c.generation, evaluations.c.particle)
-    rows = connection.execute(select(*columns).where(condition).order_by(*order).limit(MOST_READ)).all()
+    rows = connection.execute(select(*columns).where(condition).order_by(*order).limit(most)).all()
     parameters = np.array([unpack_array(r.parameters) for r in rows]).reshape(-1, len(problem.free))
     return EarlierRuns(problem, parameters, [unpack_responses(r.responses) for r in rows])
 

@@ -38,6 +38,8 @@ def job_view(row: Record, gap: float) -> JobView:
         max_evaluations=row.max_evaluations,
         priority=row.priority,
         retrying=row.retry_to is not None,
+        owner=row.owner,
+        last_event=row.last_event or 0,
     )
 
 

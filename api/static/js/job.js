@@ -1,11 +1,75 @@
-// A job, live.
-import { connection } from "./dom.js";
-import { renew } from "./renew.js";
+// A job, live: what the stream of its events tells goes to every part of the page.
+import { announce, connection } from "./dom.js";
+import { age, moment } from "./format.js";
+import { get } from "./http.js";
+import { actions } from "./job/actions.js";
+import { convergence } from "./job/convergence.js";
+import { evaluations } from "./job/evaluations.js";
+import { facts } from "./job/facts.js";
+import { fit } from "./job/fit.js";
+import { followUps } from "./job/follow_ups.js";
+import { outcome } from "./job/outcome.js";
+import { particles } from "./job/particles.js";
 import { follow } from "./stream.js";
 
-const { job, state } = document.querySelector("main").dataset;
-follow(job, {
-  state,
-  onEvent: renew,
-  onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
-});
+const { job: id } = document.querySelector("main").dataset;
+const PAGE = 10000;
+
+for (const place of document.querySelectorAll("time.age")) {
+  place.title = moment(place.dateTime);
+  place.textContent = age(place.dateTime);
+}
+
+async function generations() {
+  const all = [];
+  for (;;) {
+    const { items } = await get(`/jobs/${id}/generations`, { after: all.at(-1)?.number ?? -1, limit: PAGE });
+    all.push(...items);
+    if (items.length < PAGE) return all;
+  }
+}
+
+async function run() {
+  const view = { id, job: await get(`/jobs/${id}`), course: [], fit: null };
+  const follower = view.job.last_event; // what the generations below know already is passed over by their numbers
+  view.refresh = async () => {
+    view.job = await get(`/jobs/${id}`);
+    for (const part of parts) part.job?.(view.job);
+  };
+  view.changed = () => { for (const part of parts) part.fit?.(); };
+  const parts = [facts, actions, outcome, convergence, fit, particles, evaluations, followUps].map((part) => part(view));
+  for (const part of parts) part.job?.(view.job);
+  view.course = await generations();
+  for (const part of parts) part.course?.();
+
+  const known = new Map(view.course.map((generation, i) => [generation.number, i]));
+  let busy = false, again = false;
+  async function state() {
+    if (busy) { again = true; return; }
+    busy = true;
+    do {
+      again = false;
+      const before = view.job.state;
+      await view.refresh();
+      if (view.job.state !== before) announce(`${view.job.name}: ${view.job.state}`);
+    } while (again);
+    busy = false;
+  }
+  follow(id, {
+    after: follower,
+    state: view.job.state,
+    onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
+    onEvent: ({ kind, data }) => {
+      if (kind === "state") return void state().catch((error) => { busy = false; connection(error.message); });
+      if (known.has(data.number)) view.course[known.get(data.number)] = data;
+      else known.set(data.number, view.course.push(data) - 1);
+      if (data.evaluations >= view.job.evaluations) {
+        const { evaluations: counted, failed, objective, parameters } = data;
+        Object.assign(view.job, { evaluations: counted, failed_evaluations: failed, objective, parameters, generations: view.course.length });
+      }
+      for (const part of parts) part.generation?.(data);
+    },
+  });
+}
+
+run().catch((error) => connection(error.message));

@@ -1,5 +1,77 @@
-// The list of jobs: kept up to date while somebody looks.
+// The list of jobs: kept up to date while somebody looks, filtered without a reload, and where jobs to compare are chosen.
+import { connection } from "./dom.js";
+import { age, moment } from "./format.js";
 import { renew } from "./renew.js";
 
-const { renew: interval } = document.querySelector("main").dataset;
-if (interval) setInterval(() => document.hidden || renew(), Number(interval));
+const INTERVAL = 3000, TYPING = 300, FEWEST = 2, MOST = 6;
+const list = document.getElementById("list");
+const filters = document.getElementById("filters");
+const choose = document.getElementById("choose");
+const chosen = new Set(); // beyond the page that is shown
+let asked = 0;
+
+function dress() {
+  for (const place of list.querySelectorAll("time.age")) {
+    place.textContent = age(place.dateTime);
+    place.title = moment(place.dateTime);
+  }
+  for (const box of boxes()) box.checked = chosen.has(box.value);
+  tell();
+}
+
+const boxes = () => [...list.querySelectorAll("input[name=job]")];
+
+function tell() {
+  const button = choose.querySelector("button");
+  button.disabled = chosen.size < FEWEST || chosen.size > MOST;
+  const what = chosen.size === 0 ? "Choose two to six jobs."
+    : chosen.size < FEWEST ? "1 job chosen; choose at least one more."
+      : chosen.size > MOST ? `${chosen.size} jobs chosen; six is the most.` : `${chosen.size} jobs chosen.`;
+  const place = document.getElementById("chosen");
+  if (place.textContent !== what) place.textContent = what;
+}
+
+async function show(url = location.href) {
+  const turn = ++asked;
+  try {
+    await renew(list, url);
+    if (turn === asked) connection(null);
+  } catch {
+    connection("Connection lost; trying again …");
+  }
+  dress();
+}
+
+function filter() {
+  const words = new URLSearchParams([...new FormData(filters)].filter(([name, value]) => value && !(name === "sort" && value === "created")));
+  const url = words.size ? `/?${words}` : "/";
+  history.replaceState(null, "", url);
+  return show(url);
+}
+
+let typing = null;
+filters.addEventListener("input", () => {
+  clearTimeout(typing);
+  typing = setTimeout(filter, TYPING);
+});
+filters.addEventListener("submit", (event) => {
+  event.preventDefault();
+  clearTimeout(typing);
+  filter();
+});
+list.addEventListener("change", ({ target }) => {
+  if (target.name !== "job") return;
+  if (target.checked) chosen.add(target.value);
+  else chosen.delete(target.value);
+  tell();
+});
+choose.addEventListener("submit", (event) => {
+  event.preventDefault();
+  if (chosen.size >= FEWEST && chosen.size <= MOST) location.assign(`/compare?${new URLSearchParams([...chosen].map((id) => ["job", id]))}`);
+});
+
+for (const box of boxes()) if (box.checked) chosen.add(box.value); // kept by the browser over a reload
+filters.querySelector("button").hidden = true; // filters act at once
+dress();
+setInterval(() => document.hidden || show(), INTERVAL);
+document.addEventListener("visibilitychange", () => document.hidden || show());

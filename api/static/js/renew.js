@@ -1,22 +1,41 @@
-// Renews <main> from the server; what the first paint shows stays true without a second way to draw it.
-import { connection } from "./dom.js";
+// Renews part of this page from the server, row by row, so that what the first paint shows stays true without a second
+// way to draw it, and who is at a control of a row stays there.
 
-let busy = false, due = false;
-
-/** Fetch this page again and exchange the content of <main>; requests in a short time become one. */
-export async function renew() {
-  if (busy) { due = true; return; }
-  busy = true;
-  try {
-    const answer = await fetch(location.href, { headers: { Accept: "text/html" } });
-    if (answer.redirected) { location.assign(answer.url); return; }
-    if (answer.ok) {
-      const page = new DOMParser().parseFromString(await answer.text(), "text/html");
-      document.querySelector("main").replaceChildren(...page.querySelector("main").childNodes);
-    }
-    connection(answer.ok ? null : `The service answered ${answer.status}; trying again …`);
-  } catch {
-    connection("Connection lost; trying again …");
+/**
+ * Fetch `url` and take over what stands in `place` (an element with an id) there. Rows with the same `data-job` are kept
+ * and only their changed cells replaced; cells with controls stay. Returns the new document; throws when it did not come.
+ */
+export async function renew(place, url = location.href) {
+  const answer = await fetch(url, { headers: { Accept: "text/html" } });
+  if (answer.redirected && new URL(answer.url).pathname === "/sign-in") location.assign(answer.url);
+  if (!answer.ok) throw new Error(`The service answered ${answer.status}.`);
+  const page = new DOMParser().parseFromString(await answer.text(), "text/html");
+  const fresh = page.getElementById(place.id);
+  const [body, source] = [place, fresh].map((root) => root.querySelector("tbody"));
+  if (!body || !source) place.replaceChildren(...fresh.childNodes);
+  else {
+    exchangeRows(body, source);
+    const [old, now] = [place, fresh].map((root) => root.lastElementChild);
+    if (old.innerHTML !== now.innerHTML) old.replaceWith(now);
   }
-  setTimeout(() => { busy = false; if (due) { due = false; renew(); } }, 500);
+  return page;
+}
+
+function exchangeRows(body, source) {
+  const known = new Map([...body.rows].map((row) => [row.dataset.job, row]));
+  const rows = [...source.rows].map((row) => {
+    const old = known.get(row.dataset.job);
+    if (!old) return row;
+    [...row.cells].forEach((cell, i) => {
+      if (!cell.querySelector("input") && raw(old.cells[i]) !== raw(cell)) old.cells[i].replaceWith(cell);
+    });
+    return old;
+  });
+  const same = rows.length === body.rows.length && rows.every((row, i) => row === body.rows[i]);
+  if (!same) body.replaceChildren(...rows);
+}
+
+/** Markup as the server wrote it: ages are put into words here, and would make every cell look changed. */
+function raw(cell) {
+  return cell.querySelector("time")?.dateTime ?? cell.innerHTML;
 }

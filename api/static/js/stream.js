@@ -3,7 +3,7 @@
 // The tab that holds the lock `geoswarm:JOB` reads the stream and tells the others over a BroadcastChannel; when it goes,
 // the lock falls to the next one. Each tab knows the last event that it has seen, so a change of the leader loses and
 // doubles nothing. Without locks or channels (old browsers, plain HTTP on other hosts) each tab polls.
-import { address, get, signIn } from "./http.js";
+import { address, get } from "./http.js";
 
 export const ENDED = new Set(["finished", "failed", "cancelled"]);
 const KINDS = ["state", "generation"];
@@ -34,11 +34,14 @@ export function follow(job, { onEvent, onConnection = () => {}, after = 0, state
 
   function receive(message) {
     if (closed) return;
-    if (message.event) {
-      // A tab that has missed something asks the leader to read again from where it is.
-      take(message.event);
-    } else if (message.connected !== undefined) onConnection(message.connected);
-    else if (message.from !== undefined && leading && message.from < leading.from) leading.reopen(message.from);
+    if (message.event) take(message.event);
+    else if (message.connected !== undefined) onConnection(message.connected);
+    else if (message.from !== undefined && leading) leading.answer(message.from);
+  }
+
+  /** The leader may be further than this tab: it reads again from here, and others pass over what they know. */
+  function catchUp() {
+    channel.postMessage({ from: last });
   }
 
   if (channel) {
@@ -50,13 +53,16 @@ export function follow(job, { onEvent, onConnection = () => {}, after = 0, state
         leading = lead(job, () => last, tell, () => ended);
       }))
       .catch((error) => { if (error.name !== "AbortError") throw error; });
-    // The leader may be further than this tab: it begins again from here, and others pass over what they know.
-    channel.postMessage({ from: last });
+    catchUp();
   } else {
     leading = poll(job, onEvent, onConnection);
   }
 
-  const wake = () => { if (!document.hidden) leading?.reopen(); };
+  const wake = () => {
+    if (document.hidden) return;
+    if (leading) leading.wake();
+    else catchUp();
+  };
   document.addEventListener("visibilitychange", wake);
   window.addEventListener("online", wake);
   window.addEventListener("pageshow", wake);
@@ -78,13 +84,12 @@ export function follow(job, { onEvent, onConnection = () => {}, after = 0, state
 
 /** Read the stream itself, with longer and longer pauses while the service is away. */
 function lead(job, last, tell, ended) {
-  let source = null, timer = null, pause = SHORTEST, closed = false, from = last(), heard = Date.now();
+  let source = null, timer = null, pause = SHORTEST, closed = false, heard = Date.now();
 
   function open(after = last()) {
     clearTimeout(timer);
     source?.close();
     if (closed) return;
-    from = after;
     source = new EventSource(address(`/jobs/${job}/events`, { after }));
     source.onopen = () => { pause = SHORTEST; heard = Date.now(); tell({ connected: true }); };
     for (const kind of KINDS) {
@@ -98,9 +103,19 @@ function lead(job, last, tell, ended) {
       if (closed) return;
       if (ended()) { timer = setTimeout(watch, POLL); return; }
       tell({ connected: false });
-      timer = setTimeout(open, pause * (0.75 + Math.random() / 2));
+      timer = setTimeout(again, pause * (0.75 + Math.random() / 2));
       pause = Math.min(2 * pause, LONGEST);
     };
+  }
+
+  /** A stream does not say why it was refused: a plain request does. */
+  async function again() {
+    try {
+      await get(`/jobs/${job}`);
+    } catch (error) {
+      if (error.status === 401 || error.status === 404) return; // signing in again, or gone
+    }
+    open();
   }
 
   /** A job that has ended has no stream; it may go on (failed evaluations run again), so look now and then. */
@@ -111,8 +126,7 @@ function lead(job, last, tell, ended) {
       tell({ connected: true });
       if (!ENDED.has(state)) return open();
     } catch (error) {
-      if (error.status === 401) return signIn();
-      if (error.status === 404) return;
+      if (error.status === 401 || error.status === 404) return;
       tell({ connected: false });
     }
     timer = setTimeout(watch, 5 * POLL);
@@ -120,11 +134,14 @@ function lead(job, last, tell, ended) {
 
   open();
   return {
-    get from() { return from; },
-    /** Begin again at an earlier event, or after a sleep in which the connection may have died unnoticed. */
-    reopen(after) {
-      if (after !== undefined) open(after);
-      else if (!ended() && (source.readyState === EventSource.CLOSED || Date.now() - heard > LONGEST)) open();
+    /** Another tab is at an event: tell it how things are, and read again what it has missed. */
+    answer(from) {
+      if (source.readyState === EventSource.OPEN) tell({ connected: true });
+      if (from < last()) open(from);
+    },
+    /** After a sleep the connection may have died unnoticed. */
+    wake() {
+      if (!ended() && (source.readyState === EventSource.CLOSED || Date.now() - heard > LONGEST)) open();
     },
     close() { closed = true; clearTimeout(timer); source?.close(); },
   };
@@ -157,5 +174,5 @@ function poll(job, onEvent, onConnection) {
     if (!closed) timer = setTimeout(look, document.hidden ? 5 * pause : pause);
   }
   look();
-  return { reopen: look, close() { closed = true; clearTimeout(timer); } };
+  return { wake: look, close() { closed = true; clearTimeout(timer); } };
 }

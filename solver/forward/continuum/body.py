@@ -28,6 +28,12 @@ class ControlSection(BaseModel):
     largest_steps: int = Field(
         500, ge=1, le=100_000, description="Most steps of one phase; a calculation that needs more has diverged."
     )
+    largest_assemblies: int = Field(
+        10_000,
+        ge=1,
+        le=1_000_000,
+        description="Most assemblies of forces of one phase: bounds what parameters without an equilibrium cost.",
+    )
     smallest_step: float = Field(
         1.0e-3, gt=0.0, le=1.0, description="Part of the load below which a step is not cut any more."
     )

@@ -128,6 +128,21 @@ class BodyModel(ABC):
         return kinds.index("creep") if "creep" in kinds else 0
 
     @property
+    def phase_ends(self) -> dict[str, float | None]:
+        """Time at the end of each phase, day since the zero of time; None for those long before it."""
+        ends: dict[str, float | None] = {}
+        time = 0.0
+        for number, phase in enumerate(self.body.phases):
+            time += self._durations.get(phase.name, 0.0)
+            ends[phase.name] = time if number >= self._zero_phase - 1 else None
+        return ends
+
+    @property
+    def phase_before_zero(self) -> str | None:
+        """The phase at whose end time and displacement are zero; None: they are from the beginning on."""
+        return self.body.phases[self._zero_phase - 1].name if self._zero_phase > 0 else None
+
+    @property
     def end(self) -> float:
         """Time at the end of the last phase, day since the zero of time."""
         return float(sum(self._durations.values()))

@@ -34,6 +34,7 @@ def control_of(section: ControlSection) -> Control:
         modified=section.modified_newton,
         smallest_step=section.smallest_step,
         largest_steps=section.largest_steps,
+        largest_assemblies=section.largest_assemblies,
     )
 
 

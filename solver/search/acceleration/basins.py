@@ -13,6 +13,7 @@ __all__ = ["Basins"]
 
 _RADIUS = 0.05  # half the width of a finished basin in the unit box
 _WORTH = 0.02  # a relative decrease of the objective that counts
+_CLUSTERED = 200  # best runs
 _REMEMBERED = 6  # finished basins: an older one may have been left too early and is tried again
 
 
@@ -37,20 +38,46 @@ class Basins:
             inside |= np.abs(points - np.array(centre)).max(axis=1) <= _RADIUS
         return ~inside
 
+    def open_runs(self, points: FloatArray) -> BoolArray:
+        """Tell which runs, shape (n, d), best first, belong to no finished basin.
+
+        A basin is wider than its box: what lies outside, but so near to a better run of the basin that the way down
+        leads there, belongs to it (nearest-better clustering, Preuss 2010). Else the rim of a finished basin would be
+        the next one.
+        """
+        open_ = self.outside(points)
+        if self.finished:
+            best = points[:_CLUSTERED]
+            distances = np.abs(best[:, None, :] - best[None]).max(axis=2)
+            for i in range(1, len(best)):
+                better = int(np.argmin(distances[i, :i]))
+                if not open_[better] and distances[i, better] <= _RADIUS:
+                    open_[i] = False
+        return open_
+
+    def admits(self, point: FloatArray, runs: FloatArray, open_: BoolArray) -> bool:
+        """Tell whether a new point, shape (d,), is in no finished basin, by the runs around it and their openness."""
+        if not self.finished:
+            return True
+        distances = np.abs(runs - point).max(axis=1)
+        nearest = int(np.argmin(distances))
+        beside = not open_[nearest] and bool(distances[nearest] <= _RADIUS)
+        return not beside and bool(self.outside(point[None])[0])
+
     def after(self, points: FloatArray, objectives: FloatArray, patience: int) -> Basins:
         """Return the state after a generation.
 
         Parameters
         ----------
         points, objectives
-            Of all successful runs so far, unit box, shapes (n, d) and (n,).
+            Of all successful runs so far, best first, unit box, shapes (n, d) and (n,).
         patience
             Generations without a worthwhile decrease after which a basin is finished.
         """
-        current, open_ = self, self.outside(points)
+        current, open_ = self, self.open_runs(points)
         if not open_.any():  # nothing left: begin again
             current = Basins(restarts=self.restarts + 1)
-            open_ = current.outside(points)
+            open_ = current.open_runs(points)
         candidates = np.where(open_, objectives, np.inf)
         lowest = int(np.argmin(candidates))
         best = float(candidates[lowest])

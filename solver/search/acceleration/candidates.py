@@ -89,11 +89,10 @@ class Arms:
     covariance: CovarianceMoves | None
     taken: list[FloatArray] = field(default_factory=list)
     _minima: dict[float | None, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
-    hold_out: float | None = None
+    _surfaces: dict[float | None, ResidualSurface] = field(default_factory=dict)
     _searched: int = 0
     _probed: int = 0
     _stepped: int = 0
-    _step_surface: ResidualSurface | None = None
     _directions: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def __post_init__(self) -> None:
@@ -113,7 +112,7 @@ class Arms:
         """Return the next point of an arm; d is the number of parameters, e the number of its centre, best first.
 
         ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without;
-        ``gauss_newton:e:reach``, ``quadratic:e:reach`` of the local models; ``scalar_surface`` of log f;
+        ``gauss_newton:e:reach``, ``alike:e:reach``, ``quadratic:e:reach`` of the local models; ``scalar_surface`` of log f;
         ``covariance``; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer
         parameter; ``levenberg:damping`` and ``probe`` polish the best of all.
         """
@@ -121,7 +120,7 @@ class Arms:
         point: FloatArray | None
         if kind == "surface":
             point = self._surface_minimum(None if detail == "plain" else float(detail))
-        elif kind in ("gauss_newton", "quadratic"):
+        elif kind in ("gauss_newton", "alike", "quadratic"):
             number, _, reach = detail.partition(":")
             point = self._local(kind, int(number), float(reach))
         elif kind == "scalar_surface":
@@ -142,6 +141,17 @@ class Arms:
         if point is not None:
             self.taken.append(point)
         return point
+
+    @property
+    def unexplained(self) -> float:
+        """How much the surface of the residuals leaves unexplained, see :class:`ResidualSurface`."""
+        return self._surface(None).unexplained
+
+    def _surface(self, compression: float | None) -> ResidualSurface:
+        if compression not in self._surfaces:
+            surface = ResidualSurface(self.knowledge.points, self._components, self._scale, compression)
+            self._surfaces[compression] = surface
+        return self._surfaces[compression]
 
     def _like(self, run: int) -> tuple[FloatArray, IntArray, int]:
         """Points with the same whole numbers as a run, their indices, and its place among them.
@@ -177,9 +187,7 @@ class Arms:
     def _surface_minimum(self, compression: float | None) -> FloatArray | None:
         known = self.knowledge
         if compression not in self._minima:
-            surface = ResidualSurface(known.points, self._components, self._scale, compression)
-            if self.hold_out is None and np.isfinite(error := surface.hold_out_error):
-                self.hold_out = error
+            surface = self._surface(compression)
             drawn = self.random.random((_RANDOM_STARTS, known.points.shape[1]))
             promising = np.argsort(surface.objective(drawn), kind="stable")[:_STARTS]
             ends, values = minimise(surface, np.concatenate([self._bases, drawn[promising]]))
@@ -192,8 +200,9 @@ class Arms:
         if number >= len(self._centres):
             return None
         points, rows, centre = self._like(self._centres[number])
-        if kind == "gauss_newton":
-            point = gauss_newton_point(points, self._components.values[rows], centre, reach)
+        if kind != "quadratic":
+            values = self._components.values[rows]
+            point = gauss_newton_point(points, values, centre, reach, alike=kind == "alike")
         else:
             found = quadratic_point(points, known.objectives[rows], centre, reach)
             if found is None:
@@ -255,9 +264,7 @@ class Arms:
         points = np.clip(np.concatenate([wide, close]), 0.0, 1.0)
         points[:, changed] = random.random()
         points = known.snapped(points)
-        if self._step_surface is None:
-            self._step_surface = ResidualSurface(known.points, self._components, self._scale, 1.0)
-        order = np.argsort(self._step_surface.objective(points), kind="stable")[:_TRIES]
+        order = np.argsort(self._surface(1.0).objective(points), kind="stable")[:_TRIES]
         return self._first_new(points[order], _LOCAL_APART)
 
     def _probe(self) -> FloatArray | None:

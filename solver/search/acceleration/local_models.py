@@ -10,9 +10,13 @@ from solver.arrays import FloatArray
 __all__ = ["gauss_newton_point", "levenberg_point", "neighbour_distance", "quadratic_point"]
 
 _LARGEST_RADIUS = 0.3
+_POOL = 3  # times as many nearest points, of which those with like components are taken
+_SOFTENING, _SOFTENING_ALIKE = 0.3, 0.1  # of the weights, as a fraction of the largest distance
 
 
-def gauss_newton_point(points: FloatArray, components: FloatArray, centre: int, reach: float) -> FloatArray:
+def gauss_newton_point(
+    points: FloatArray, components: FloatArray, centre: int, reach: float, *, alike: bool = False
+) -> FloatArray:
     """Minimum of the linear model through an evaluation, in a box around it.
 
     Parameters
@@ -23,8 +27,11 @@ def gauss_newton_point(points: FloatArray, components: FloatArray, centre: int, 
         Index of the evaluation in the middle; the slopes are fitted to its nearest neighbours.
     reach
         Half the width of the box as a fraction of the distance to the farthest neighbour used.
+    alike
+        Of the nearest evaluations take and weigh those whose components differ least. Where one parameter changes the
+        response much faster than another, they lie where it is still linear; in a curved valley they do not.
     """
-    slopes, farthest = _slopes(points, components, centre)
+    slopes, farthest = _slopes(points, components, centre, alike=alike)
     middle = points[centre]
     half = reach * min(farthest, _LARGEST_RADIUS)
     lower, upper = np.maximum(-half, -middle), np.minimum(half, 1.0 - middle)
@@ -39,7 +46,7 @@ def levenberg_point(points: FloatArray, components: FloatArray, centre: int, dam
     ``damping`` multiplies the diagonal of the normal matrix (Marquardt 1963). A step leaves the neighbourhood at most
     by its own size: beyond, the slopes are not known.
     """
-    slopes, farthest = _slopes(points, components, centre)
+    slopes, farthest = _slopes(points, components, centre, alike=False)
     middle, half = points[centre], min(2.0 * farthest, _LARGEST_RADIUS)
     lower, upper = np.minimum(np.maximum(-half, -middle), -1e-15), np.maximum(np.minimum(half, 1.0 - middle), 1e-15)
     damped = np.diag(np.sqrt(damping * (slopes * slopes).sum(axis=1)))
@@ -55,13 +62,19 @@ def neighbour_distance(points: FloatArray, centre: int) -> float:
     return float(np.sort(distances)[min(points.shape[1] + 1, len(points) - 1)])
 
 
-def _slopes(points: FloatArray, components: FloatArray, centre: int) -> tuple[FloatArray, float]:
-    """Slopes, shape (d, k), fitted to the nearest neighbours of an evaluation, and the distance to the farthest."""
+def _slopes(points: FloatArray, components: FloatArray, centre: int, *, alike: bool) -> tuple[FloatArray, float]:
+    """Slopes, shape (d, k), fitted to neighbours of an evaluation, and the distance to the farthest of them."""
     middle, d = points[centre], points.shape[1]
     distances = np.sqrt(((points - middle) ** 2).sum(axis=1))
-    near = np.argsort(distances, kind="stable")[: max(2 * d + 2, 6)]
-    farthest = max(float(distances[near[-1]]), 1e-12)
-    weights = 1.0 / (distances[near] / farthest + 0.3) ** 2
+    count = max(2 * d + 2, 6)
+    near = np.argsort(distances, kind="stable")[: _POOL * count if alike else count]
+    apart, softening = distances[near], _SOFTENING
+    if alike:
+        changes = np.sqrt(((components[near] - components[centre]) ** 2).sum(axis=1))
+        chosen = np.argsort(changes, kind="stable")[:count]
+        near, apart, softening = near[chosen], changes[chosen], _SOFTENING_ALIKE
+    farthest = max(float(distances[near].max()), 1e-12)
+    weights = 1.0 / (apart / max(float(apart[-1]), 1e-300) + softening) ** 2
     steps = (points[near] - middle) / farthest
     normal = (steps * weights[:, None]).T @ steps + 1e-9 * weights.max() * np.eye(d)
     change = components[near] - components[centre]

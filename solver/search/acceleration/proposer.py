@@ -66,10 +66,25 @@ RESTARTED_PATTERN = (
     "gauss_newton:0:0.4",
     "covariance",
 )
+MISLED_PATTERN = (
+    "gauss_newton:0:1",
+    "surface:1",
+    "probe",
+    "surface:plain",
+    "gauss_newton:1:1",
+    "probe",
+    "gauss_newton:2:1",
+    "surface:10",
+    "probe",
+    "gauss_newton:0:0.4",
+    "far",
+    "covariance",
+)
 FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
-MISLEADING = 1.0  # decades of the objective by which a surface is off in the median
+CURVED, MISLEADING = 0.3, 1.0  # unexplained share of a surface
+TELLING = 4  # runs for each of its slopes before that tells much
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -79,7 +94,7 @@ class ProposerState:
 
     ``share`` of the generation that it aims; ``aimed``: the arm of each aimed particle of the current one;
     ``covariance``: state of the covariance-adapting moves; ``polishing``: given when the end has begun; ``hold_out``:
-    how far the first surface of the generation was off at runs left out, see :class:`ResidualSurface`.
+    share of the residuals that the surface does not predict at runs left out, see :class:`ResidualSurface`.
     """
 
     share: float = MOST_SHARE
@@ -190,7 +205,7 @@ class Proposer:
             return {}
         every = self._unit(self._space.to_search(runs.positions))
         before = self.state.basins
-        chosen = order[selection(before.outside(every[order]))]
+        chosen = order[selection(before.open_runs(every[order]))]
         known, values, residuals = every[chosen], objectives[chosen], runs.residuals(chosen)
         scalar = residuals.shape[1] == 1 and bool((residuals >= 0.0).all() or (residuals <= 0.0).all())
         patience = SCALAR_PATIENCE if scalar else PATIENCE
@@ -202,27 +217,27 @@ class Proposer:
             polishing = Polishing(float(objectives[order[0]]))
         if polishing is not None:
             basins = before  # it stays where it is
-        failed = every[~runs.succeeded]
+        failed, open_ = every[~runs.succeeded], basins.open_runs(known)
 
         def admissible(point: FloatArray) -> bool:
             return (
-                bool(basins.outside(point[None])[0])
+                basins.admits(point, known, open_)
                 and self._feasible(point)
                 and not self._likely_to_fail(point, every, failed)
                 and not self._repeats(self._search(point), runs)
             )
 
-        knowledge = Knowledge(
-            known, values, residuals, basins.outside(known), every, admissible, self._snapped, self._space.integer
-        )
+        knowledge = Knowledge(known, values, residuals, open_, every, admissible, self._snapped, self._space.integer)
         arms = Arms(knowledge, proposer_generator(self._seed, generation), covariance)
-        share = 1.0 if polishing else self._share(basins, self.state.hold_out)
+        hold_out = None if scalar or polishing else arms.unexplained
+        share = 1.0 if polishing else self._share(basins)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
         if polishing:
             pattern = polish_pattern(len(moved), scalar=scalar)
         else:
-            pattern = SCALAR_PATTERN if scalar else self._vector_pattern(basins, generation)
+            told = len(known) >= TELLING * (known.shape[1] + 1)
+            pattern = SCALAR_PATTERN if hold_out is None else self._vector_pattern(basins, generation, hold_out, told)
             if self._space.integer.any():
                 pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, "step") if k % 3 == 1 else (a,)))
         proposals = self._fill(arms, pattern, slots + len(repeated), generation)
@@ -235,7 +250,7 @@ class Proposer:
             aimed={particle: arm for particle, (arm, _) in aimed.items()},
             covariance=None if arms.covariance is None else arms.covariance.state(),
             polishing=polishing,
-            hold_out=arms.hold_out,
+            hold_out=hold_out,
         )
         return {particle: point for particle, (_, point) in aimed.items()}
 
@@ -258,23 +273,28 @@ class Proposer:
         return proposals
 
     @staticmethod
-    def _vector_pattern(basins: Basins, generation: int) -> tuple[str, ...]:
-        """After a restart the residuals have misled once: every other generation trusts the objective alone."""
-        if basins.restarts == 0:
-            return VECTOR_PATTERN
-        return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
+    def _vector_pattern(basins: Basins, generation: int, hold_out: float, told: bool) -> tuple[str, ...]:
+        """Arms by what is known of the surface's error, and of the residuals.
 
-    def _share(self, basins: Basins, hold_out: float | None) -> float:
-        """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step.
-
-        The steps are longer where the surface predicts runs that are left out badly.
+        Where the mean would predict better than the surface, probes around the best take the place of some arms: they
+        make its slopes known. Where the surface misses much, slopes are fitted to runs with like responses. After a
+        restart the residuals have misled once: every other generation trusts the objective alone.
         """
+        if told and hold_out > MISLEADING:
+            pattern = MISLED_PATTERN
+        elif basins.restarts == 0:
+            pattern = VECTOR_PATTERN
+        else:
+            pattern = RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
+        return tuple(arm.replace("gauss_newton", "alike") for arm in pattern) if hold_out > CURVED else pattern
+
+    def _share(self, basins: Basins) -> float:
+        """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step."""
         if self.state.basins.best is None and basins.restarts == 0:
             return self.state.share  # the first generation tells nothing yet
         if basins.gained:
             return min(MOST_SHARE, 1.5 * self.state.share)
-        misleading = hold_out is not None and hold_out > MISLEADING
-        return max(LEAST_SHARE, (0.8 if misleading else 0.9) * self.state.share)
+        return max(LEAST_SHARE, 0.9 * self.state.share)
 
     def _tell_covariance(self, asked: FloatArray, objectives: FloatArray) -> CovarianceMoves | None:
         if self.state.covariance is None:

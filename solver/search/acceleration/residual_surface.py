@@ -21,6 +21,7 @@ __all__ = ["Components", "CubicSurface", "ResidualSurface", "minimise"]
 _RIDGE = 1e-9  # on the diagonal: equal points must not make the system singular
 _MOST_COMPONENTS = 12
 _LARGEST_ARSINH = 30.0
+_LARGEST_SHARE = 1e6  # unexplained: finite, also where there is no scatter
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,8 +107,8 @@ class ResidualSurface:
         self._compressed = compression is not None
         self._rest = components.rest
         scaled = components.values / self._scale
-        self._surface = CubicSurface(points, np.arcsinh(scaled) if self._compressed else scaled)
-        self._objectives = (components.values**2).sum(axis=1) + self._rest
+        self._values = np.arcsinh(scaled) if self._compressed else scaled
+        self._surface = CubicSurface(points, self._values)
 
     def residuals(self, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Scaled components r and their derivatives, shapes (p, k), (p, k, d)."""
@@ -122,13 +123,16 @@ class ResidualSurface:
         return self._squares(self._surface(at))
 
     @property
-    def hold_out_error(self) -> float:
-        """Median of |log10(predicted / calculated)| over the better half of the points, each left out in turn."""
-        predicted = self._squares(self._surface.hold_out)
-        half = max(1, len(predicted) // 2)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            errors = np.abs(np.log10(predicted[:half] / self._objectives[:half]))
-        return float(np.median(np.nan_to_num(errors, nan=np.inf)))
+    def unexplained(self) -> float:
+        """Share of the scatter of the components that is not predicted where each point is left out in turn.
+
+        Over the better half of the points: near 0 the surface knows its way, above 1 their mean would predict better.
+        """
+        half = max(2, len(self._values) // 2)
+        known, predicted = self._values[:half], self._surface.hold_out[:half]
+        scatter = float(((known - known.mean(axis=0)) ** 2).sum())
+        missed = float(((predicted - known) ** 2).sum())
+        return missed / scatter if missed < _LARGEST_SHARE * scatter else _LARGEST_SHARE
 
     def _squares(self, values: FloatArray) -> FloatArray:
         if self._compressed:

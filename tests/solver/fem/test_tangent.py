@@ -51,7 +51,13 @@ def _remainders(
     stress[..., 1] = -50.0 - 10.0 * points[..., 1]
     stress[..., 3] = 3.0 * points[..., 0]
     traction = np.tile([-20.0, 4.0], (mesh.interfaces.shape[0], 3, 1))
-    old = State(stress, np.full(stress.shape[:2], math.log(60.0)), np.zeros(stress.shape[:2], dtype=np.bool_), traction)
+    old = State(
+        stress,
+        np.full(stress.shape[:2], math.log(60.0)),
+        np.zeros(stress.shape[:2], dtype=np.bool_),
+        traction,
+        np.zeros(traction.shape[:2]),
+    )
     new = State(*(array.copy() for array in old))
     edges = mesh.boundaries["top"]
     owner, places = edge_owners(mesh, edges)

@@ -1,0 +1,72 @@
+"""Models of what administrators ask for: API keys, and how the installation is doing."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from api.schemas import Model
+
+__all__ = ["Key", "KeyList", "NewKey", "NewKeyRequest", "Operations"]
+
+Role = Literal["read", "submit", "admin"]
+
+
+class Key(Model):
+    """An API key, without its secret."""
+
+    id: str
+    owner: str
+    role: Role
+    label: str
+    state: Literal["active", "expired", "revoked"]
+    created_at: datetime
+    expires_at: datetime | None
+    revoked_at: datetime | None
+    used_at: datetime | None = Field(description="to a minute")
+
+
+class KeyList(BaseModel):
+    """All keys, oldest first."""
+
+    items: list[Key]
+
+
+class NewKeyRequest(BaseModel):
+    """A key to be made."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    owner: str = Field(
+        min_length=1,
+        max_length=80,
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._@+-]*$",
+        description="whose jobs the key opens; several keys may have one owner",
+    )
+    role: Role = "submit"
+    label: str = Field("", max_length=200, description="what it is for")
+    valid_seconds: float | None = Field(None, gt=0, le=3.2e9, description="time until it expires; null: never")
+
+
+class NewKey(BaseModel):
+    """A key that was made."""
+
+    key: str = Field(description="the key itself, which is shown only now")
+    view: Key
+
+
+class Operations(BaseModel):
+    """How the installation is doing, over all owners and processes."""
+
+    jobs: dict[str, int] = Field(description="number by state")
+    waiting: int = Field(description="evaluations of running jobs that wait for a worker")
+    running: int = Field(description="evaluations that a worker has")
+    oldest_wait: float = Field(description="age of the oldest job that no worker has begun, seconds")
+    workers: dict[str, int] = Field(description="number by state")
+    outcomes: dict[str, int] = Field(
+        description="forward runs since the installation was made: finished, or the kind of failure"
+    )
+    lost_evaluations: int = Field(description="evaluations that were taken from a lost worker")
+    event_streams: int = Field(description="open event streams of this process")

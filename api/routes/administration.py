@@ -1,0 +1,80 @@
+"""For administrators: API keys, and how the installation is doing."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Path
+
+from api.administration_schemas import Key, KeyList, NewKey, NewKeyRequest, Operations
+from api.dependencies import Feed, Service, problems_of
+from api.errors import DetailError
+from solver.errors import Issue
+from workers.errors import KeyNotFoundError, SettingsError
+from workers.keys import KeyRing
+from workers.service import JobService
+
+__all__ = ["router"]
+
+
+async def _administrated(service: Service) -> JobService:
+    """The service, for administrators only."""
+    if not service.principal.may("admin"):
+        raise DetailError(
+            403,
+            f"This API key has the role {service.principal.role!r}; this needs 'admin'.",
+            kind="role-refused",
+            title="Role refused",
+        )
+    return service
+
+
+Administrated = Annotated[JobService, Depends(_administrated)]
+KeyId = Annotated[str, Path(pattern=r"^[0-9a-f]{12}$", description="public part of the key")]
+
+router = APIRouter(tags=["administration"])
+
+
+@router.get("/operations", responses=problems_of())
+def show_operations(service: Administrated, feed: Feed) -> Operations:
+    """Tell what waits, what runs, and how forward runs have ended; administrators only."""
+    measures = service.measures()
+    runs = {label: int(value) for (name, label), value in measures.counters.items() if name == "runs"}
+    return Operations(
+        jobs=dict(measures.jobs),
+        waiting=measures.waiting,
+        running=measures.running,
+        oldest_wait=measures.oldest_wait,
+        workers=dict(measures.workers),
+        outcomes=runs,
+        lost_evaluations=int(measures.counters.get(("lease_expirations", ""), 0)),
+        event_streams=feed.listeners,
+    )
+
+
+@router.get("/keys", responses=problems_of())
+def list_keys(service: Administrated) -> KeyList:
+    """List all API keys, without their secrets; administrators only."""
+    return KeyList(items=[Key.model_validate(view) for view in KeyRing(service.store).list()])
+
+
+@router.post("/keys", status_code=201, responses=problems_of(422))
+def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
+    """Make an API key; the answer is the only place where it can be read. Administrators only."""
+    try:
+        key, view = KeyRing(service.store).create(
+            wanted.owner, wanted.role, label=wanted.label, valid_seconds=wanted.valid_seconds
+        )
+    except SettingsError as error:
+        issue = Issue("body", str(error))
+        raise DetailError(422, str(error), kind="invalid-request", title="Invalid request", issues=[issue]) from None
+    return NewKey(key=key, view=Key.model_validate(view))
+
+
+@router.post("/keys/{key_id}/revoke", responses=problems_of(404, 422))
+def revoke_key(key_id: KeyId, service: Administrated) -> Key:
+    """Make an API key invalid with the next request, for ever; administrators only."""
+    try:
+        return Key.model_validate(KeyRing(service.store).revoke(key_id))
+    except KeyNotFoundError as error:
+        raise DetailError(404, str(error), kind="unknown-key", title="Unknown key") from None

@@ -1,0 +1,57 @@
+// Tables with one column a job.
+import { element } from "../dom.js";
+import { age, count, duration, number, symbol, withUnit } from "../format.js";
+
+function table(caption, loaded, rows) {
+  const head = element("tr", {}, element("td", {}), loaded.map(({ job }) => element("th", { scope: "col", class: "n" }, job.name)));
+  const body = rows.map(([label, cells, differs]) => element("tr", {},
+    element("th", { scope: "row" }, label),
+    cells.map((cell, i) => element("td", { class: differs?.[i] ? "n differs" : "n" }, cell))));
+  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": caption },
+    element("table", { class: "side" }, element("caption", {}, caption), element("thead", {}, head), element("tbody", {}, body)));
+}
+
+const words = (name) => name.replaceAll("_", " ");
+
+/** What was asked, how far it is, what it cost. */
+export function factsTable(loaded) {
+  const lowest = Math.min(...loaded.map(({ job }) => job.objective ?? Infinity));
+  const unit = common(loaded.map(({ fit }) => fit.objective_unit)) ?? "";
+  const row = (label, value) => [label, loaded.map(({ job }) => value(job))];
+  const alike = common(loaded.map(({ fit }) => JSON.stringify(fit.series.map(({ series, x, measured, weight }) => [series, x, measured, weight])))) !== null;
+  const best = loaded.map(({ job }) => (alike && job.objective === lowest ? element("strong", {}, number(job.objective), " (lowest)") : number(job.objective)));
+  return table("Jobs", loaded, [
+    [withUnit("Best objective", unit), best],
+    row("Evaluations", (job) => count(job.evaluations) + (job.max_evaluations ? ` / ${count(job.max_evaluations)}` : "")),
+    row("Failed evaluations", (job) => count(job.failed_evaluations)),
+    row("Generations", (job) => count(job.generations)),
+    row("Running time", (job) => duration(job.seconds)),
+    row("Ended by", (job) => job.stop_reasons.map(words).join(", ") || "–"),
+    row("Forward model", (job) => words(job.forward_model)),
+    row("Method", (job) => words(job.method)),
+    row("Seed", (job) => String(job.seed)),
+    row("Submitted", (job) => age(job.created_at)),
+  ]);
+}
+
+/** Value of every parameter that any of the jobs has; those that differ by more than a hundredth stand out. */
+export function parametersTable(loaded) {
+  const names = [...new Set(loaded.flatMap(({ fit }) => fit.parameters.map(({ name }) => name)))];
+  const rows = names.map((name) => {
+    const infos = loaded.map(({ fit }) => fit.parameters.find((parameter) => parameter.name === name));
+    const values = loaded.map(({ job }) => job.parameters?.[name]);
+    const known = values.filter((value) => value !== undefined);
+    const spread = known.length > 1 && Math.max(...known) - Math.min(...known) > 0.01 * Math.max(...known.map(Math.abs));
+    const cells = infos.map((info, i) => [
+      number(values[i] ?? info?.value, 5),
+      info && info.form !== "free" ? element("small", {}, ` ${info.form}`) : null,
+    ]);
+    return [withUnit(symbol(name), infos.find(Boolean)?.unit), cells, values.map((value) => spread && value !== undefined)];
+  });
+  return table("Values that differ by more than 1 % are bold.", loaded, rows);
+}
+
+/** The value that all share, null where they differ. */
+export function common(values) {
+  return values.every((value) => value === values[0]) ? values[0] : null;
+}

@@ -1,0 +1,66 @@
+// What can be done with a job in its state.
+import { announce, confirmed, element } from "../dom.js";
+import { post, send } from "../http.js";
+import { ENDED } from "../stream.js";
+import { extend } from "./extend.js";
+
+const OPEN = ["queued", "running", "paused"];
+
+export function actions(view) {
+  const place = document.getElementById("actions");
+  const may = document.body.dataset.maySubmit === "true";
+  let shown = "";
+
+  async function act(button, work, said) {
+    button.disabled = true;
+    try {
+      await work();
+      await view.refresh();
+      announce(said);
+    } catch (error) {
+      announce(error.message, 12);
+      await view.refresh().catch(() => {}); // the stream tells of a lost connection
+    }
+    button.disabled = false;
+  }
+
+  const button = (label, kind, work, said) => element("button", { type: "button", class: kind, onclick: ({ currentTarget }) => act(currentTarget, work, said) }, label);
+
+  function buttons({ id, name, state, retrying, failed_evaluations: failed }) {
+    const list = [];
+    if ((state === "queued" || state === "running") && !retrying) list.push(button("Pause", "quiet", () => post(`/jobs/${id}/pause`), "Paused."));
+    if (state === "paused") list.push(button("Resume", "", () => post(`/jobs/${id}/resume`), "Resumed."));
+    if (state === "finished" || state === "cancelled" || OPEN.includes(state)) {
+      list.push(element("button", { type: "button", class: "quiet", onclick: () => extend(view) }, ENDED.has(state) ? "Go on …" : "Change the end …"));
+    }
+    if (failed && (state === "paused" || ENDED.has(state))) {
+      list.push(button("Run failed evaluations again", "quiet", () => post(`/jobs/${id}/retry-failed`), "The failed evaluations run again."));
+    }
+    list.push(element("a", { class: "button quiet", href: `/new?from=${id}` }, "Clone"));
+    if (OPEN.includes(state)) {
+      list.push(button("Cancel", "danger", async () => {
+        if (await confirmed(`End “${name}” now? What it has found stays.`, "End it")) await post(`/jobs/${id}/cancel`);
+      }, ""));
+    } else {
+      list.push(button("Delete", "danger", async () => {
+        if (!await confirmed(`Delete “${name}” with all its evaluations for good?`, "Delete it")) return;
+        await send("DELETE", `/jobs/${id}`);
+        location.assign("/");
+        await new Promise(() => {}); // the page goes
+      }, ""));
+    }
+    return list;
+  }
+
+  return {
+    job(job) {
+      const now = JSON.stringify([job.state, job.retrying, Boolean(job.failed_evaluations)]);
+      if (!may || now === shown) return;
+      const held = place.contains(document.activeElement);
+      shown = now;
+      place.replaceChildren(...buttons(job));
+      if (held) place.querySelector("button, a")?.focus();
+    },
+    generation() { this.job(view.job); },
+  };
+}

@@ -1,0 +1,57 @@
+// One evaluation: why it failed, parameters, response, tries, log.
+import { announce, dialog, element } from "../dom.js";
+import { duration, moment, number, symbol, withUnit } from "../format.js";
+import { get } from "../http.js";
+import { plot } from "../plot.js";
+import { fitPlot } from "./fit_plot.js";
+
+const words = (name) => name.replaceAll("_", " ");
+
+/** Show it in a dialog. */
+export async function openEvaluation(view, generation, particle) {
+  let evaluation, tries, fit;
+  const path = `/jobs/${view.id}/evaluations/${generation}/${particle}`;
+  try {
+    [evaluation, { items: tries }, fit] = await Promise.all([get(path), get(`${path}/attempts`), get(`/jobs/${view.id}/fit`, { generation, particle })]);
+  } catch (error) {
+    return announce(error.message);
+  }
+  const chosen = fit.curves.find(({ role }) => role === "chosen");
+  const drawn = fit.series.filter(({ series }) => chosen.values[series]);
+  const frames = drawn.map(() => element("div", {}));
+  const made = dialog(`Generation ${generation}, particle ${particle}`,
+    evaluation.reason ? element("p", { class: "error" }, element("strong", {}, `Why it failed: ${words(evaluation.reason)}. `), evaluation.message ?? "") : null,
+    element("dl", {}, fact("State", evaluation.state), fact(withUnit("Objective", fit.objective_unit), number(evaluation.objective, 8)),
+      fact("Time", duration(evaluation.seconds)), fact("Worker", evaluation.worker ?? "–"), fact("Finished", moment(evaluation.finished_at))),
+    element("div", { class: "grid" }, parameters(fit, chosen), chosen.shares.length ? shares(chosen) : null),
+    drawn.length ? element("h3", {}, "Response") : null, frames,
+    attempts(tries),
+    evaluation.log ? [element("h3", {}, "End of what the forward model wrote"), element("pre", { tabindex: "0" }, evaluation.log)] : null);
+  made.classList.add("evaluation");
+  const plots = drawn.map((series, i) => plot(frames[i], () => fitPlot(fit, series.series, { initial: false })));
+  made.addEventListener("close", () => plots.forEach(({ remove }) => remove()));
+  await Promise.all(plots.map((one) => one.draw()));
+}
+
+const fact = (name, value) => element("div", {}, element("dt", {}, name), element("dd", {}, value));
+
+function rows(title, heads, body) {
+  return element("section", {}, element("h3", {}, title), element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": title }, element("table", {},
+    element("thead", {}, element("tr", {}, heads.map((head) => element("th", { scope: "col" }, head)))),
+    element("tbody", {}, body.map((cells) => element("tr", {}, cells.map((cell) => element("td", {}, cell))))))));
+}
+
+function parameters(fit, chosen) {
+  return rows("Parameters", ["Parameter", "Value", "How"], fit.parameters.map(({ name, unit, form }) => [withUnit(symbol(name), unit), number(chosen.parameters[name], 8), form]));
+}
+
+function shares(chosen) {
+  return rows("Shares", ["Series", "Misfit [base unit²]", "Share"], chosen.shares.map(({ series, misfit, share }) => [series, number(misfit, 6), `${(100 * share).toFixed(1)} %`]));
+}
+
+function attempts(tries) {
+  if (!tries.length) return null;
+  return rows("Tries", ["Try", "Outcome", "Worker", "Begun", "What happened"], tries.map((one) => [
+    String(one.number), words(one.outcome) + (one.counted ? " (counts)" : ""), one.worker ?? "–", moment(one.started_at),
+    [one.message ?? "", one.log ? element("details", {}, element("summary", {}, "Log"), element("pre", {}, one.log)) : null]]));
+}

@@ -1,0 +1,79 @@
+// The table of evaluations: filter, leaf through, open one.
+import { element, empty, failure } from "../dom.js";
+import { duration, number, symbol, withUnit } from "../format.js";
+import { get } from "../http.js";
+import { paced } from "../pace.js";
+import { ENDED } from "../stream.js";
+import { openEvaluation } from "./evaluation.js";
+
+const PAGE = 25, INTERVAL = 3000;
+
+export function evaluations(view) {
+  const place = document.getElementById("evaluations");
+  const cursors = [null]; // of the pages so far
+  let next = null, asked = 0;
+
+  const control = (label, input) => element("label", {}, label, input);
+  const state = element("select", { name: "state" }, element("option", { value: "" }, "all"), ["finished", "failed", "running", "pending"].map((name) => element("option", {}, name)));
+  const generation = element("input", { name: "generation", type: "number", min: 0, step: 1, placeholder: "all" });
+  const most = element("input", { name: "max_objective", type: "number", step: "any", placeholder: "any" });
+  const filters = element("form", { class: "controls", "aria-label": "Filter the evaluations" }, control("State", state), control("Generation", generation), control("Objective up to", most));
+  const table = element("div", {});
+  const first = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.splice(1)) }, "First page");
+  const back = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.pop()) }, "Back");
+  const on = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.push(next)) }, "Further");
+  const csv = element("a", { class: "button quiet" }, "These as CSV");
+  place.replaceChildren(filters, table, element("div", { class: "buttons" }, first, back, on, csv));
+
+  function leaf(turn) {
+    turn();
+    show();
+  }
+
+  const query = () => ({ state: state.value, generation: generation.value, max_objective: most.value });
+
+  async function show() {
+    const turn = ++asked;
+    try {
+      const page = await get(`/jobs/${view.id}/evaluations`, { ...query(), limit: PAGE, cursor: cursors.at(-1) });
+      if (turn !== asked) return;
+      next = page.next_cursor;
+      table.replaceChildren(page.items.length ? filled(page.items) : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has begun yet."));
+    } catch (error) {
+      if (turn === asked) table.replaceChildren(failure(error));
+    }
+    first.hidden = back.hidden = cursors.length === 1;
+    on.hidden = next === null;
+    csv.href = `/api/v1/jobs/${view.id}/evaluations?${new URLSearchParams({ format: "csv", ...Object.fromEntries(Object.entries(query()).filter(([, value]) => value)) })}`;
+  }
+
+  function filled(items) {
+    const names = view.job.free_parameters;
+    const units = new Map((view.fit?.parameters ?? []).map(({ name, unit }) => [name, unit]));
+    const failed = items.some(({ reason }) => reason);
+    const heads = [["Generation · particle"], ["State"], [withUnit("Objective", view.fit?.objective_unit), "n"], ...names.map((name) => [withUnit(symbol(name), units.get(name)), "n"]), ["Time", "n"], ["Tries", "n"], ...(failed ? [["Why it failed"]] : [])];
+    const rows = items.map((one) => element("tr", { onclick: ({ target }) => { if (!target.closest("button")) open(one); } },
+      element("td", {}, element("button", { type: "button", class: "link", onclick: () => open(one), "aria-label": `Open evaluation of particle ${one.particle} in generation ${one.generation}` }, `${one.generation} · ${one.particle}`)),
+      element("td", {}, one.state),
+      element("td", { class: "n" }, number(one.objective, 6)),
+      names.map((name) => element("td", { class: "n" }, number(one.parameters[name], 5))),
+      element("td", { class: "n" }, duration(one.seconds)),
+      element("td", { class: "n" }, String(one.attempts)),
+      failed ? element("td", { class: "why" }, one.reason ? `${one.reason.replaceAll("_", " ")}: ${one.message ?? ""}` : "") : null));
+    return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Evaluations" },
+      element("table", { class: "evaluations" }, element("thead", {}, element("tr", {}, heads.map(([head, kind]) => element("th", { scope: "col", class: kind }, head)))), element("tbody", {}, rows)));
+  }
+
+  const open = (one) => openEvaluation(view, one.generation, one.particle);
+
+  let typing = null;
+  filters.addEventListener("submit", (event) => event.preventDefault());
+  filters.addEventListener("input", () => {
+    clearTimeout(typing);
+    typing = setTimeout(() => { cursors.splice(1); show(); }, 300);
+  });
+
+  // Who is in the table with the keyboard stays there.
+  const renew = paced(async () => { if (!table.contains(document.activeElement) || !table.querySelector("tbody")) await show(); }, INTERVAL, place);
+  return { job: renew, generation: () => { if (!ENDED.has(view.job.state)) renew(); }, fit: renew };
+}

@@ -1,0 +1,46 @@
+// Change when a job ends; one that has ended goes on where it was.
+import { announce, dialog, element } from "../dom.js";
+import { get, send } from "../http.js";
+import { ENDED } from "../stream.js";
+
+const CRITERIA = [
+  ["max_evaluations", "Largest number of evaluations", 1, 1],
+  ["max_seconds", "Longest running time [s]", "any", 0],
+  ["target_objective", "Target of the objective", "any", 0],
+  ["stagnation_generations", "Generations without a lower objective", 1, 1],
+];
+
+export async function extend(view) {
+  const ended = ENDED.has(view.job.state);
+  let stopping;
+  try {
+    ({ stopping } = await get(`/jobs/${view.id}/problem`));
+  } catch (error) {
+    return announce(error.message);
+  }
+  const fields = CRITERIA.map(([name, label, step, min]) => [name, element("label", {}, label,
+    element("input", { type: "number", name, step, min, value: stopping[name] ?? "", placeholder: "no limit" }))]);
+  const error = element("p", { class: "error", role: "alert" });
+  const form = element("form", { novalidate: true },
+    element("p", { class: "help" }, ended
+      ? "The search goes on exactly where it ended, as if these criteria had been given from the start. Evaluations so far count."
+      : "The job ends as soon as one of these is satisfied."),
+    fields.map(([, label]) => label), error,
+    element("div", { class: "buttons" }, element("button", { type: "submit" }, ended ? "Go on" : "Change")));
+  const made = dialog(ended ? "Go on with this job" : "When this job ends", form);
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const wanted = Object.fromEntries(fields.map(([name, label]) => {
+      const { value } = label.querySelector("input");
+      return [name, value === "" ? null : Number(value)];
+    }));
+    try {
+      await send("PATCH", `/jobs/${view.id}`, { stopping: wanted });
+      made.close();
+      announce(ended ? "The job goes on." : "Changed.");
+      await view.refresh();
+    } catch (refused) {
+      error.textContent = refused.message;
+    }
+  });
+}

@@ -1,0 +1,45 @@
+// Jobs that follow from this one, the shares of the series, and the figures of the report.
+import { element, empty, failure } from "../dom.js";
+import { number } from "../format.js";
+import { get } from "../http.js";
+import { paced } from "../pace.js";
+
+const NAMES = { sensitivity: "Sensitivities at the optimum", profile: "Profile objectives", sobol: "Global sensitivity (Sobol)", morris: "Global sensitivity (Morris)" };
+
+export function followUps(view) {
+  const place = document.getElementById("follow-ups"), pictures = document.getElementById("figures"), shares = document.getElementById("shares");
+
+  const list = paced(async () => {
+    if (view.job.objective === null) {
+      place.replaceChildren(empty("They begin at the best evaluation; there is none yet."));
+      return;
+    }
+    try {
+      const [{ follow_ups: found }, { items }] = await Promise.all([get(`/jobs/${view.id}/uncertainty`), get(`/jobs/${view.id}/figures`)]);
+      place.replaceChildren(
+        found.length
+          ? element("ul", {}, found.map((one) => element("li", {}, element("a", { href: `/jobs/${one.id}` }, NAMES[one.kind] ?? one.kind), ` · ${one.evaluations} evaluations `, element("span", { class: `state ${one.state}` }, one.state))))
+          : empty("None yet. ", element("a", { href: `/jobs/${view.id}/statistics` }, "The statistics"), " propose what to do next."));
+      pictures.replaceChildren(items.length ? figures(items) : "");
+    } catch (error) {
+      place.replaceChildren(failure(error));
+    }
+  }, 5000, place);
+
+  const figures = (names) => element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Figures" }, element("table", {},
+    element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "Figure"), element("th", { scope: "col" }, "Download"))),
+    element("tbody", {}, names.map((name) => element("tr", {}, element("td", {}, name.replaceAll("_", " ")), element("td", {}, ["svg", "png", "csv"].map((form) => [
+      element("a", { href: `/api/v1/jobs/${view.id}/figures/${encodeURIComponent(name)}.${form}`, "aria-label": `${name} as ${form.toUpperCase()}` }, form.toUpperCase()), " ",
+    ])))))));
+
+  function share() {
+    const best = view.fit?.curves.find(({ role }) => role === "best");
+    if (!best) return void shares.replaceChildren(empty("No successful evaluation yet."));
+    shares.replaceChildren(element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Shares of the series" }, element("table", {},
+      element("thead", {}, element("tr", {}, ["Series", "Weight", "Misfit [base unit²]", "Share of the objective"].map((head, i) => element("th", { scope: "col", class: i === 1 || i === 2 ? "n" : null }, head)))),
+      element("tbody", {}, best.shares.map((one) => element("tr", {},
+        element("td", {}, one.series), element("td", { class: "n" }, number(one.weight)), element("td", { class: "n" }, number(one.misfit)),
+        element("td", { class: "bar-cell" }, element("meter", { min: 0, max: 1, value: one.share, "aria-label": `share of ${one.series}` }), ` ${(100 * one.share).toFixed(0)} %`)))))));
+  }
+  return { job: list, fit: share };
+}

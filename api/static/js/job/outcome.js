@@ -1,0 +1,32 @@
+// Why a job failed, in one step: what happened, with the first failed evaluation at hand.
+import { announce, element } from "../dom.js";
+import { get } from "../http.js";
+import { openEvaluation } from "./evaluation.js";
+
+export function outcome(view) {
+  const place = document.getElementById("outcome");
+  let shown = null;
+
+  async function first() {
+    try {
+      const { items } = await get(`/jobs/${view.id}/evaluations`, { state: "failed", limit: 1 });
+      if (items.length) openEvaluation(view, items[0].generation, items[0].particle);
+      else announce("No evaluation is failed any more.");
+    } catch (error) {
+      announce(error.message);
+    }
+  }
+
+  function show() {
+    const { job } = view;
+    const now = JSON.stringify([job.error, job.failed_evaluations]);
+    if (now === shown) return;
+    shown = now;
+    const failed = job.failed_evaluations;
+    const why = failed ? element("button", { type: "button", class: job.error ? "quiet" : "link", onclick: first }, job.error ? "Show the first failed evaluation" : "See why") : null;
+    if (job.error) place.replaceChildren(element("div", { class: "error" }, element("p", {}, job.error), why));
+    else if (failed) place.replaceChildren(element("p", { class: "help" }, `${failed} of ${job.evaluations} evaluations failed. `, why));
+    else place.replaceChildren();
+  }
+  return { job: show, generation: show };
+}

@@ -1,0 +1,68 @@
+// Six-node triangles: their straight pieces, their outline, and filled contours.
+
+/** Four triangles of three nodes, as places in the list of six, that make up one of six. */
+export const PIECES = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
+const SIDES = [[0, 3, 1], [1, 4, 2], [2, 5, 0]];
+
+/** Sides that belong to one triangle only: [start, mid, end]. */
+export function outline(triangles) {
+  const sides = new Map();
+  for (const triangle of triangles) {
+    for (const [a, m, b] of SIDES) {
+      const key = triangle[m];
+      if (sides.has(key)) sides.delete(key);
+      else sides.set(key, [triangle[a], triangle[m], triangle[b]]);
+    }
+  }
+  return [...sides.values()];
+}
+
+/** Round levels between two values, at most so many. */
+export function levels(low, high, most = 10) {
+  const rough = (high - low) / most;
+  if (!(rough > 0)) return [low, low + 1];
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 2.5, 5, 10].map((digit) => digit * power).find((one) => one >= rough * 0.999);
+  const first = Math.floor(low / step + 1e-9), last = Math.ceil(high / step - 1e-9);
+  return Array.from({ length: Math.max(2, last - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(8)));
+}
+
+/**
+ * The part of a polygon where a linear quantity lies between two values.
+ * `corners`: [x, y, value] each; returns the same, fewer than three where nothing is left.
+ */
+export function between(corners, low, high) {
+  return clipped(clipped(corners, (value) => value - low), (value) => high - value);
+}
+
+function clipped(corners, excess) {
+  const kept = [];
+  for (let i = 0; i < corners.length; i += 1) {
+    const here = corners[i], next = corners[(i + 1) % corners.length];
+    const a = excess(here[2]), b = excess(next[2]);
+    if (a >= 0) kept.push(here);
+    if ((a < 0) !== (b < 0)) {
+      const share = a / (a - b);
+      kept.push(here.map((value, k) => value + share * (next[k] - value)));
+    }
+  }
+  return kept;
+}
+
+/** Smallest box around places: [left, bottom, right, top]. */
+export function box(places) {
+  const found = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const [x, y] of places) {
+    if (x < found[0]) found[0] = x;
+    if (y < found[1]) found[1] = y;
+    if (x > found[2]) found[2] = x;
+    if (y > found[3]) found[3] = y;
+  }
+  return found;
+}
+
+/** The largest round number (1, 2 or 5 times a power of ten) that is not above a value. */
+export function roundDown(value) {
+  const power = 10 ** Math.floor(Math.log10(Math.max(value, 1e-300)));
+  return power * [5, 2, 1].find((step) => step * power <= value * (1 + 1e-9));
+}

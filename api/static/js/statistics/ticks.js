@@ -1,0 +1,32 @@
+// Round values for an axis.
+
+/** Round values between two limits, at most so many; powers of ten on a log scale where two fit. */
+export function ticks(lower, upper, scale, most = 4) {
+  if (scale === "log" && lower > 0) {
+    const first = Math.ceil(Math.log10(lower) - 1e-9), last = Math.floor(Math.log10(upper) + 1e-9);
+    if (last > first) {
+      const step = Math.ceil((last - first + 1) / most);
+      return range(first, last, step).map((power) => 10 ** power);
+    }
+    const found = range(first - 1, last, 1).flatMap((power) => [1, 2, 5].map((digit) => digit * 10 ** power)).filter((value) => value >= lower && value <= upper);
+    if (found.length > 1) return found.slice(0, most);
+  }
+  const rough = (upper - lower) / most;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((digit) => digit * power).find((one) => one >= rough * 0.999);
+  return range(Math.ceil(lower / step - 1e-9), Math.floor(upper / step + 1e-9), 1).map((n) => Number((n * step).toPrecision(6)));
+}
+
+function range(first, last, step) {
+  return Array.from({ length: Math.max(0, Math.floor((last - first) / step) + 1) }, (_, n) => first + n * step);
+}
+
+/** A tick as short text: 1e-3, 0.01, 25. */
+export function tickText(value) {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e-2 && size < 1e5) return String(Number(value.toPrecision(3)));
+  const [digits, power] = value.toExponential(1).split("e");
+  const raised = [...String(Number(power))].map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]).join("");
+  return Number(digits) === 1 ? `10${raised}` : `${Number(digits)}·10${raised}`;
+}

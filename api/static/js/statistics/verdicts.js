@@ -1,0 +1,69 @@
+// What the data say about each parameter, in words, with the evidence and what to do about it.
+import { element } from "../dom.js";
+import { count, number, percent, symbol } from "../format.js";
+
+const KINDS = {
+  identified: "identified", bounded_on_one_side: "bounded on one side", in_combination: "in combination",
+  not_identified: "not identified", undecided: "undecided",
+};
+const BASES = { sampling: "sampling", linearisation: "sensitivities at the optimum", none: "too little" };
+const DO = { fix: "Fix", link: "Link", widen: "Widen" };
+
+/** Sentences of the service with the parameters in the field's letters. */
+export function typeset(text, names) {
+  return names.reduce((words, name) => words.replaceAll(new RegExp(`(?<![\\w.])${name.replace(/\W/g, "\\$&")}(?![\\w*])`, "g"), symbol(name)), text);
+}
+
+/** Cards of verdicts; `plan` takes proposals, null when nothing may be submitted. */
+export function verdictCards(verdicts, units, plan) {
+  const names = verdicts.map(({ parameter }) => parameter);
+  return verdicts.map(({ parameter, kind, sentence, evidence, proposals }) => element("article", { class: `card ${kind}`, "data-parameter": parameter },
+    element("h3", {}, `${symbol(parameter)}${unitOf(units[parameter])}`, element("span", { class: "badge" }, KINDS[kind])),
+    element("p", {}, typeset(sentence, names)),
+    element("details", {}, element("summary", {}, "Evidence"), evidenceList(evidence)),
+    proposals.map((proposal) => suggestion(proposal, names, plan))));
+}
+
+function unitOf(unit) {
+  return unit && unit !== "-" ? ` [${unit}]` : "";
+}
+
+function evidenceList(evidence) {
+  const yes = (value) => (value === null ? "–" : value ? "yes" : "no");
+  const rows = [
+    ["Basis", BASES[evidence.basis]],
+    ["Good fits", count(evidence.good_fits)],
+    ["They range from", number(evidence.range_lower)],
+    ["to", number(evidence.range_upper)],
+    ["Share of the sampled width", percent(evidence.width_ratio ?? NaN)],
+    ["In one group", yes(evidence.unimodal)],
+    ["Reach the lower bound", yes(evidence.open_below)],
+    ["Reach the upper bound", yes(evidence.open_above)],
+    ["Influence on the fit", number(evidence.influence)],
+    ["Tied to", evidence.partners.map(([name, r]) => (r === null ? symbol(name) : `${symbol(name)} (r = ${r.toFixed(2)})`)).join(", ") || "none"],
+    ["From a swarm's path", yes(evidence.sampling_bias)],
+  ];
+  return element("dl", {}, rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))));
+}
+
+function suggestion(proposal, names, plan) {
+  const words = element("p", {}, typeset(proposal.sentence, names));
+  if (!plan || !DO[proposal.kind]) return element("div", { class: "proposal" }, words);
+  const what = `${DO[proposal.kind]} ${symbol(proposal.parameter)}`;
+  return element("div", { class: "proposal" }, words, element("div", { class: "buttons" },
+    element("button", { type: "button", class: "quiet", onclick: () => plan.accept(proposal) }, `${what} in the follow-up`),
+    element("button", { type: "button", class: "quiet", onclick: (event) => plan.startWith(proposal, event.currentTarget) }, `${what} and start`)));
+}
+
+/** Table of all correlations of an answer of /statistics. */
+export function correlationTable(tables) {
+  const names = { "pearson linear": "r, natural values", "pearson search": "r, search coordinates", "spearman linear": "ρ, ranks", "spearman search": "ρ, ranks" };
+  const cell = ({ coefficient, lower, upper, correlated }) => element("td", { class: "n" },
+    coefficient === null ? "–" : element(correlated ? "strong" : "span", {}, coefficient.toFixed(2)),
+    lower === null || upper === null ? "" : ` (${lower.toFixed(2)} … ${upper.toFixed(2)})`);
+  if (!tables.length || !tables[0].pairs.length) return element("p", { class: "empty" }, "One parameter has no correlations.");
+  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Correlations" }, element("table", {},
+    element("caption", { class: "help" }, `Among the good fits, with ${percent(tables[0].level)} intervals; bold: |r| ≥ 0.5 and the interval excludes 0.${tables[0].biased ? " Of a swarm's path: not of the data alone." : ""}`),
+    element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "Pair"), tables.map((table) => element("th", { scope: "col", class: "n" }, names[`${table.method} ${table.coordinates}`])), element("th", { scope: "col", class: "n" }, "n"))),
+    element("tbody", {}, tables[0].pairs.map((pair, i) => element("tr", {}, element("th", { scope: "row" }, `${symbol(pair.first)}, ${symbol(pair.second)}`), tables.map((table) => cell(table.pairs[i])), element("td", { class: "n" }, count(pair.count)))))));
+}

@@ -1,0 +1,84 @@
+// API keys: list, make, revoke.
+import { announce, confirmed, dialog, element, empty, failure } from "../dom.js";
+import { age, moment } from "../format.js";
+import { get, post } from "../http.js";
+
+const DAYS = [["", "never"], ["30", "in 30 days"], ["90", "in 90 days"], ["365", "in a year"]];
+const ROLES = [["submit", "submit: look at and run own jobs"], ["read", "read: look at own jobs"], ["admin", "admin: everything, for all"]];
+
+/** Fill `place` with the keys and a form for another one. */
+export async function keysPanel(place) {
+  const list = element("div");
+  const message = element("p", { class: "error", role: "alert" });
+  const { key_needed: needed } = await get("/session").catch(() => ({ key_needed: true }));
+  const note = needed ? null : element("p", { class: "help" }, "This service asks for no key now. Once there is a key, it asks for one after its next start: make one of an administrator first.");
+
+  async function look() {
+    try {
+      const { items } = await get("/keys");
+      list.replaceChildren(items.length ? table(items, revoke) : empty("There are no keys."));
+    } catch (error) {
+      list.replaceChildren(failure(error));
+    }
+  }
+
+  async function revoke({ id, owner }) {
+    if (!(await confirmed(`Revoke the key ${id} of ${owner}? It is refused from then on, for ever.`, "Revoke"))) return;
+    try {
+      await post(`/keys/${id}/revoke`);
+      announce(`The key ${id} is revoked.`);
+    } catch (error) {
+      message.textContent = error.message;
+    }
+    await look();
+  }
+
+  place.replaceChildren(...[note].filter(Boolean), list, form(look, message), message);
+  await look();
+}
+
+function table(keys, revoke) {
+  const head = ["Owner", "Role", "State", "Label", "Made", "Expires", "Last used", "Key", ""];
+  const when = (timestamp, never) => (timestamp ? element("time", { datetime: timestamp, title: moment(timestamp) }, new Date(timestamp) > Date.now() ? moment(timestamp) : age(timestamp)) : never);
+  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "API keys" }, element("table", {},
+    element("thead", {}, element("tr", {}, head.map((text) => (text ? element("th", { scope: "col" }, text) : element("td"))))),
+    element("tbody", {}, keys.map((key) => element("tr", {},
+      element("th", { scope: "row" }, key.owner), element("td", {}, key.role), element("td", {}, element("span", { class: `state ${key.state}` }, key.state)), element("td", {}, key.label || "–"),
+      element("td", {}, when(key.created_at, "–")), element("td", {}, when(key.expires_at, "never")), element("td", {}, when(key.used_at, "never")), element("td", {}, element("code", {}, key.id)),
+      element("td", {}, key.state === "active" ? element("button", { type: "button", class: "danger", "aria-label": `Revoke the key ${key.id} of ${key.owner}`, onclick: () => revoke(key) }, "Revoke") : ""))))));
+}
+
+function form(look, message) {
+  const owner = element("input", { required: true, maxlength: 80, pattern: "[A-Za-z0-9][A-Za-z0-9._@+\\-]*", autocomplete: "off", title: "letters, digits and . _ @ + -" });
+  const role = element("select", {}, ROLES.map(([value, text]) => element("option", { value }, text)));
+  const label = element("input", { maxlength: 200, autocomplete: "off", placeholder: "what it is for" });
+  const expiry = element("select", {}, DAYS.map(([value, text]) => element("option", { value }, text)));
+  const field = (text, input) => element("label", {}, text, input);
+  const make = element("button", {}, "Make a key");
+  async function submit(event) {
+    event.preventDefault();
+    message.textContent = "";
+    make.disabled = true;
+    try {
+      const wanted = { owner: owner.value, role: role.value, label: label.value, valid_seconds: expiry.value ? 86400 * Number(expiry.value) : null };
+      const { key } = await post("/keys", wanted);
+      dialog(`Key of ${wanted.owner}`, element("p", { class: "new-key" }, element("code", {}, key)), element("p", {}, "It is shown only now: hand it over before you close this."),
+        element("div", { class: "buttons" }, element("button", { type: "button", onclick: () => copied(key) }, "Copy")));
+      owner.value = label.value = "";
+      await look();
+    } catch (error) {
+      message.textContent = error.message;
+    }
+    make.disabled = false;
+  }
+  return element("form", { class: "make-key", onsubmit: submit, "aria-label": "Make a key" }, field("Owner", owner), field("Role", role), field("Label", label), field("Expires", expiry), make);
+}
+
+async function copied(key) {
+  try {
+    await navigator.clipboard.writeText(key);
+    announce("Copied.");
+  } catch {
+    announce("The browser does not allow copying: mark the key and copy it by hand.");
+  }
+}

@@ -1,0 +1,208 @@
+"""The statistics of a job: what is chosen by threshold and brush, verdicts, follow-ups, other weights."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from solver.problem import parse_problem
+from tests.api.conftest import line_problem
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from workers.service import JobService
+
+Visit = Callable[..., Opened]
+
+READ_POINTS = """async (base) => {
+    const { fetchPoints } = await import(base + "/js/statistics/points.js");
+    const found = await fetchPoints(document.querySelector("main").dataset.job);
+    return [found.count, [...found.values[1]], [...found.objective], [...found.misfits.z]];
+}"""
+MOVE = "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }"
+
+
+def two_lines(**changes: Any) -> dict[str, Any]:
+    """Two series, of which one needs one of the parameters only; sampled. A third parameter has no influence."""
+    return (
+        line_problem(
+            name="two lines",
+            forward_model={"kind": "formula", "series": {"y": "a + b * x + 0 * d", "z": "b * x"}},
+            parameters={
+                "a": {"lower": -5, "upper": 5},
+                "b": {"lower": 0.1, "upper": 4, "scale": "log"},
+                "d": {"lower": 0, "upper": 1},
+            },
+            observations=[
+                {"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.0]}},
+                {"series": "z", "points": {"x": [1, 2, 3, 4], "y": [3.0, 6.1, 8.9, 12.0]}, "weight": 0.5},
+            ],
+            method={"kind": "monte_carlo", "samples": 400},
+            stopping={},
+        )
+        | changes
+    )
+
+
+def ended(service: JobService, document: dict[str, Any]) -> str:
+    view, _ = service.submit(parse_problem(document))
+    deadline = time.monotonic() + 60
+    while service.get(view.id).state not in ("finished", "failed"):
+        assert time.monotonic() < deadline, "the job does not end"
+        time.sleep(0.05)
+    return view.id
+
+
+@pytest.fixture(scope="module")
+def job(embedded: Site) -> str:
+    return ended(embedded.service, two_lines())
+
+
+@pytest.fixture
+def page(embedded: Site, visit: Visit, job: str) -> Page:
+    opened, _ = visit(embedded, f"/jobs/{job}/statistics")
+    expect(opened.locator("#verdicts .card")).to_have_count(3)
+    return opened
+
+
+def chosen(page: Page) -> int:
+    text = page.locator("#filter output").inner_text()
+    found = re.search(r"(\d+) inside", text) or re.match(r"(\d+) of", text)
+    assert found is not None, text
+    return int(found[1])
+
+
+def slide(page: Page, value: int) -> None:
+    page.locator("#threshold").evaluate(MOVE, value)
+
+
+def test_points_are_those_of_the_service(embedded: Site, page: Page, job: str) -> None:
+    base = page.locator("body").get_attribute("data-static")
+    count, b, objectives, misfits = page.evaluate(READ_POINTS, base)
+    stored = embedded.service.evaluations(job, limit=1000).items
+    assert count == 400
+    assert b == pytest.approx([item.parameters["b"] for item in stored], rel=1e-6)
+    assert objectives == pytest.approx([item.objective for item in stored], rel=1e-6)
+    assert misfits == pytest.approx([item.misfits["z"] for item in stored], rel=1e-6)
+
+
+def test_the_slider_counts_as_the_service_does_and_verdicts_follow(embedded: Site, page: Page, job: str) -> None:
+    slide(page, 700)
+    exact = float(page.get_by_label("Threshold as a number").input_value())
+    with page.expect_response(re.compile("/statistics")):
+        page.get_by_label("Threshold as a number").fill(str(exact))
+        page.keyboard.press("Enter")
+    expect(page.locator("#threshold-why")).to_contain_text("given")
+    samples = embedded.service.statistics.report(job, threshold=exact).statistics
+    assert samples is not None
+    assert chosen(page) == samples.filtered.kept
+    page.locator("#correlations summary").click()
+    r = samples.pearson.get("a", "b").coefficient
+    assert r is not None
+    expect(page.locator("#correlations td").first).to_contain_text(f"{r:.2f}")
+    expect(page.locator(".marks .r").first).to_contain_text(f"{r:.2f}".replace("-", "−"))
+    expect(page.locator("#fit")).to_contain_text(f"{chosen(page)} chosen")
+
+
+def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> None:
+    slide(page, 900)
+    before = chosen(page)
+    cell = page.locator(".marks .cell").nth(3).bounding_box()  # row b, column a
+    assert cell is not None
+    x, y, side = cell["x"], cell["y"], cell["width"]
+    page.mouse.move(x + 0.5 * side, y + 0.1 * side)
+    page.mouse.down()
+    page.mouse.move(x + 0.9 * side, y + 0.9 * side, steps=4)
+    page.mouse.up()
+    inside = chosen(page)
+    assert 0 < inside < before
+    expect(page.locator(".marks .brush")).to_have_count(5)  # every cell with a or b
+    expect(page.locator("#fit")).to_contain_text(f"{inside} chosen")
+    page.get_by_text("Ranges of the parameters").click()
+    low = float(page.get_by_label("a, at least").input_value())
+    assert low == pytest.approx(0.0, abs=0.15)  # the middle of -5 to 5, to a pixel
+    page.get_by_role("button", name="Take all ranges away").click()
+    assert chosen(page) == before
+
+
+def test_ranges_can_be_typed(page: Page) -> None:
+    slide(page, 1000)
+    whole = chosen(page)
+    page.get_by_text("Ranges of the parameters").click()
+    field = page.get_by_label("b, at most")
+    field.fill("1")
+    field.press("Enter")
+    assert 0 < chosen(page) < whole
+    page.get_by_role("button", name="Any b").click()
+    assert chosen(page) == whole
+
+
+def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page: Page, job: str) -> None:
+    before = page.locator("#weights > p").nth(2).inner_text()
+    with page.expect_response(re.compile("/reweight")):
+        page.get_by_label("Weight of z").fill("0")
+        page.keyboard.press("Enter")
+    after = embedded.service.statistics.reweighted(job, weights={"y": 1.0, "z": 0.0})
+    best = after["best"]["parameters"]
+    told = page.locator("#weights > p").nth(2)
+    expect(told).to_contain_text(f"a = {best['a']:.4g}")
+    assert told.inner_text() != before
+    expect(page.locator("#verdicts-note")).to_be_visible()
+    page.get_by_role("button", name="Weights of the job").click()
+    expect(told).to_have_text(before)
+
+
+def test_a_proposal_becomes_a_job_with_the_parameter_fixed(embedded: Site, page: Page) -> None:
+    card = page.locator(".card[data-parameter=d]")
+    expect(card).to_contain_text("not identified")
+    card.get_by_role("button", name="Fix d in the follow-up").click()
+    expect(page.locator("#plan")).to_contain_text("d fixed; 2 left to be identified")
+    page.get_by_label("a in the follow-up").select_option("widened")
+    page.get_by_label("Upper bound of a").fill("9")
+    page.get_by_role("button", name="Check it first").click()
+    expect(page.locator("#plan")).to_contain_text("It works")
+    page.get_by_role("button", name="Start follow-up").click()
+    page.wait_for_url(lambda url: "statistics" not in url)
+    made = embedded.service.problem(page.url.rpartition("/")[2])
+    assert made["parameters"]["a"]["upper"] == 9
+    assert "value" in made["parameters"]["d"]
+    assert made["name"] == "two lines (a bounds changed, d fixed)"
+
+
+def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) -> None:
+    page, guard = visit(embedded, f"/jobs/{job}/statistics")
+    guard.allow("422")
+    page.get_by_label("a in the follow-up").select_option("linked")
+    page.get_by_label("Expression of a").fill("2 * nobody")
+    page.get_by_role("button", name="Start follow-up").click()
+    expect(page.locator("#plan .error")).to_contain_text("nobody")
+
+
+def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> None:
+    page.get_by_role("button", name="Sensitivities at the optimum").click()
+    expect(page.locator("#uncertainty li")).to_contain_text("sensitivity")
+    expect(page.locator("#uncertainty .state")).to_have_text("finished", timeout=30_000)
+    expect(page.locator("#uncertainty table")).to_contain_text("Standard error")
+
+
+@pytest.mark.parametrize(
+    "options", [{"color_scheme": "light"}, {"color_scheme": "dark", "viewport": {"width": 390, "height": 844}}]
+)
+def test_statistics_can_be_used_by_everybody(embedded: Site, visit: Visit, job: str, options: dict[str, Any]) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}/statistics", **options)
+    expect(page.locator("#verdicts .card")).to_have_count(3)
+    check_accessibility(page)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_job_without_evaluations_says_so(embedded: Site, visit: Visit) -> None:
+    view, _ = embedded.service.submit(parse_problem(line_problem()))
+    embedded.service.cancel(view.id)
+    page, guard = visit(embedded, f"/jobs/{view.id}/statistics")
+    guard.allow("409", "statistics")
+    expect(page.locator("#nothing")).to_contain_text(re.compile("nothing to judge|Reading"))
+    assert page.locator("h1 .state").inner_text() in ("cancelled", "finished")

@@ -1,0 +1,128 @@
+"""Other stop criteria: a job that had ended goes on exactly as if they had been given from the start."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from solver.errors import ProblemError
+from solver.problem import Stopping
+from tests.workers.conftest import MakeWorker
+from tests.workers.problems import expected_history, line, recorded_history
+from workers.access import Principal
+from workers.errand import Errand
+from workers.errors import InvalidTransitionError, NothingLeftError, QuotaExceededError
+from workers.service import JobService
+
+METHODS: list[dict[str, Any]] = [
+    {"kind": "particle_swarm", "particles": 6, "acceleration": "none"},
+    {"kind": "particle_swarm", "particles": 6, "acceleration": "response_surface"},
+]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=["textbook", "accelerated"])
+@pytest.mark.parametrize("burst_seconds", [0.0, 5.0], ids=["single generations", "bursts"])
+def test_a_finished_job_goes_on_as_if_it_had_been_asked_for_more_at_first(
+    service: JobService, make_worker: MakeWorker, method: dict[str, Any], burst_seconds: float
+) -> None:
+    wanted = line(method=method, stopping={"max_evaluations": 90})
+    job_id = service.submit(line(method=method, stopping={"max_evaluations": 36}))[0].id
+    worker = make_worker(burst_seconds=burst_seconds)
+    worker.serve(job_id)
+    assert service.get(job_id).stop_reasons == ["max_evaluations"]
+    view = service.change_stopping(job_id, Stopping(max_evaluations=90))
+    assert (view.state, view.stop_reasons, view.finished_at, view.max_evaluations) == ("running", [], None, 90)
+    assert service.problem(job_id)["stopping"] == {"max_evaluations": 90}
+    worker.serve(job_id)
+    assert service.get(job_id).state == "finished"
+    assert recorded_history(service, job_id) == expected_history(wanted)
+    states = [event.data["state"] for event in service.events(job_id) if event.kind == "state"]
+    assert states == ["queued", "running", "finished", "running", "finished"]
+
+
+def test_a_cancelled_job_goes_on_too(service: JobService, make_worker: MakeWorker, monkeypatch: Any) -> None:
+    job_id = service.submit(line(stopping={"max_evaluations": 60}))[0].id
+    service.cancel(job_id)
+    assert service.change_stopping(job_id, Stopping(max_evaluations=60)).state == "queued"
+    run = Errand.run
+    calls: list[int] = []
+
+    def interrupted(self: Errand) -> Any:
+        calls.append(1)
+        if len(calls) == 3:
+            service.cancel(job_id)
+        return run(self)
+
+    monkeypatch.setattr(Errand, "run", interrupted)
+    worker = make_worker(burst_seconds=0.0)
+    worker.serve(job_id)
+    assert service.get(job_id).state == "cancelled"
+    service.change_stopping(job_id, Stopping(max_evaluations=60))
+    worker.serve(job_id)
+    assert service.get(job_id).state == "finished"
+    assert recorded_history(service, job_id) == expected_history(line(stopping={"max_evaluations": 60}))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=["textbook", "accelerated"])
+@pytest.mark.parametrize(("first", "then"), [(36, 90), (90, 36)], ids=["more", "fewer"])
+def test_a_change_while_a_worker_is_at_it_holds(
+    service: JobService, make_worker: MakeWorker, monkeypatch: Any, method: dict[str, Any], first: int, then: int
+) -> None:
+    """The worker runs several generations in a row and concludes from the old criteria; that must not count."""
+    job_id = service.submit(line(method=method, stopping={"max_evaluations": first}))[0].id
+    run = Errand.run
+    calls: list[int] = []
+
+    def overtaken(self: Errand) -> Any:
+        calls.append(1)
+        hand_in = run(self)
+        if len(calls) == 2:
+            service.change_stopping(job_id, Stopping(max_evaluations=then))
+        return hand_in
+
+    monkeypatch.setattr(Errand, "run", overtaken)
+    make_worker(burst_seconds=5.0).serve(job_id)
+    assert len(calls) >= 2
+    assert service.get(job_id).state == "finished"
+    assert recorded_history(service, job_id) == expected_history(
+        line(method=method, stopping={"max_evaluations": then})
+    )
+
+
+def test_what_would_end_at_once_is_refused(service: JobService, make_worker: MakeWorker) -> None:
+    job_id = service.submit(line(stopping={"max_evaluations": 36, "target_objective": 1e6}))[0].id
+    make_worker().serve(job_id)
+    with pytest.raises(NothingLeftError, match="target_objective"):
+        service.change_stopping(job_id, Stopping(max_evaluations=100, target_objective=1e6))
+    with pytest.raises(ProblemError, match="stopping"):
+        service.change_stopping(job_id, Stopping())
+    assert service.get(job_id).state == "finished"
+    assert service.problem(job_id)["stopping"] == {"max_evaluations": 36, "target_objective": 1e6}
+
+
+def test_a_sampling_keeps_its_points_and_a_failed_job_its_end(service: JobService, make_worker: MakeWorker) -> None:
+    sampling = {"kind": "monte_carlo", "samples": 20, "sampling": "sobol", "batch": 10}
+    job_id = service.submit(line(method=sampling, stopping={}))[0].id
+    with pytest.raises(ProblemError, match="20 points as a whole"):
+        service.change_stopping(job_id, Stopping(max_evaluations=10))
+    make_worker().serve(job_id)
+    with pytest.raises(NothingLeftError, match="nothing left"):
+        service.change_stopping(job_id, Stopping(max_seconds=100))
+    model = {"kind": "formula", "series": {"y": "a * x + b + ln(0 - 1)"}}
+    broken = service.submit(line(forward_model=model, stopping={"max_evaluations": 12}))[0].id
+    make_worker().serve(broken)
+    assert service.get(broken).state == "failed"
+    with pytest.raises(InvalidTransitionError, match="failed"):
+        service.change_stopping(broken, Stopping(max_evaluations=100))
+
+
+def test_quotas_hold_for_what_is_added(service: JobService, make_worker: MakeWorker) -> None:
+    service.settings = service.settings.model_copy(update={"quota_evaluations": 100})
+    service._runtime.settings = service.settings
+    alice = service.on_behalf_of(Principal("alice", "submit"))
+    job_id = alice.submit(line(stopping={"max_evaluations": 36}))[0].id
+    make_worker().serve(job_id)
+    with pytest.raises(QuotaExceededError):
+        alice.change_stopping(job_id, Stopping(max_evaluations=120))
+    assert alice.change_stopping(job_id, Stopping(max_evaluations=60)).state == "running"

@@ -1,0 +1,64 @@
+"""The database tells of events, so that who listens need not look again and again."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+from sqlalchemy import text
+
+from tests.integration.engines import wait_for
+from tests.workers.problems import line
+from workers.doorbell import MuteDoorbell
+from workers.service import JobService
+from workers.settings import Settings
+from workers.store import Store
+from workers.store.event_bell import EventBell
+
+
+@pytest.fixture
+def postgres_store(fresh_postgres_url: str) -> Iterator[Store]:
+    store = Store(Settings(database_url=fresh_postgres_url))
+    yield store
+    store.close()
+
+
+def listeners(store: Store) -> list[int]:
+    """Process numbers of the connections that listen."""
+    query = text("SELECT pid FROM pg_stat_activity WHERE query LIKE 'LISTEN%' AND datname = current_database()")
+    return list(store.read(lambda connection: connection.execute(query).scalars().all()))
+
+
+def test_it_rings_when_events_are_committed_and_after_a_lost_connection(postgres_store: Store) -> None:
+    rung = threading.Event()
+    bell = EventBell(postgres_store, rung.set)
+    service = JobService(postgres_store, MuteDoorbell())
+    bell.start()
+    try:
+        wait_for(lambda: bell.live and rung.is_set(), "a bell that listens")
+        rung.clear()
+        job = service.submit(line())[0].id
+        assert rung.wait(10.0)
+        (pid,) = listeners(postgres_store)
+        rung.clear()
+        postgres_store.write(lambda connection: connection.execute(text(f"SELECT pg_terminate_backend({pid})")))
+        wait_for(lambda: listeners(postgres_store) not in ([], [pid]) and bell.live, "another connection")
+        assert rung.wait(10.0)  # for what may have come in between
+        rung.clear()
+        service.cancel(job)
+        assert rung.wait(10.0)
+    finally:
+        bell.stop()
+    wait_for(lambda: not listeners(postgres_store), "the end of listening")
+    assert not bell.live
+
+
+def test_where_the_database_cannot_tell_it_is_never_live(store: Store) -> None:
+    bell = EventBell(store, lambda: None)
+    bell.start()
+    on_postgres = store.engine.dialect.name == "postgresql"
+    if on_postgres:
+        wait_for(lambda: bell.live, "a bell that listens")
+    assert bell.live is on_postgres
+    bell.stop()

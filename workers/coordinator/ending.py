@@ -1,0 +1,108 @@
+"""When a job ends, changed after it was submitted; a job that has ended goes on exactly where it was.
+
+The search is asked for the next generation before the criteria are judged, so a job that ended by one of them has its
+next generation at hand: with other criteria it goes on as if they had been given from the start.
+
+Workers keep what they have read of a problem. So the changed criteria stand in the job's row, which is locked in every
+exchange, and what was concluded under other ones does not count.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import Connection, update
+
+from solver.calibration import Progress, stop_criteria
+from solver.errors import Issue, ProblemError
+from solver.problem import MonteCarloMethod, Problem, Stopping, parse_problem
+from solver.stopping import StopCriterion, SwarmStatus, satisfied_reasons
+from workers.coordinator.machine import GoOnRequested, Transition, apply
+from workers.errors import InvalidTransitionError, NothingLeftError
+from workers.quotas import check_quotas
+from workers.settings import Settings
+from workers.store.codec import pack_json, unpack_json, unpack_problem
+from workers.store.jobs import LockedJob, get_problem
+from workers.store.tables import jobs
+
+__all__ = ["change_stopping", "changed_criteria"]
+
+ACCEPTED = ("queued", "running", "paused", "finished", "cancelled")
+OPEN = ("queued", "running", "paused")
+
+
+def changed_criteria(stopping: str | None) -> tuple[StopCriterion, ...] | None:
+    """Return the criteria of a row's ``stopping``; None: those of the problem hold."""
+    return None if stopping is None else stop_criteria(Stopping.model_validate(unpack_json(stopping)))
+
+
+def change_stopping(
+    connection: Connection, locked: LockedJob, stopping: Stopping, settings: Settings, quota_of: str | None
+) -> Transition | None:
+    """Store other stop criteria of a job; return how it goes on when it had ended.
+
+    Parameters
+    ----------
+    quota_of
+        Owner whose quotas limit what may be planned; None: nobody's.
+
+    Raises
+    ------
+    InvalidTransitionError
+        When it has failed, or its failed evaluations are run again.
+    NothingLeftError
+        When it has ended and would not go on, or not for a single generation.
+    ProblemError
+        When its search needs a criterion and none is left, or draws its samples as a whole.
+    QuotaExceededError
+    """
+    row = locked.row
+    if row.state not in ACCEPTED or row.retry_to is not None:
+        state = "running failed evaluations again" if row.retry_to is not None else row.state
+        raise InvalidTransitionError("change the end of", state, ACCEPTED)
+    stored = get_problem(connection, locked.id)
+    if stored is None:
+        raise RuntimeError(f"job {locked.id} has a row but no problem")
+    wanted = stopping.model_dump(mode="json", exclude_none=True)
+    problem = parse_problem(unpack_problem(stored.problem) | {"stopping": wanted})
+    planned = problem.planned_evaluations
+    if isinstance(problem.method, MonteCarloMethod) and planned != row.max_evaluations:
+        raise ProblemError(
+            [
+                Issue(
+                    "stopping.max_evaluations",
+                    f"a sampling draws its {row.max_evaluations} points as a whole and cannot have {planned};"
+                    " submit a job with another number",
+                )
+            ]
+        )
+    ended = row.state not in OPEN
+    if ended and row.progress is not None:
+        _refuse_to_stand_still(locked, problem)
+    if quota_of is not None:
+        more = (
+            max((planned or 0) - row.evaluations, 0) if ended else max((planned or 0) - (row.max_evaluations or 0), 0)
+        )
+        check_quotas(connection, quota_of, more, settings, another=ended)
+    values = {"stopping": pack_json(wanted), "max_evaluations": planned}
+    connection.execute(update(jobs).where(jobs.c.id == locked.id).values(values))
+    return apply(locked.job(), GoOnRequested()) if ended else None
+
+
+def _refuse_to_stand_still(locked: LockedJob, problem: Problem) -> None:
+    progress = Progress.from_json(unpack_json(locked.row.progress))
+    if not len(progress.positions):
+        raise NothingLeftError(f"the search of job {locked.id} has nothing left to evaluate")
+    status = SwarmStatus(
+        evaluations=progress.evaluations,
+        next_evaluations=len(progress.positions),
+        seconds=locked.row.run_seconds,
+        objective=None if progress.best is None else progress.best.objective,
+        stagnation=progress.stagnation,
+    )
+    reasons = satisfied_reasons(stop_criteria(problem.stopping), status) if progress.evaluations else ()
+    if reasons:
+        objective = "none" if status.objective is None else f"{status.objective:.6g}"
+        raise NothingLeftError(
+            f"job {locked.id} would end at once by {', '.join(reasons)}: it has {status.evaluations} evaluations and "
+            f"the next generation {status.next_evaluations} more, {status.seconds:.3g} s, objective {objective}, "
+            f"{status.stagnation} generations without a lower one"
+        )

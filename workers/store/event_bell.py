@@ -1,0 +1,82 @@
+"""Tells at once that events were committed, where the database can say so; who listens may sleep in between."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import psycopg
+from sqlalchemy import Connection, Insert, func, insert
+from sqlalchemy.exc import SQLAlchemyError
+
+from workers.store.database import Store
+from workers.store.tables import events
+
+__all__ = ["EventBell", "insert_events"]
+
+log = logging.getLogger(__name__)
+
+CHANNEL = "geoswarm_events"
+LOOK_SECONDS = 0.5  # how soon the thread notices that it is to end
+AGAIN_SECONDS = 2.0
+
+
+def insert_events(connection: Connection, rows: list[dict[str, Any]]) -> None:
+    """Write events. PostgreSQL tells all who listen when they are committed, in the same statement."""
+    statement: Insert = insert(events)
+    if connection.dialect.name == "postgresql":
+        connection.execute(statement.returning(func.pg_notify(CHANNEL, "")), rows)
+    else:
+        connection.execute(statement, rows)
+
+
+class EventBell:
+    """Listens for events of any job in a thread of its own.
+
+    Parameters
+    ----------
+    ring
+        Called in that thread whenever there may be news.
+    """
+
+    def __init__(self, store: Store, ring: Callable[[], object]) -> None:
+        self._store = store
+        self._ring = ring
+        self._ended = threading.Event()
+        self.live = False
+        """Whether the database tells now; if not, look yourself."""
+
+    def start(self) -> None:
+        """Begin to listen; does nothing where the database cannot tell."""
+        if self._store.engine.dialect.name == "postgresql":
+            threading.Thread(target=self._listen, name="geoswarm-event-bell", daemon=True).start()
+
+    def stop(self) -> None:
+        """End soon; does not wait."""
+        self._ended.set()
+        self.live = False
+
+    def _listen(self) -> None:
+        while not self._ended.is_set():
+            try:
+                self._answer()
+            except (SQLAlchemyError, psycopg.Error) as error:
+                self.live = False
+                log.info("events are looked for now and then, as the database does not tell of them: %s", error)
+                self._ended.wait(AGAIN_SECONDS)
+
+    def _answer(self) -> None:
+        with self._store.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+            try:
+                connection.exec_driver_sql(f"LISTEN {CHANNEL}")
+                driver: Any = connection.connection.driver_connection
+                self.live = not self._ended.is_set()
+                self._ring()  # for what came before
+                while not self._ended.is_set():
+                    for _ in driver.notifies(timeout=LOOK_SECONDS, stop_after=1):
+                        self._ring()
+            finally:
+                self.live = False
+                connection.invalidate()  # so that nobody else gets a connection that listens
