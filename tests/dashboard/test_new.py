@@ -14,6 +14,7 @@ from solver.problem import load_problem, parse_problem
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
+from tests.solver.problem.test_measurements import ROWS, STRINGS, workbook
 
 Visit = Callable[..., Opened]
 
@@ -92,7 +93,7 @@ def build_oedometer(page: Page, readings: Path) -> None:
     parameter(page, "c", "free", lower="0.001", upper="100")
     parameter(page, "mu_star", "fixed", value="1.46e-3")
     parameter(page, "phi", "fixed", value="20")
-    page.get_by_text("Parameters with a default").click()
+    page.get_by_text("Further parameters").click()
     parameter(page, "psi", "fixed", value="0")
     page.get_by_role("button", name="Add lambda_star > kappa_star").click()
     page.get_by_label("Particles").fill("10")
@@ -143,6 +144,25 @@ def test_the_same_with_keys_and_workers(full: Site, visit: Visit, readings: Path
     job = check_and_start(page)
     check_published(full, job)
     expect(page.locator("h1 .state")).to_have_text("finished", timeout=CALM)
+
+
+def test_a_sheet_of_a_workbook_is_mapped(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=formula")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    notes = '<row r="1"><c r="A1" t="inlineStr"><is><t>day</t></is></c></row><row r="2"><c r="A2"><v>3</v></c></row>'
+    content = workbook(("Notes", notes), ("Readings", ROWS), strings=STRINGS)
+    page.locator("#file").set_input_files({"name": "clay.xlsx", "mimeType": "", "buffer": content})
+    mapping = page.locator(".mapping")
+    mapping.get_by_label("Sheet").select_option("Readings")
+    expect(mapping.get_by_label("Unit of y")).to_have_value("mm")
+    said = mapping.get_by_role("status")
+    expect(said).to_contain_text("2 readings. 1 rows without both numbers are left out.")
+    expect(said).to_contain_text("1 cells of “settlement (mm)” hold no number.")
+    mapping.get_by_label("Reverse the sign of y").check()
+    mapping.get_by_role("button", name="Use these readings").click()
+    area = page.get_by_label("The problem as YAML")
+    expect(area).to_have_value(re.compile(r"x: \[1\.5, 45\]"))
+    assert "y: [-0.25, -0.5]" in area.input_value()
 
 
 def test_form_and_yaml_follow_each_other(embedded: Site, visit: Visit) -> None:

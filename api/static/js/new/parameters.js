@@ -76,14 +76,17 @@ export function parametersSection(context, place) {
     drawnFor = key();
     const known = infos();
     const names = new Set(known.map((info) => info.name));
-    const first = known.filter((info) => info.default === null || info.name in given());
+    // A combined model also knows each parameter for one part alone: these are wanted seldom.
+    const partial = (name) => name.includes(".") && names.has(name.slice(name.lastIndexOf(".") + 1));
+    const shared = (info) => !partial(info.name) && !known.some((one) => one.name.endsWith(`.${info.name}`) && one.name in given());
+    const first = known.filter((info) => info.name in given() || (info.default === null && shared(info)));
     const rest = known.filter((info) => !first.includes(info));
     const own = Object.keys(given()).filter((name) => !names.has(name));
     const free = Object.values(given()).filter((one) => modeOf(one) === "free").length;
     redrawn(list,
       known.length || own.length ? element("p", { class: "help" }, `${free} free. Free ones are identified between their bounds, fixed ones are known, linked ones follow from others.`) : empty("Describe the forward model: then its parameters stand here."),
       first.map((info) => card(info.name, info)), own.map((name) => card(name, null)),
-      rest.length ? element("details", { class: "more" }, element("summary", {}, `Parameters with a default: ${rest.map((info) => symbol(info.name)).join(", ")}`), rest.map((info) => card(info.name, info))) : null,
+      rest.length ? element("details", { class: "more" }, element("summary", {}, `Further parameters: ${rest.slice(0, 6).map((info) => symbol(info.name)).join(", ")}${rest.length > 6 ? " …" : ""}`), rest.map((info) => card(info.name, info))) : null,
       known.length ? helper() : null, errorPlace(["parameters"]));
     drawRules();
   }
