@@ -217,7 +217,9 @@ def test_it_begins_with_an_earlier_job(embedded: Site, visit: Visit) -> None:
     with example_file("isotropic_compression") as path:
         view, _ = embedded.service.submit(load_problem(path))
     embedded.service.cancel(view.id)
-    page, _ = visit(embedded, f"/new?from={view.id}")
+    page, _ = visit(embedded, "/new")
+    page.get_by_label("or with an earlier job").select_option(view.id)
+    page.wait_for_url(f"**/new?from={view.id}")
     expect(page.locator('[data-path="name"]')).to_have_value("isotropic-san-cassiano again")
     expect(page.locator(".observation")).to_have_count(2)
     shares = page.locator("[data-share]")
