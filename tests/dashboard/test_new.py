@@ -203,6 +203,11 @@ def test_mistakes_appear_where_they_are_while_one_types(embedded: Site, visit: V
     expect(constraint).to_have_attribute("aria-invalid", "true")
     constraint.fill("lambda_star > kappa_star")
     expect(page.locator('[data-error="constraints[0]"]')).to_be_empty()
+    stress = page.locator('[data-path="forward_model.stages[2].stress"]')
+    stress.fill("2.5 bar")
+    expect(page.locator('[data-error="forward_model.stages[2].stress"]')).to_contain_text("must be a number")
+    expect(page.get_by_label("Unit of settlement")).to_have_value("mm")  # what is known of the test stays
+    stress.fill("25")
     page.locator('[data-path="parameters.c.upper"]').fill("0.0001")
     expect(page.locator('[data-error="parameters.c.lower"]')).to_contain_text("must be below upper")
     page.get_by_role("button", name="line 28").click()

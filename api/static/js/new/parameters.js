@@ -28,7 +28,7 @@ export function parametersSection(context, place) {
   const list = element("div", {}), rules = element("div", {});
   let drawnFor = "";
   const given = () => { const all = draft.read(["parameters"]); return all && typeof all === "object" ? all : {}; };
-  const infos = () => draft.answer?.parameters ?? [];
+  const infos = () => draft.model().parameters;
 
   function card(name, info) {
     const path = ["parameters", name];
@@ -126,6 +126,6 @@ export function parametersSection(context, place) {
   const key = () => JSON.stringify([infos(), Object.entries(given()).map(([name, one]) => [name, modeOf(one)])]);
   place.replaceChildren(list, element("h3", {}, "Constraints"), rules);
   draft.on("replace", draw);
-  draft.on("answer", () => { if (draft.answer.parameters && key() !== drawnFor) draw(); });
+  draft.on("answer", () => { if (key() !== drawnFor) draw(); });
   draw();
 }
