@@ -180,6 +180,7 @@ def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) ->
     page.get_by_label("Expression of a").fill("2 * nobody")
     page.get_by_role("button", name="Start follow-up").click()
     expect(page.locator("#plan .error")).to_contain_text("nobody")
+    assert page.url.endswith(f"/jobs/{job}/statistics")
 
 
 def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> None:
@@ -187,6 +188,7 @@ def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> Non
     expect(page.locator("#uncertainty li")).to_contain_text("sensitivity")
     expect(page.locator("#uncertainty .state")).to_have_text("finished", timeout=30_000)
     expect(page.locator("#uncertainty table")).to_contain_text("Standard error")
+    assert page.locator("#uncertainty tbody tr").count() == 3
 
 
 @pytest.mark.parametrize(
