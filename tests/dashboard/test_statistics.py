@@ -152,7 +152,9 @@ def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page
     expect(told).to_contain_text(f"a = {best['a']:.4g}")
     assert told.inner_text() != before
     expect(page.locator("#verdicts-note")).to_be_visible()
+    expect(page.locator("#threshold-why")).to_contain_text("as many good fits as before")
     page.get_by_role("button", name="Weights of the job").click()
+    expect(page.locator("#threshold-why")).not_to_contain_text("as many")
     expect(told).to_have_text(before)
 
 
