@@ -6,6 +6,7 @@ import asyncio
 from typing import Annotated, Any
 
 from fastapi import Depends, Request
+from starlette.requests import ClientDisconnect
 
 from api.errors import DetailError
 from api.settings import ApiSettings
@@ -55,6 +56,8 @@ async def _file_content(request: Request) -> bytes:
             return await _read(request, settings.max_body_bytes)
     except TimeoutError:
         raise DetailError(408, f"The body did not arrive within {settings.body_seconds:g} s.") from None
+    except ClientDisconnect:  # nobody hears this; pages give up a request when the user types on
+        raise DetailError(400, "The connection broke before the body was there.") from None
 
 
 async def _read(request: Request, limit: int) -> bytes:

@@ -14,8 +14,8 @@ from workers.errors import EvaluationNotFoundError
 from workers.store import Store, jobs
 from workers.store.diversity import diversities
 from workers.store.evaluations import get_evaluation, list_attempts
-from workers.store.job_list import spaced
 from workers.store.listing import Filters, list_evaluations
+from workers.store.selection import spaced
 from workers.store.views import attempt_views, evaluation_view, event_view, generation_view
 from workers.views import AttemptView, EvaluationView, EventView, GenerationView, Page
 
@@ -150,7 +150,13 @@ class JobRecords(ABC):
         return stream()
 
     def generations(
-        self, job_id: str, *, after: int = -1, limit: int = 1000, points: int | None = None, diversity: bool = False
+        self,
+        job_id: str,
+        *,
+        after: int = -1,
+        limit: int = 1000,
+        points: int | None = None,
+        diversity: bool = False,
     ) -> list[GenerationView]:
         """Return finished generations with a number above ``after``, in order.
 

@@ -136,7 +136,7 @@ def read_measurements(content: bytes, name: str, sheet: str | None = None) -> Me
     if len(rows) > MAX_ROWS:
         raise TableError(f"{name} has {len(rows)} rows; at most {MAX_ROWS} are read")
     columns, count = _columns(rows, dict(_COMMENT.findall(comments)))
-    if not any(column.kind != "text" for column in columns):
+    if all(value is None for column in columns for value in column.values):
         raise TableError(f"{name} has no column of numbers; a heading with rows of numbers below is expected")
     return Measurements(name, tuple(sheets), chosen, count, columns)
 

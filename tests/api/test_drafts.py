@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import MutableMapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -129,3 +131,19 @@ def test_both_clients_can_ask_for_all_of_it(server: LiveServer, tmp_path: Path) 
             return all(found)
 
     assert asyncio.run(asked())
+
+
+def test_a_request_that_is_given_up_is_no_failure_of_the_service(app: App, caplog: pytest.LogCaptureFixture) -> None:
+    statuses = []
+
+    async def receive() -> dict[str, str]:
+        return {"type": "http.disconnect"}
+
+    async def send(message: MutableMapping[str, Any]) -> None:
+        statuses.append(message.get("status"))
+
+    headers = [(b"host", b"localhost"), (b"content-type", b"application/yaml")]
+    scope = {"type": "http", "method": "POST", "path": f"{API}/problems/read", "headers": headers, "query_string": b""}
+    asyncio.run(app.app(scope, receive, send))
+    assert statuses[0] == 400
+    assert [record for record in caplog.records if record.levelname == "ERROR"] == []

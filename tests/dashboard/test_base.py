@@ -113,7 +113,9 @@ def test_a_plot_is_drawn_in_the_colours_of_the_theme(embedded: Site, visit: Visi
             layout: { xaxis: { title: { text: "x [m]" } }, yaxis: { title: { text: "y [m2]" }, type: "log" } },
             label: "Squares", columns: { x: [1, 2, 3], y: [1, 4, 9] },
         });
-        await plot(document.getElementById("content"), make).draw();
+        const place = document.createElement("div");
+        document.querySelector("main").append(place);
+        await plot(place, make).draw();
     }"""
     page.evaluate(draw, page.locator("body").get_attribute("data-static"))
     frame = page.get_by_role("figure", name="Squares")

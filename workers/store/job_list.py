@@ -14,9 +14,10 @@ from workers.errors import InvalidCursorError
 from workers.store.clock import database_now
 from workers.store.database import Record
 from workers.store.jobs import VIEW_COLUMNS
+from workers.store.selection import spaced
 from workers.store.tables import generations, jobs
 
-__all__ = ["JobFilters", "SortKey", "list_jobs", "list_trends", "spaced"]
+__all__ = ["JobFilters", "SortKey", "list_jobs", "list_trends"]
 
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
@@ -118,13 +119,6 @@ def list_trends(connection: Connection, totals: Mapping[str, int], points: int) 
         for row in connection.execute(statement.order_by(generations.c.job_id, generations.c.number)):
             trends[row.job_id].append(row.objective)
     return trends
-
-
-def spaced(total: int, points: int) -> list[int]:
-    """Return at most so many whole numbers below ``total``, evenly spaced, the first and the last one included."""
-    if total <= points:
-        return list(range(total))
-    return sorted({round(i * (total - 1) / max(points - 1, 1)) for i in range(points)} | {total - 1})[-points:]
 
 
 def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:

@@ -1,5 +1,6 @@
 // The form of a new job: sections of one draft, which the service judges after every change.
 import { announce, element, failure } from "./dom.js";
+import { age } from "./format.js";
 import { get } from "./http.js";
 import { checkSection } from "./new/check.js";
 import { createDraft, forget, kept } from "./new/draft.js";
@@ -17,13 +18,14 @@ const main = document.querySelector("main");
 const content = document.getElementById("content");
 
 async function open() {
-  const [root, models, examples] = await Promise.all([get("/problems/schema"), get("/forward-models"), get("/examples")]);
+  const asked = [get("/problems/schema"), get("/forward-models"), get("/examples"), get("/jobs", { limit: 50 })];
+  const [root, models, examples, jobs] = await Promise.all(asked);
   const schemas = reader(root);
   const draft = createDraft();
   draft.document = await beginning(root, schemas);
   const context = { draft, root, schemas };
   let strict = false;
-  content.replaceChildren(form(context, models.items, examples.items, () => strict, async () => {
+  content.replaceChildren(form(context, models.items, starting(draft, examples.items, jobs.items), () => strict, async () => {
     strict = true;
     return draft.judge();
   }));
@@ -51,7 +53,7 @@ function tidy(problem, root, schemas) {
   return left;
 }
 
-function form(context, kinds, examples, strict, judged) {
+function form(context, kinds, beginnings, strict, judged) {
   const { draft } = context;
   const places = Object.fromEntries(["model", "measurements", "parameters", "method", "check", "yaml"].map((name) => [name, element("div", { id: `${name}-body` })]));
   const section = (id, title, ...inside) => element("section", { class: "step", "aria-labelledby": `${id}-title` }, element("h2", { id: `${id}-title` }, title), inside);
@@ -67,7 +69,7 @@ function form(context, kinds, examples, strict, judged) {
   checkSection(context, places.check, judged);
   return element("div", { class: "new-job" },
     element("div", { class: "steps" },
-      starting(draft, examples), name,
+      beginnings, name,
       section("model", "1. Forward model", places.model),
       section("measurements", "2. Measurements", places.measurements),
       section("parameters", "3. Parameters", places.parameters),
@@ -76,8 +78,8 @@ function form(context, kinds, examples, strict, judged) {
     element("aside", { id: "yaml-panel", "aria-label": "YAML of the problem" }, places.yaml));
 }
 
-/** Examples to begin with, and an empty form. */
-function starting(draft, examples) {
+/** Examples and earlier jobs to begin with, and an empty form. */
+function starting(draft, examples, jobs) {
   const pick = element("select", { id: "example" }, element("option", { value: "" }, "choose …"), examples.map((one) => element("option", { value: one.name }, `${one.title} (${words(one.forward_model)})`)));
   const about = element("p", { class: "help", id: "example-help" }, "Examples come with their data and can be started as they are.");
   const place = element("div", {});
@@ -93,8 +95,13 @@ function starting(draft, examples) {
     }
   });
   const anew = element("button", { type: "button", class: "quiet", onclick: () => { forget(); pick.value = ""; draft.replace(structuredClone(EMPTY)); } }, "Start anew");
+  const earlier = element("select", { id: "earlier" }, element("option", { value: "" }, "choose …"), jobs.map((one) => element("option", { value: one.id, selected: one.id === main.dataset.from }, `${one.name} (${one.state}, ${age(one.created_at)})`)));
+  earlier.addEventListener("change", () => { if (earlier.value) location.assign(`/new?from=${earlier.value}`); });
   return element("div", { class: "beginning" },
-    element("div", { class: "field" }, element("label", { for: "example" }, "Begin with an example"), element("div", { class: "with-unit" }, pick, anew), about), place);
+    element("div", { class: "fields" },
+      element("div", { class: "field" }, element("label", { for: "example" }, "Begin with an example"), pick),
+      jobs.length ? element("div", { class: "field" }, element("label", { for: "earlier" }, "or with an earlier job"), earlier) : null),
+    element("div", { class: "with-unit" }, about, anew), place);
 }
 
 open().catch((error) => content.replaceChildren(failure(error)));

@@ -142,6 +142,7 @@ def test_dates_of_a_sheet_follow_its_styles() -> None:
     ("content", "message"),
     [
         (b"", "no column of numbers"),
+        (b"a,b\n", "no column of numbers"),
         (b"just,words\nin,here\n", "no column of numbers"),
         (b"\xd0\xcf\x11\xe0rest", "old form"),
         (b"PK\x03\x04 broken", "cannot be read as an XLSX workbook"),

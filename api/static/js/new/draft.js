@@ -26,6 +26,7 @@ export function createDraft() {
   const listeners = { replace: [], change: [], answer: [], failure: [] };
   const fire = (name, value) => { for (const act of listeners[name]) act(value); };
   let timer = null, running = null, text = null;
+  let model = { kind: null, parameters: [], series: [] };
 
   const draft = {
     document: {},
@@ -55,6 +56,8 @@ export function createDraft() {
     edit(yaml) {
       changed(yaml);
     },
+    /** Parameters and series of the forward model, as they were when its section was sound last. */
+    model: () => (model.kind === draft.document.forward_model?.kind ? model : { parameters: [], series: [] }),
     /** Ask now, for example before a check; the answer. */
     async judge() {
       clearTimeout(timer);
@@ -82,6 +85,7 @@ export function createDraft() {
       const answer = await (await request("POST", "/problems/read", { body, headers, signal: mine.signal })).json();
       if (changes !== draft.changes) return answer;
       draft.answer = answer;
+      if (answer.parameters) model = { kind: answer.document.forward_model.kind, parameters: answer.parameters, series: answer.series };
       if (given !== null && answer.document !== null) {
         draft.document = clone(answer.document);
         keep(draft.document);

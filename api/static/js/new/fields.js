@@ -29,15 +29,17 @@ export function errorPlace(path) {
 
 /**
  * A labelled input. `kind`: number, text, mixed (a number or text), numbers (a list) or select (`options`: [value, label]).
- * `fallback` is what holds when nothing is given; choosing it gives nothing. `bare` hides the label (in tables).
+ * `fallback` is what holds when nothing is given; choosing it gives nothing. `bare` hides the label (in tables), `blank` is
+ * what an empty input writes: undefined, which removes the key, unless given.
  */
-export function field(draft, path, { label, kind = "text", unit, help, fallback, nullable, options, typical, required, bare, onchange, wide } = {}) {
+export function field(draft, path, { label, kind = "text", unit, help, fallback, nullable, options, typical, required, bare, onchange, wide, blank } = {}) {
   const id = idOf(path);
   const write = (value) => {
-    draft.write(path, value);
+    draft.write(path, value === undefined ? blank : value);
     onchange?.(value);
   };
-  const input = kind === "select" ? select(draft.read(path), fallback, options, write) : text(draft.read(path), kind, nullable, fallback, write);
+  const given = draft.read(path) === blank ? undefined : draft.read(path);
+  const input = kind === "select" ? select(given, fallback, options, write) : text(given, kind, nullable, fallback, write);
   input.id = id;
   input.dataset.path = pathText(path);
   const described = [help || typical ? `${id}-help` : null, `${id}-error`].filter(Boolean).join(" ");
@@ -117,7 +119,7 @@ export function redrawn(place, ...children) {
   if (again?.setSelectionRange && inside.start !== null && inside.start !== undefined) again.setSelectionRange(inside.start, inside.end);
 }
 
-const MISSING = /^is missing/;
+const MISSING = /^is missing|, not null$/;
 
 /** Whether an issue is something that is still to be given, not a mistake. */
 export const isTodo = (issue) => MISSING.test(issue.message);

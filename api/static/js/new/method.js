@@ -1,7 +1,7 @@
 // How to search and when to stop; the defaults are good.
 import { element } from "../dom.js";
 import { errorPlace, field } from "./fields.js";
-import { anyField, objectForm } from "./schema_form.js";
+import { anyField, objectForm, sentence } from "./schema_form.js";
 
 const SEARCHES = ["particle_swarm", "monte_carlo", "sobol", "morris"];
 
@@ -9,7 +9,7 @@ export function methodSection(context, place) {
   const { draft, schemas, root } = context;
 
   function draw() {
-    const { method, stopping, seed, priority, limits, failures } = root.properties;
+    const { method, stopping, seed, priority, limits, failures, warm_start: earlier } = root.properties;
     const whole = schemas.present(method).schema;
     const kindOf = (one) => schemas.resolve(one.properties.kind).const;
     const chosen = draft.read(["method", "kind"]);
@@ -19,10 +19,11 @@ export function methodSection(context, place) {
       element("fieldset", { class: "group" }, element("legend", {}, "Stopping"),
         element("p", { class: "help" }, "The job ends with the first of these that is satisfied."),
         objectForm(context, ["stopping"], schemas.resolve(stopping)), errorPlace(["stopping"])),
-      element("details", { class: "more" }, element("summary", {}, "More: seed, priority, limits, failures"),
+      element("details", { class: "more" }, element("summary", {}, "More: seed, priority, earlier jobs, limits, failures"),
         element("div", { class: "fields" },
-          field(draft, ["seed"], { label: "Seed", kind: "number", help: schemas.resolve(seed).description }),
+          field(draft, ["seed"], { label: "Seed", kind: "number", help: sentence(schemas.resolve(seed).description) }),
           anyField(context, ["priority"], priority, { label: "Priority" })),
+        anyField(context, ["warm_start"], earlier, { label: "Earlier jobs to learn from" }),
         anyField(context, ["limits"], limits, { label: "Limits" }),
         anyField(context, ["failures"], failures, { label: "Failures" })));
   }

@@ -25,7 +25,7 @@ export function modelSection(context, place, kinds) {
     return definition && schemas.resolve(definition);
   }
 
-  async function fillIn() {
+  async function useExample() {
     try {
       const { example } = await get(`/forward-models/${encodeURIComponent(kind())}`);
       if (!example) return announce("This forward model has no example.");
@@ -42,7 +42,7 @@ export function modelSection(context, place, kinds) {
     redrawn(form, schema
       ? [
         schema.description ? element("p", { class: "help" }, sentence(schema.description)) : null,
-        chosen === "oedometer" || chosen === "isotropic_compression" ? null : element("div", { class: "buttons" }, button("Fill in a small example", fillIn)),
+        chosen === "oedometer" || chosen === "isotropic_compression" ? null : element("div", { class: "buttons" }, button("Fill in a small example", useExample)),
         objectForm(context, ["forward_model"], schema, { skip: ["kind"] }),
       ]
       : element("p", { class: "empty" }, "Choose what is calculated."));

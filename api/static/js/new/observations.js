@@ -16,7 +16,7 @@ export function observationsSection(context, place) {
   const { draft } = context;
   const list = element("div", {}), scheme = element("div", {}), look = element("div", {});
   const all = () => { const given = draft.read(["observations"]); return Array.isArray(given) ? given : []; };
-  const series = () => draft.answer?.series ?? [];
+  const series = () => draft.model().series;
   const info = (name) => series().find((one) => one.name === name);
   let shownSeries = null, plot = null, drawnFor = "";
 

@@ -16,21 +16,19 @@ export function modeOf(section) {
 
 /** Bounds to begin with: the usual range, on a log scale when it spans a decade. */
 function started(mode, info, old) {
-  if (mode === "fixed") return { value: old?.initial ?? (info?.default || undefined) };
+  if (mode === "fixed") return { value: old?.initial ?? info?.default ?? null };
   if (mode === "linked") return { expression: "" };
   const [low, high] = info?.typical ?? [];
-  const lower = low === 0 && info.lower_open ? high / 1000 : low;
-  return { lower, upper: high, ...(lower > 0 && high / lower >= 10 ? { scale: "log" } : {}) };
+  const lower = low === 0 && info.lower_open ? high / 1000 : low; // 0 itself may be refused
+  return { lower: lower ?? null, upper: high ?? null, ...(lower > 0 && high / lower >= 10 ? { scale: "log" } : {}) };
 }
-
-const defined = (section) => Object.fromEntries(Object.entries(section).filter(([, value]) => value !== undefined));
 
 export function parametersSection(context, place) {
   const { draft } = context;
   const list = element("div", {}), rules = element("div", {});
   let drawnFor = "";
   const given = () => { const all = draft.read(["parameters"]); return all && typeof all === "object" ? all : {}; };
-  const infos = () => draft.answer?.parameters ?? [];
+  const infos = () => draft.model().parameters;
 
   function card(name, info) {
     const path = ["parameters", name];
@@ -40,7 +38,7 @@ export function parametersSection(context, place) {
     const all = mode !== null && info && info.default !== null ? [["", `default: ${number(info.default)}`], ...offered] : offered;
     const pick = element("select", { id, dataset: { path: pathText(path) } }, all.map(([value, label]) => element("option", { value, selected: value === (mode ?? "") }, label)));
     pick.addEventListener("change", () => {
-      draft.write(path, pick.value ? defined(started(pick.value, info, draft.read(path))) : undefined);
+      draft.write(path, pick.value ? started(pick.value, info, draft.read(path)) : undefined);
       draw();
     });
     const unit = info?.unit;
@@ -49,7 +47,7 @@ export function parametersSection(context, place) {
       element("div", { class: "parameter-name" },
         element("h3", {}, symbol(name), unit ? element("small", {}, ` [${unit}]`) : null, symbol(name) === name ? null : element("small", {}, ` ${name}`)),
         element("p", { class: "help" }, `${sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones.")} ${range}`.trim())),
-      element("div", { class: "field" }, element("label", { for: id }, element("span", { class: "visually-hidden" }, `${name} is `), element("span", { "aria-hidden": "true" }, "Mode")), pick),
+      element("div", { class: "field" }, element("label", { for: id }, "Mode", element("span", { class: "visually-hidden" }, ` of ${name}`)), pick),
       inputs(path, name, mode, unit),
       info ? null : button(`Remove ${name}`, () => { draft.write(path, undefined); draw(); }),
       errorPlace(path));
@@ -58,12 +56,12 @@ export function parametersSection(context, place) {
   function inputs(path, name, mode, unit) {
     const one = (key, label, more = {}) => field(draft, [...path, key], { label: element("span", {}, label, element("span", { class: "visually-hidden" }, ` of ${name}`)), kind: "number", unit, ...more });
     if (mode === "free") {
-      return [one("lower", "Lower bound", { required: true }), one("upper", "Upper bound", { required: true }), one("initial", "Estimate"),
+      return [one("lower", "Lower bound", { required: true, blank: null }), one("upper", "Upper bound", { required: true, blank: null }), one("initial", "Estimate"),
         logScale(path, name),
         draft.read([...path, "integer"]) ? checkbox(draft, [...path, "integer"], { label: "Whole numbers only" }) : null];
     }
-    if (mode === "fixed") return one("value", "Value", { required: true });
-    if (mode === "linked") return one("expression", "Expression", { kind: "text", unit: null, required: true, wide: true, help: "Of other parameters, such as 0.5 * lambda_star." });
+    if (mode === "fixed") return one("value", "Value", { required: true, blank: null });
+    if (mode === "linked") return one("expression", "Expression", { kind: "text", unit: null, required: true, blank: "", wide: true, help: "Of other parameters, such as 0.5 * lambda_star." });
     return null;
   }
 
@@ -78,14 +76,17 @@ export function parametersSection(context, place) {
     drawnFor = key();
     const known = infos();
     const names = new Set(known.map((info) => info.name));
-    const first = known.filter((info) => info.default === null || info.name in given());
+    // A combined model also knows each parameter for one part alone: these are wanted seldom.
+    const partial = (name) => name.includes(".") && names.has(name.slice(name.lastIndexOf(".") + 1));
+    const shared = (info) => !partial(info.name) && !known.some((one) => one.name.endsWith(`.${info.name}`) && one.name in given());
+    const first = known.filter((info) => info.name in given() || (info.default === null && shared(info)));
     const rest = known.filter((info) => !first.includes(info));
     const own = Object.keys(given()).filter((name) => !names.has(name));
     const free = Object.values(given()).filter((one) => modeOf(one) === "free").length;
     redrawn(list,
       known.length || own.length ? element("p", { class: "help" }, `${free} free. Free ones are identified between their bounds, fixed ones are known, linked ones follow from others.`) : empty("Describe the forward model: then its parameters stand here."),
       first.map((info) => card(info.name, info)), own.map((name) => card(name, null)),
-      rest.length ? element("details", { class: "more" }, element("summary", {}, `Parameters with a default: ${rest.map((info) => symbol(info.name)).join(", ")}`), rest.map((info) => card(info.name, info))) : null,
+      rest.length ? element("details", { class: "more" }, element("summary", {}, `Further parameters: ${rest.slice(0, 6).map((info) => symbol(info.name)).join(", ")}${rest.length > 6 ? " …" : ""}`), rest.map((info) => card(info.name, info))) : null,
       known.length ? helper() : null, errorPlace(["parameters"]));
     drawRules();
   }
@@ -125,6 +126,6 @@ export function parametersSection(context, place) {
   const key = () => JSON.stringify([infos(), Object.entries(given()).map(([name, one]) => [name, modeOf(one)])]);
   place.replaceChildren(list, element("h3", {}, "Constraints"), rules);
   draft.on("replace", draw);
-  draft.on("answer", () => { if (draft.answer.parameters && key() !== drawnFor) draw(); });
+  draft.on("answer", () => { if (key() !== drawnFor) draw(); });
   draw();
 }

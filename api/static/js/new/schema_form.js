@@ -74,8 +74,8 @@ function group(context, path, schema, { label, help, kind, optional, change, lea
   const body = element("div", {});
   const draw = () => {
     const absent = draft.read(path) === undefined || draft.read(path) === null;
-    const add = element("button", { type: "button", class: "quiet", id: `${idOf(path)}-give`, onclick: () => set(kind === "list" ? [] : {}) }, `Set ${label}`);
-    const drop = element("button", { type: "button", class: "quiet", onclick: () => set(undefined) }, `Leave out ${label}`);
+    const add = element("button", { type: "button", class: "quiet", id: `${idOf(path)}-give`, onclick: () => set(kind === "list" ? [] : {}) }, `Set ${small(label)}`);
+    const drop = element("button", { type: "button", class: "quiet", onclick: () => set(undefined) }, `Leave out ${small(label)}`);
     redrawn(body, kind === "object" && optional && absent ? add : [FORMS[kind](context, path, schema, draw, lead), kind === "object" && optional ? drop : null]);
   };
   const set = (value) => {
@@ -86,6 +86,8 @@ function group(context, path, schema, { label, help, kind, optional, change, lea
   draw();
   return element("fieldset", { class: "group" }, element("legend", {}, label), help ? element("p", { class: "help" }, help) : null, body, errorPlace(path));
 }
+
+const small = (label) => (/^[A-Z][a-z]/.test(label) ? label[0].toLowerCase() + label.slice(1) : label);
 
 function objectBody(context, path, schema) {
   return objectForm(context, path, schema);
