@@ -191,6 +191,9 @@ class Generation(Model):
     parameters: dict[str, float] | None = Field(description="parameters of the lowest objective so far")
     created_at: datetime
     finished_at: datetime
+    diversity: float | None = Field(
+        description="scatter of the particles: near 1 all over the space, 0 at one point; null: not asked for"
+    )
 
 
 class GenerationList(Model):

@@ -26,10 +26,10 @@ from solver.search import (
     Runs,
     SamplingDesign,
     Search,
-    SearchSpace,
     Snapshot,
     SwarmSettings,
 )
+from solver.space import search_space
 from solver.stopping import (
     MaxEvaluations,
     MaxSeconds,
@@ -185,14 +185,7 @@ class Calibration:
         self.objective = LeastSquares(observed)
         self.grids = {series.series: series.x for series in observed}
         self.criteria = stop_criteria(problem.stopping)
-        self.space = SearchSpace(
-            names=self.free_names,
-            lower=np.array([p.lower for p in problem.free], dtype=np.float64),
-            upper=np.array([p.upper for p in problem.free], dtype=np.float64),
-            log=np.array([p.scale == "log" for p in problem.free], dtype=np.bool_),
-            feasible=lambda x: problem.satisfies(problem.values(x.tolist())),
-            integer=np.array([p.integer for p in problem.free], dtype=np.bool_),
-        )
+        self.space = search_space(problem)
         self.offered = None
         if offer is not None and len(offer.parameters):
             rows = np.array([self.objective.weighted_residuals(r) for r in offer.responses])

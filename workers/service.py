@@ -8,9 +8,8 @@ import hashlib
 import json
 import re
 import secrets
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
@@ -22,29 +21,26 @@ from solver.problem import Problem, Stopping, parse_problem
 from workers.access import LOCAL, Principal
 from workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
 from workers.coordinator.runtime import Runtime
-from workers.cursors import decode_cursor, encode_cursor
 from workers.doorbell import Doorbell
 from workers.errors import (
-    EvaluationNotFoundError,
     IdempotencyConflictError,
     JobNotFoundError,
 )
 from workers.measures import Measures, measure
 from workers.probe import Probe
 from workers.quotas import check_quotas
+from workers.records import JobRecords, clip
 from workers.retention import delete_job
 from workers.settings import Settings
 from workers.shelf import Shelf
 from workers.store import Store, jobs
 from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
-from workers.store.evaluations import get_evaluation, list_attempts
 from workers.store.job_list import JobFilters, list_jobs, list_trends
-from workers.store.listing import Filters, list_evaluations
 from workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
-from workers.store.views import attempt_views, evaluation_view, event_view, generation_view, job_view, worker_view
+from workers.store.views import event_view, job_view, worker_view
 from workers.store.workers import current_work, list_workers
 from workers.trial import TrialBench
-from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, Page, WorkerView
+from workers.views import EventView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
     from workers.bodies import BodyDesk
@@ -53,11 +49,9 @@ if TYPE_CHECKING:
 __all__ = ["JobService"]
 
 ID_PATTERN = re.compile("[0-9a-f]{16}")  # what ``submit`` makes; nothing else needs to reach the database
-STREAM_ROWS = 1000
-LARGEST_PAGE = 10_000
 
 
-class JobService:
+class JobService(JobRecords):
     """Submits, shows and steers jobs. Safe to use from several threads.
 
     Every method may raise :class:`workers.errors.StoreUnavailableError`, those with a ``job_id``
@@ -196,7 +190,7 @@ class JobService:
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
 
         def work(connection: Connection) -> Page[JobView]:
-            rows, following = list_jobs(connection, chosen, owner=owner, limit=_clip(limit), cursor=cursor)
+            rows, following = list_jobs(connection, chosen, owner=owner, limit=clip(limit), cursor=cursor)
             views = [job_view(row, self._gap) for row in rows]
             if trend:
                 trends = list_trends(connection, {view.id: view.generations for view in views}, trend)
@@ -269,18 +263,6 @@ class JobService:
         self.doorbell.ring(job_id, number, kind=kind)
         return self.get(job_id), number
 
-    def attempts(self, job_id: str, generation: int, particle: int) -> builtins.list[AttemptView]:
-        """Return the tries at one evaluation, the one under way or counted last; empty: there is no such evaluation."""
-
-        def work(connection: Connection) -> builtins.list[AttemptView]:
-            self._row(connection, job_id)
-            return attempt_views(
-                get_evaluation(connection, job_id, generation, particle),
-                list_attempts(connection, job_id, generation, particle),
-            )
-
-        return self.store.read(work)
-
     def delete(self, job_id: str) -> None:
         """Remove a job that has ended, with all that belongs to it, for good.
 
@@ -292,120 +274,6 @@ class JobService:
 
         self.get(job_id)
         delete_job(self.store, job_id)
-
-    def best(self, job_id: str) -> EvaluationView | None:
-        """Return the best evaluation so far with its responses; None while none has succeeded."""
-
-        def work(connection: Connection) -> EvaluationView | None:
-            job = self._row(connection, job_id)
-            if job.best_generation is None:
-                return None
-            row = get_evaluation(connection, job_id, job.best_generation, job.best_particle)
-            names, grids = self._frame(connection, job_id)
-            return evaluation_view(row, names, grids)
-
-        return self.store.read(work)
-
-    def evaluation(self, job_id: str, generation: int, particle: int) -> EvaluationView:
-        """Return one evaluation with its responses.
-
-        Raises
-        ------
-        EvaluationNotFoundError
-        """
-
-        def work(connection: Connection) -> EvaluationView:
-            names, grids = self._frame(connection, job_id)
-            row = get_evaluation(connection, job_id, generation, particle)
-            if row is None:
-                raise EvaluationNotFoundError(job_id, generation, particle)
-            return evaluation_view(row, names, grids)
-
-        return self.store.read(work)
-
-    def evaluations(
-        self,
-        job_id: str,
-        *,
-        generation: int | None = None,
-        state: str | None = None,
-        max_objective: float | None = None,
-        limit: int = 100,
-        cursor: str | None = None,
-        responses: bool = False,
-    ) -> Page[EvaluationView]:
-        """Return evaluations ordered by (generation, particle).
-
-        Raises
-        ------
-        InvalidCursorError
-        """
-        after = None if cursor is None else decode_cursor(cursor, int, int)
-        filters = Filters(generation, state, max_objective)
-        limit = _clip(limit)
-
-        def work(connection: Connection) -> Page[EvaluationView]:
-            names, grids = self._frame(connection, job_id)
-            rows = list_evaluations(connection, job_id, filters, after=after, limit=limit + 1, responses=responses)
-            views = [evaluation_view(row, names, grids if responses else None) for row in rows[:limit]]
-            last = views[-1] if len(rows) > limit else None
-            return Page(views, None if last is None else encode_cursor(last.generation, last.particle))
-
-        return self.store.read(work)
-
-    def iterate_evaluations(
-        self,
-        job_id: str,
-        *,
-        generation: int | None = None,
-        state: str | None = None,
-        max_objective: float | None = None,
-        responses: bool = False,
-    ) -> Iterator[EvaluationView]:
-        """Stream evaluations ordered by (generation, particle), in short transactions and flat memory."""
-        names, grids = self.store.read(lambda connection: self._frame(connection, job_id))
-        filters = Filters(generation, state, max_objective)
-
-        def stream() -> Iterator[EvaluationView]:
-            after: tuple[int, int] | None = None
-            while True:
-                rows = self.store.read(
-                    partial(
-                        list_evaluations,
-                        job_id=job_id,
-                        filters=filters,
-                        after=after,
-                        limit=STREAM_ROWS,
-                        responses=responses,
-                    )
-                )
-                for row in rows:
-                    yield evaluation_view(row, names, grids if responses else None)
-                if len(rows) < STREAM_ROWS:
-                    return
-                after = (rows[-1].generation, rows[-1].particle)
-
-        return stream()
-
-    def generations(self, job_id: str, *, after: int = -1, limit: int = 1000) -> builtins.list[GenerationView]:
-        """Return finished generations with a number above ``after``, in order."""
-
-        def work(connection: Connection) -> builtins.list[GenerationView]:
-            self._row(connection, job_id)
-            rows = jobs.list_generations(connection, job_id, after=after, limit=_clip(limit))
-            return [generation_view(row) for row in rows]
-
-        return self.store.read(work)
-
-    def events(self, job_id: str, *, after: int = 0, limit: int = 500) -> builtins.list[EventView]:
-        """Return events with an id above ``after``, in order."""
-
-        def work(connection: Connection) -> builtins.list[EventView]:
-            self._row(connection, job_id)
-            rows = jobs.list_events(connection, job_id, after=after, limit=_clip(limit))
-            return [event_view(row) for row in rows]
-
-        return self.store.read(work)
 
     def news(self, after: Mapping[str, int], *, limit: int = 500) -> builtins.list[tuple[str, EventView]]:
         """Return events of several jobs, each above the id given for it, with their jobs; knows no owners."""
@@ -473,7 +341,3 @@ class JobService:
 
 def _body_hash(problem: Problem) -> str:
     return hashlib.sha256(json.dumps(problem.document(), sort_keys=True, allow_nan=False).encode()).hexdigest()
-
-
-def _clip(limit: int) -> int:
-    return max(1, min(limit, LARGEST_PAGE))

@@ -140,7 +140,8 @@ class AttemptView:
 
 @dataclass(frozen=True, slots=True)
 class GenerationView:
-    """One finished generation; everything but ``best_objective`` is a total, or the best, so far."""
+    """One finished generation; ``evaluations`` and ``failed`` are totals so far, ``objective`` and ``parameters`` the
+    best so far; ``diversity``, see :mod:`solver.search.diversity`, where it was asked for."""
 
     number: int
     evaluations: int
@@ -150,6 +151,7 @@ class GenerationView:
     parameters: dict[str, float] | None
     created_at: datetime
     finished_at: datetime
+    diversity: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

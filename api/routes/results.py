@@ -46,9 +46,16 @@ def generations(
     service: Service,
     after: Annotated[int, Query(ge=-1, le=MAX_GENERATION, description="only generations with a higher number")] = -1,
     limit: Annotated[int, Query(ge=1, le=10_000)] = 1000,
+    diversity: Annotated[
+        bool, Query(description="also how widely the particles are scattered: reads them all")
+    ] = False,
+    points: Annotated[
+        int | None,
+        Query(ge=2, le=5000, description="at most so many, evenly spaced over all of them"),
+    ] = None,
 ) -> GenerationList:
     """Show how the search went, one item a generation."""
-    views = service.generations(job_id, after=after, limit=limit)
+    views = service.generations(job_id, after=after, limit=limit, points=points, diversity=diversity)
     return GenerationList(items=[Generation.model_validate(view) for view in views])
 
 

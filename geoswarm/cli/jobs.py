@@ -83,7 +83,8 @@ def list_command(
 def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, url: str, api_key: str | None) -> None:
     """Show a job with its best parameters.
 
-    With --json also 'best': the best evaluation with misfits and responses in base units, or null; with --failures
+    With --json also 'best': the best evaluation with misfits and responses in base units, or null; 'diversity': how
+    widely the particles of the last generation are scattered, or null; with --failures
     'failures': how many for which 'reasons', and the first 20 as 'items'; with --attempts 'attempts'.
     """
     from geoswarm.cli.why import attempts_of, failures_of, show_attempts, show_failures
@@ -98,14 +99,16 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
         if failures:
             reasons, failed = failures_of(client, found)
             more["failures"] = {"reasons": dict(reasons), "items": [jsonable(evaluation) for evaluation in failed]}
+        last = client.generations(found.id, after=max(-1, found.generations - 2), limit=1, diversity=True)
+        scatter = last[0].diversity if last and found.method == "particle_swarm" else None
         try:
             best = client.best(found.id)
         except NotFoundError:
             best = None
     if as_json:
-        echo_json(jsonable(found) | {"best": best and jsonable(best)} | more)
+        echo_json(jsonable(found) | {"best": best and jsonable(best), "diversity": scatter} | more)
         return
-    show_job(found)
+    show_job(found, diversity=scatter)
     if attempts is not None:
         show_attempts(tries)
     if failures:
@@ -117,8 +120,8 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
         echo_table(None, ("series", "misfit"), rows, right=(1,))
 
 
-def show_job(job: Job) -> None:
-    """Write what a job is and has found."""
+def show_job(job: Job, *, diversity: float | None = None) -> None:
+    """Write what a job is and has found; ``diversity`` of its last generation, where it is known."""
     facts = {
         "id": job.id,
         "state": job.state,
@@ -130,6 +133,8 @@ def show_job(job: Job) -> None:
         "seed": str(job.seed),
         "objective": number(job.objective),
     }
+    if diversity is not None:
+        facts["diversity"] = f"{number(diversity, 2)} (1: all over the space, 0: at one point)"
     if job.error:
         facts["error"] = job.error
     echo_facts(job.name, facts)

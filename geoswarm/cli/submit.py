@@ -41,8 +41,8 @@ def submit_command(
     with connect(url, api_key) as client:
         for earlier in client.warm_starts(problem):
             note(
-                f"Job {earlier.job} ({earlier.name}) has {earlier.evaluations} stored evaluations of this forward model; "
-                f"to learn from them: warm_start: {{jobs: [{earlier.job}]}}"
+                f"Job {earlier.job} ({earlier.name}) has {earlier.evaluations} stored evaluations of this forward "
+                f"model; to learn from them: warm_start: {{jobs: [{earlier.job}]}}"
             )
         job = client.submit(problem, idempotency_key=idempotency_key)
         if watch:

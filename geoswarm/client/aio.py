@@ -113,7 +113,7 @@ class AsyncClient(AsyncStatistics, AsyncDrafts):
 
     async def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
         """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
-        return tuple((await self._send(await asyncio.to_thread(calls.warm_starts, problem))).items)
+        return await self._send(await asyncio.to_thread(calls.warm_starts, problem))
 
     async def list(
         self,
@@ -194,9 +194,11 @@ class AsyncClient(AsyncStatistics, AsyncDrafts):
         """Show the best evaluation with its responses; NotFoundError when there is none yet."""
         return await self._send(calls.best(job_id))
 
-    async def generations(self, job_id: str, *, after: int = -1, limit: int = 1000) -> tuple[Generation, ...]:
-        """Show finished generations with a number above ``after``."""
-        return await self._send(calls.generations(job_id, after, limit))
+    async def generations(
+        self, job_id: str, *, after: int = -1, limit: int = 1000, diversity: bool = False
+    ) -> tuple[Generation, ...]:
+        """Show finished generations with a number above ``after``; with ``diversity`` also their scatter."""
+        return await self._send(calls.generations(job_id, after, limit, diversity))
 
     async def evaluations(
         self,

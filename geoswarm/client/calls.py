@@ -38,7 +38,7 @@ from geoswarm.client.models import (
     Job,
     Page,
     Retry,
-    WarmStarts,
+    WarmStart,
     Worker,
 )
 
@@ -199,10 +199,11 @@ def check(problem: Problem) -> Call[CheckResult]:
     return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
 
 
-def warm_starts(problem: Problem) -> Call[WarmStarts]:
+def warm_starts(problem: Problem) -> Call[tuple[WarmStart, ...]]:
     """Name earlier jobs to learn from."""
     content = _problem_text(problem)
-    return Call("POST", f"{API}/problems/warm-starts", reader(WarmStarts), headers=JSON_BODY, content=content)
+    read = reader(tuple[WarmStart, ...], "items")
+    return Call("POST", f"{API}/problems/warm-starts", read, headers=JSON_BODY, content=content)
 
 
 def list_jobs(**filters: Any) -> Call[Page[Job]]:
@@ -252,9 +253,9 @@ def best(job_id: str) -> Call[Best]:
     return Call("GET", f"{job_path(job_id)}/best", reader(Best))
 
 
-def generations(job_id: str, after: int, limit: int) -> Call[tuple[Generation, ...]]:
+def generations(job_id: str, after: int, limit: int, diversity: bool) -> Call[tuple[Generation, ...]]:
     """Show generations."""
-    query = present(after=after, limit=limit)
+    query = present(after=after, limit=limit, diversity=True if diversity else None)
     return Call("GET", f"{job_path(job_id)}/generations", reader(tuple[Generation, ...], "items"), query)
 
 

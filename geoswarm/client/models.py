@@ -31,7 +31,6 @@ __all__ = [
     "Series",
     "TestRun",
     "WarmStart",
-    "WarmStarts",
     "Worker",
 ]
 
@@ -192,7 +191,8 @@ class Best:
 
 @dataclass(frozen=True, slots=True)
 class Generation:
-    """One finished generation; everything but ``best_objective`` is a total, or the best, so far."""
+    """One finished generation; ``evaluations`` and ``failed`` are totals so far, ``objective`` and ``parameters`` the
+    best so far; ``diversity``, where it was asked for, is near 1 for particles all over the space, 0 at one point."""
 
     number: int
     evaluations: int
@@ -202,6 +202,7 @@ class Generation:
     parameters: dict[str, float] | None
     created_at: datetime
     finished_at: datetime
+    diversity: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,13 +259,6 @@ class WarmStart:
     job: str
     name: str
     evaluations: int
-
-
-@dataclass(frozen=True, slots=True)
-class WarmStarts:
-    """Earlier jobs that a problem could learn from."""
-
-    items: list[WarmStart]
 
 
 @dataclass(frozen=True, slots=True)

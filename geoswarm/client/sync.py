@@ -110,7 +110,7 @@ class Client(Statistics, Drafts):
 
     def warm_starts(self, problem: Problem) -> tuple[WarmStart, ...]:
         """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
-        return tuple(self._send(calls.warm_starts(problem)).items)
+        return self._send(calls.warm_starts(problem))
 
     def list(
         self,
@@ -190,9 +190,11 @@ class Client(Statistics, Drafts):
         """Show the best evaluation with its responses; NotFoundError when there is none yet."""
         return self._send(calls.best(job_id))
 
-    def generations(self, job_id: str, *, after: int = -1, limit: int = 1000) -> tuple[Generation, ...]:
-        """Show finished generations with a number above ``after``."""
-        return self._send(calls.generations(job_id, after, limit))
+    def generations(
+        self, job_id: str, *, after: int = -1, limit: int = 1000, diversity: bool = False
+    ) -> tuple[Generation, ...]:
+        """Show finished generations with a number above ``after``; with ``diversity`` also their scatter."""
+        return self._send(calls.generations(job_id, after, limit, diversity))
 
     def evaluations(
         self,

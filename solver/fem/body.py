@@ -33,7 +33,7 @@ class Body(NamedTuple):
 
 class State(NamedTuple):
     """State at the integration points: ``stress`` (e, 3, 4) kPa, tension positive; ``log_pp`` (e, 3); ``plastic``
-    (e, 3); ``traction`` (k, 3, 2) kPa, normal (tension positive) and shear; ``gap`` (k, 3), m, how far the sides are apart.
+    (e, 3); ``traction`` (k, 3, 2) kPa, normal (tension positive) and shear; ``gap`` (k, 3), m, how far sides are apart.
     """
 
     stress: FloatArray

@@ -321,7 +321,8 @@ class Calculation:
 
 
 def _copied(state: State) -> State:
-    return State(*(array.copy() for array in state))
+    stress, log_pp, plastic, traction, gap = state
+    return State(stress.copy(), log_pp.copy(), plastic.copy(), traction.copy(), gap.copy())
 
 
 def _ignore(time: float, moved: FloatArray) -> None:

@@ -229,8 +229,8 @@ class PhaseSteps:
             return "the stiffness is singular: a part is not held, or has lost its strength"
         if status < 0:
             return (
-                f"Newton's method does not converge (out-of-balance {residual:.2g} of the forces after "
-                f"{self.control.iterations} iterations): the load may be above the strength"
+                f"Newton's method does not converge (out-of-balance {residual:.2g} of the forces): "
+                "the load may be above the strength"
             )
         x, y = self.positions[self.body.triangles[status % count]].mean(axis=0)
         what = "is turned inside out" if status < count else "has a strain step without a stress"

@@ -5,6 +5,7 @@
 ``randomness``       random numbers that depend on (seed, generation, particle) alone
 ``particle_swarm``   the synchronous particle swarm of the published study
 ``acceleration``     proposals learned from all runs so far
+``diversity``        how widely a generation is scattered
 ``monte_carlo``      random, Latin hypercube and Sobol sampling
 ``follow_ups``       sensitivities, profiles and designs of global sensitivity
 ``differences``      where to evaluate for derivatives
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 from solver.search.acceleration import Runs
 from solver.search.base import Search, Snapshot
+from solver.search.diversity import diversity
 from solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
 from solver.search.particle_swarm import ParticleSwarm, SwarmSettings
 from solver.search.space import SearchSpace
@@ -31,4 +33,5 @@ __all__ = [
     "SearchSpace",
     "Snapshot",
     "SwarmSettings",
+    "diversity",
 ]

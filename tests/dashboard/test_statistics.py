@@ -152,7 +152,9 @@ def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page
     expect(told).to_contain_text(f"a = {best['a']:.4g}")
     assert told.inner_text() != before
     expect(page.locator("#verdicts-note")).to_be_visible()
+    expect(page.locator("#threshold-why")).to_contain_text("as many good fits as before")
     page.get_by_role("button", name="Weights of the job").click()
+    expect(page.locator("#threshold-why")).not_to_contain_text("as many")
     expect(told).to_have_text(before)
 
 
@@ -180,6 +182,7 @@ def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) ->
     page.get_by_label("Expression of a").fill("2 * nobody")
     page.get_by_role("button", name="Start follow-up").click()
     expect(page.locator("#plan .error")).to_contain_text("nobody")
+    assert page.url.endswith(f"/jobs/{job}/statistics")
 
 
 def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> None:
@@ -187,6 +190,7 @@ def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> Non
     expect(page.locator("#uncertainty li")).to_contain_text("sensitivity")
     expect(page.locator("#uncertainty .state")).to_have_text("finished", timeout=30_000)
     expect(page.locator("#uncertainty table")).to_contain_text("Standard error")
+    assert page.locator("#uncertainty tbody tr").count() == 3
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,12 @@ from __future__ import annotations
 
 from datetime import UTC, datetime, timedelta
 
+import numpy as np
 import pytest
 from sqlalchemy import func, select
 
+from solver.search import diversity
+from solver.space import search_space
 from tests.servers import PostgresServer
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
 from tests.workers.problems import expected_history, line, recorded_history
@@ -118,6 +121,13 @@ def test_a_finished_job_shows_everything(service: JobService, make_worker: MakeW
     assert [g.evaluations for g in generations] == [6 * (i + 1) for i in range(20)]
     assert all(g.created_at <= g.finished_at for g in generations)
     assert [g.number for g in service.generations(job_id, after=16, limit=2)] == [17, 18]
+    assert {g.diversity for g in generations} == {None}  # only where it is asked for
+    space = search_space(problem)
+    scattered = service.generations(job_id, after=2, limit=5, diversity=True)
+    assert [g.number for g in scattered] == [3, 4, 5, 6, 7]
+    for generation in scattered:
+        natural = [list(e.parameters.values()) for e in service.evaluations(job_id, generation=generation.number).items]
+        assert generation.diversity == diversity(space.to_unit(np.array(natural)))
 
     events = service.events(job_id)
     states = [event.data["state"] for event in events if event.kind == "state"]

@@ -14,6 +14,7 @@ from workers.errors import InvalidCursorError
 from workers.store.clock import database_now
 from workers.store.database import Record
 from workers.store.jobs import VIEW_COLUMNS
+from workers.store.selection import spaced
 from workers.store.tables import generations, jobs
 
 __all__ = ["JobFilters", "SortKey", "list_jobs", "list_trends"]
@@ -104,7 +105,7 @@ def list_trends(connection: Connection, totals: Mapping[str, int], points: int) 
     points
         Most values a job.
     """
-    numbers = {job_id: _spaced(total, points) for job_id, total in totals.items() if total > 0}
+    numbers = {job_id: spaced(total, points) for job_id, total in totals.items() if total > 0}
     trends: dict[str, list[float | None]] = {job_id: [] for job_id in totals}
     ids = list(numbers)
     for start in range(0, len(ids), TREND_JOBS_A_QUERY):
@@ -118,12 +119,6 @@ def list_trends(connection: Connection, totals: Mapping[str, int], points: int) 
         for row in connection.execute(statement.order_by(generations.c.job_id, generations.c.number)):
             trends[row.job_id].append(row.objective)
     return trends
-
-
-def _spaced(total: int, points: int) -> list[int]:
-    if total <= points:
-        return list(range(total))
-    return sorted({round(i * (total - 1) / max(points - 1, 1)) for i in range(points)} | {total - 1})[-points:]
 
 
 def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:

@@ -259,9 +259,13 @@ def find_by_idempotency_key(connection: Connection, key: str) -> Record | None:
     return connection.execute(select(jobs.c.id, jobs.c.body_hash).where(jobs.c.idempotency_key == key)).one_or_none()
 
 
-def list_generations(connection: Connection, job_id: str, *, after: int, limit: int) -> Sequence[Record]:
-    """Return finished generations with a number above ``after``, in order."""
+def list_generations(
+    connection: Connection, job_id: str, *, after: int, limit: int, numbers: Sequence[int] | None = None
+) -> Sequence[Record]:
+    """Return finished generations with a number above ``after``, and one of ``numbers`` if given, in order."""
     condition = and_(generations.c.job_id == job_id, generations.c.number > after)
+    if numbers is not None:
+        condition = and_(condition, generations.c.number.in_(numbers))
     return connection.execute(select(generations).where(condition).order_by(generations.c.number).limit(limit)).all()
 
 

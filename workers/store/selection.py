@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 
-import numpy as np
 from sqlalchemy import Connection, select, tuple_
 
 from solver.local import GenerationRecord
@@ -17,7 +16,7 @@ from workers.store.codec import unpack_json
 from workers.store.database import Record
 from workers.store.tables import evaluations, generations, jobs
 
-__all__ = ["MOST_READ", "chosen_generations", "counted_failures", "read_evaluations", "read_records"]
+__all__ = ["MOST_READ", "chosen_generations", "counted_failures", "read_evaluations", "read_records", "spaced"]
 
 MOST_READ = 20_000
 MOST_RECORDS = 2_000
@@ -48,7 +47,7 @@ def chosen_generations(connection: Connection, job: Record, most: int, *, sample
         order = (generations.c.best_objective, generations.c.number)
         lowest = connection.scalars(statement.order_by(*order).limit(count)).all()
     best = () if job.best_generation is None else (job.best_generation,)
-    return sorted({*lowest, *best, *_evenly(job.generations, count), max(job.generation, 0)})
+    return sorted({*lowest, *best, *spaced(job.generations, count), max(job.generation, 0)})
 
 
 def read_evaluations(connection: Connection, job_id: str, numbers: Collection[int] | None) -> Iterator[Record]:
@@ -86,7 +85,7 @@ def read_records(connection: Connection, job: Record) -> list[GenerationRecord]:
     """Return the finished generations, of many an even selection with the first and the last."""
     statement = select(generations).where(generations.c.job_id == job.id).order_by(generations.c.number)
     if job.generations > MOST_RECORDS:
-        statement = statement.where(generations.c.number.in_(_evenly(job.generations, MOST_RECORDS)))
+        statement = statement.where(generations.c.number.in_(spaced(job.generations, MOST_RECORDS)))
     return [
         GenerationRecord(
             row.number,
@@ -100,6 +99,8 @@ def read_records(connection: Connection, job: Record) -> list[GenerationRecord]:
     ]
 
 
-def _evenly(total: int, count: int) -> list[int]:
-    """Numbers from 0 to total - 1, ``count`` of them at most, the first and the last among them."""
-    return sorted({int(number) for number in np.linspace(0, total - 1, min(count, total)).round()})
+def spaced(total: int, points: int) -> list[int]:
+    """Return at most so many whole numbers below ``total``, evenly spaced, the first and the last one included."""
+    if total <= points:
+        return list(range(total))
+    return sorted({round(i * (total - 1) / max(points - 1, 1)) for i in range(points)} | {total - 1})[-points:]

@@ -103,7 +103,7 @@ def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[At
     return views
 
 
-def generation_view(row: Record) -> GenerationView:
+def generation_view(row: Record, diversity: float | None = None) -> GenerationView:
     """Show a finished generation."""
     return GenerationView(
         number=row.number,
@@ -114,6 +114,7 @@ def generation_view(row: Record) -> GenerationView:
         parameters=None if row.parameters is None else unpack_json(row.parameters),
         created_at=to_datetime(row.created_at),
         finished_at=to_datetime(row.finished_at),
+        diversity=diversity,
     )
 
 

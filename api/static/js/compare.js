@@ -5,25 +5,15 @@ import { connection, element, failure } from "./dom.js";
 import { get } from "./http.js";
 import { ENDED } from "./stream.js";
 
-const INTERVAL = 4000, MOST = 6, LISTED = 100;
+const INTERVAL = 4000, MOST = 6, LISTED = 100, POINTS = 1000;
 const ids = document.querySelector("main").dataset.jobs.split(" ").filter(Boolean);
 const content = document.getElementById("content");
-
-/** All generations of a job; those that are known already are not asked for again. */
-async function generations(id, known) {
-  const all = [...known];
-  for (;;) {
-    const { items } = await get(`/jobs/${id}/generations`, { after: all.at(-1)?.number ?? -1, limit: 10000 });
-    all.push(...items);
-    if (items.length < 10000) return all;
-  }
-}
 
 async function load(id, before) {
   const job = await get(`/jobs/${id}`);
   if (before && before.job.last_event === job.last_event) return { ...before, job };
   const better = before?.job.objective !== job.objective || before?.fit === undefined;
-  const [course, fit] = await Promise.all([generations(id, before?.course ?? []), better ? get(`/jobs/${id}/fit`) : before.fit]);
+  const [{ items: course }, fit] = await Promise.all([get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }), better ? get(`/jobs/${id}/fit`) : before.fit]);
   return { job, course, fit };
 }
 

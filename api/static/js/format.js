@@ -25,9 +25,10 @@ export function withUnit(label, unit) {
   return unit && unit !== "1" && unit !== "-" ? `${label} [${unit}]` : label;
 }
 
-/** A duration [s] as one reads it: 0.8 s, 42 s, 3 min 5 s, 2 h 10 min, 3 d 4 h. */
+/** A duration [s] as one reads it: 12 ms, 0.8 s, 42 s, 3 min 5 s, 2 h 10 min, 3 d 4 h. */
 export function duration(seconds) {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return "–";
+  if (seconds > 0 && seconds < 0.1) return `${number(1000 * seconds, 2)} ms`;
   if (seconds < 10) return `${number(seconds, 2)} s`;
   const whole = Math.round(seconds);
   const steps = [["d", 86400], ["h", 3600], ["min", 60], ["s", 1]];

@@ -10,23 +10,16 @@ import { fit } from "./job/fit.js";
 import { followUps } from "./job/follow_ups.js";
 import { outcome } from "./job/outcome.js";
 import { particles } from "./job/particles.js";
+import { paced } from "./pace.js";
 import { follow } from "./stream.js";
+import { thinned } from "./thin.js";
 
 const { job: id } = document.querySelector("main").dataset;
-const PAGE = 10000;
+const POINTS = 3000, MOST = 9000, INTERVAL = 200;
 
 for (const place of document.querySelectorAll("time.age")) {
   place.title = moment(place.dateTime);
   place.textContent = age(place.dateTime);
-}
-
-async function generations() {
-  const all = [];
-  for (;;) {
-    const { items } = await get(`/jobs/${id}/generations`, { after: all.at(-1)?.number ?? -1, limit: PAGE });
-    all.push(...items);
-    if (items.length < PAGE) return all;
-  }
 }
 
 async function run() {
@@ -39,10 +32,21 @@ async function run() {
   view.changed = () => { for (const part of parts) part.fit?.(); };
   const parts = [facts, actions, outcome, convergence, fit, particles, evaluations, followUps].map((part) => part(view));
   for (const part of parts) part.job?.(view.job);
-  view.course = await generations();
+  ({ items: view.course } = await get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }));
   for (const part of parts) part.course?.();
 
-  const known = new Map(view.course.map((generation, i) => [generation.number, i]));
+  let newest = null;
+  const tell = paced(() => { for (const part of parts) part.generation?.(newest); }, INTERVAL);
+  function take(generation) {
+    const { number, evaluations: counted, failed, best_objective, objective, parameters } = generation;
+    if (number <= (view.course.at(-1)?.number ?? -1)) return; // known already
+    view.course.push({ number, evaluations: counted, best_objective, objective });
+    if (view.course.length > MOST) view.course = thinned(view.course, POINTS);
+    Object.assign(view.job, { evaluations: counted, failed_evaluations: failed, objective, parameters, generations: number + 1 });
+    newest = generation;
+    tell();
+  }
+
   let busy = false, again = false;
   async function state() {
     if (busy) { again = true; return; }
@@ -60,14 +64,8 @@ async function run() {
     state: view.job.state,
     onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
     onEvent: ({ kind, data }) => {
-      if (kind === "state") return void state().catch((error) => { busy = false; connection(error.message); });
-      if (known.has(data.number)) view.course[known.get(data.number)] = data;
-      else known.set(data.number, view.course.push(data) - 1);
-      if (data.evaluations >= view.job.evaluations) {
-        const { evaluations: counted, failed, objective, parameters } = data;
-        Object.assign(view.job, { evaluations: counted, failed_evaluations: failed, objective, parameters, generations: view.course.length });
-      }
-      for (const part of parts) part.generation?.(data);
+      if (kind === "state") state().catch((error) => { busy = false; connection(error.message); });
+      else take(data);
     },
   });
 }

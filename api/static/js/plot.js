@@ -14,7 +14,8 @@ export function plotly() {
   });
   return loading;
 }
-if (document.body.dataset.plotly) plotly().catch(() => {}); // begin early; whoever draws is told of a failure
+const late = document.querySelector("main")?.dataset.plots === "late"; // a view that shows something else first
+if (document.body.dataset.plotly && !late) plotly().catch(() => {}); // begin early; whoever draws is told of a failure
 
 /** A colour of tokens.css as the browser computes it now: `colour("--series-1")`. */
 export function colour(token) {

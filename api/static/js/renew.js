@@ -31,8 +31,12 @@ function exchangeRows(body, source) {
     });
     return old;
   });
-  const same = rows.length === body.rows.length && rows.every((row, i) => row === body.rows[i]);
-  if (!same) body.replaceChildren(...rows);
+  for (const row of [...body.rows]) if (!rows.includes(row)) row.remove();
+  let here = body.firstElementChild; // who stays in place keeps the focus
+  for (const row of rows) {
+    if (row === here) here = here.nextElementSibling;
+    else body.insertBefore(row, here);
+  }
 }
 
 /** Markup as the server wrote it: ages are put into words here, and would make every cell look changed. */

@@ -152,6 +152,8 @@ function reweighted(weights) {
   view.threshold = cloud.reweighted ? cloud.objective[cloud.order[kept - 1]] : view.before ?? view.threshold;
   parts.slider.fit(cloud, parts.unit);
   place("verdicts-note").hidden = !cloud.reweighted;
+  if (cloud.reweighted) parts.slider.why.textContent = "Under other weights: as many good fits as before, unless you move the slider.";
+  else if (view.statistics) showStatistics(view.statistics);
   showCloud();
 }
 

@@ -122,9 +122,9 @@ function lead(job, last, tell, ended) {
   async function watch() {
     if (closed) return;
     try {
-      const { state } = await get(`/jobs/${job}`);
+      const { state, last_event: newest } = await get(`/jobs/${job}`);
       tell({ connected: true });
-      if (!ENDED.has(state)) return open();
+      if (!ENDED.has(state) || newest > last()) return open(); // it may even have ended again since
     } catch (error) {
       if (error.status === 401 || error.status === 404) return;
       tell({ connected: false });

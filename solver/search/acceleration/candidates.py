@@ -112,9 +112,10 @@ class Arms:
         """Return the next point of an arm; d is the number of parameters, e the number of its centre, best first.
 
         ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without;
-        ``gauss_newton:e:reach``, ``alike:e:reach``, ``quadratic:e:reach`` of the local models; ``scalar_surface`` of log f;
-        ``covariance``; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer
-        parameter; ``levenberg:damping`` and ``probe`` polish the best of all.
+        ``gauss_newton:e:reach``, ``alike:e:reach`` (slopes from like responses), ``quadratic:e:reach`` of the local
+        models; ``scalar_surface`` of log f; ``covariance``; ``near`` one of the best; ``far`` from everything; ``step``
+        to another value of an integer parameter; ``levenberg:damping`` a step, and ``probe`` a point for better slopes,
+        from the best.
         """
         kind, _, detail = arm.partition(":")
         point: FloatArray | None

@@ -236,9 +236,13 @@ class Proposer:
         if polishing:
             pattern = polish_pattern(len(moved), scalar=scalar)
         else:
-            told = len(known) >= TELLING * (known.shape[1] + 1)
-            pattern = SCALAR_PATTERN if hold_out is None else self._vector_pattern(basins, generation, hold_out, told)
-            if self._space.integer.any():
+            whole, told = self._space.integer.any(), len(known) >= TELLING * (known.shape[1] + 1)
+            # responses jump between whole numbers, which says nothing of the slopes along the other parameters
+            error = 0.0 if whole else hold_out
+            pattern = (
+                SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, told)
+            )
+            if whole:
                 pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, "step") if k % 3 == 1 else (a,)))
         proposals = self._fill(arms, pattern, slots + len(repeated), generation)
         # in particle order, so that the most promising runs come first where runs go one by one
@@ -280,11 +284,10 @@ class Proposer:
         make its slopes known. Where the surface misses much, slopes are fitted to runs with like responses. After a
         restart the residuals have misled once: every other generation trusts the objective alone.
         """
+        pattern: tuple[str, ...] = VECTOR_PATTERN
         if told and hold_out > MISLEADING:
             pattern = MISLED_PATTERN
-        elif basins.restarts == 0:
-            pattern = VECTOR_PATTERN
-        else:
+        elif basins.restarts:
             pattern = RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
         return tuple(arm.replace("gauss_newton", "alike") for arm in pattern) if hold_out > CURVED else pattern
 

@@ -38,7 +38,7 @@ def public(kind: type) -> dict[str, inspect.Signature]:
 def test_both_clients_have_the_same_methods() -> None:
     ours, theirs = public(AsyncClient), public(Client)
     assert set(ours) == set(theirs)
-    assert len(ours) == 35
+    assert len(ours) == 42
     for name, signature in ours.items():
         assert signature.parameters == theirs[name].parameters, name
         expected = theirs[name].return_annotation.replace("Iterator[", "AsyncIterator[")
@@ -59,6 +59,8 @@ def test_submit_wait_and_read_the_result(server: LiveServer, tmp_path: Path) -> 
             assert job.objective == calibrate(parse_problem(line_problem())).objective
             assert (await client.best(job.id)).parameters == job.parameters
             assert len(await client.generations(job.id)) == 10
+            assert [g.diversity is None for g in await client.generations(job.id, diversity=True)] == [False] * 10
+            assert await client.warm_starts(line_problem()) == ()
             assert (await client.problem(job.id))["name"] == "line"
             page = await client.evaluations(job.id, limit=5)
             every = [evaluation async for evaluation in client.iterate_evaluations(job.id)]
@@ -89,7 +91,10 @@ def test_steering_and_the_catalogue(server: LiveServer) -> None:
             await asyncio.sleep(0.2)
             assert (await client.cancel(job.id)).state == "cancelled"
             assert (await waiting).state == "cancelled"
-            assert (await client.list(limit=1)).items[0].id == job.id
+            assert (await client.list(limit=1, search="line", sort="created", order="descending")).items[0].id == job.id
+            going = await client.change_stopping(job.id, {"max_seconds": 900})
+            assert going.state in ("queued", "running")
+            assert (await client.cancel(job.id)).state == "cancelled"
             assert (await client.health()).ok
             assert len(await client.workers()) == 1
             assert (await client.forward_model("formula")).depends_on_section

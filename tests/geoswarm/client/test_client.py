@@ -61,6 +61,12 @@ def test_submit_wait_and_read_the_result(client: Client) -> None:
     generations = client.generations(job.id)
     assert [generation.number for generation in generations] == list(range(10))
     assert generations[-1].objective == job.objective
+    assert generations[-1].diversity is None
+    (last,) = client.generations(job.id, after=8, diversity=True)
+    assert last.diversity is not None
+    assert 0.0 < last.diversity < 1.8
+    (earlier,) = client.warm_starts(line_problem(method={"kind": "particle_swarm", "particles": 6}))
+    assert (earlier.job, earlier.evaluations) == (job.id, 60)
     assert client.get(job.id) == job
 
 
@@ -137,6 +143,11 @@ def test_list_iterate_pause_resume_cancel_delete(client: Client) -> None:
     for job_id in ids:
         assert client.cancel(job_id).state == "cancelled"
     assert client.wait(ids[0], timeout=5).state == "cancelled"
+    assert client.change_stopping(ids[0], {"max_seconds": 900}).state in ("queued", "running")
+    assert client.cancel(ids[0]).state == "cancelled"
+    found = client.list(search=ids[0], sort="evaluations", order="ascending", trend=4).items
+    assert [job.id for job in found] == ids[:1]
+    assert found[0].trend is not None
     client.delete(ids[0])
     with pytest.raises(NotFoundError, match="no job"):
         client.get(ids[0])

@@ -152,6 +152,38 @@ def test_too_much_load_says_which_phase_how_far_and_why() -> None:
     assert share == pytest.approx(0.5, abs=0.01)
 
 
+def test_the_work_of_a_phase_is_bounded() -> None:
+    mesh = block(graded(0.0, 2.0, 4), graded(0.0, 1.0, 2))
+    phase = Phase(
+        "crush",
+        materials={"soil": MohrCoulomb(1.0e4, 0.3, 5.0, 0.0)},
+        fixities=(Fixity("bottom", y=0.0), Fixity("left", x=0.0)),
+        tractions=(Traction("top", normal=-20.0),),
+    )
+    with pytest.raises(DivergedError) as failure:
+        solve_phases(mesh, [phase], control=Control(largest_assemblies=60))
+    assert str(failure.value).startswith("phase 'crush': no equilibrium beyond 0.")
+    assert "more than 60 assemblies of the balance are needed: Newton's method does not converge" in str(failure.value)
+
+
+def test_a_crack_that_opened_closes_before_it_presses() -> None:
+    """The upper layer is lifted by 10 mm, set down half of that, then pressed by 1 mm beyond where it stood."""
+    mesh = _layers()
+    joint = InterfaceMaterial(1.0e5, 1.0e5, 0.0, 30.0)
+    stiff = LinearElastic(1.0e7, 0.0)
+
+    def moved_by(distance: float) -> Phase:
+        held = (Fixity("lower bottom", x=0.0, y=0.0), Fixity("top", x=0.0, y=distance))
+        return Phase(f"{distance:g}", materials={"lower": stiff, "upper": stiff, "joint": joint}, fixities=held)
+
+    lifted, lowered, pressed = solve_phases(mesh, [moved_by(0.01), moved_by(-0.005), moved_by(-0.006)])
+    assert np.abs(lifted.interface_tractions).max() < 1.0e-9
+    assert np.abs(lowered.interface_tractions).max() < 1.0e-9
+    # 1 mm shared by two layers of 2 m in series with the interface.
+    expected = 0.001 / (4.0 / 1.0e7 + 1.0 / 1.0e5)
+    assert pressed.interface_tractions[..., 0] == pytest.approx(-expected, rel=1.0e-3)
+
+
 def test_a_body_that_is_not_held_is_singular() -> None:
     phase = Phase("loose", materials={"soil": SOIL}, tractions=(Traction("top", normal=-1.0),))
     with pytest.raises(DivergedError, match="loose"):

@@ -2,7 +2,6 @@
 import { element, empty } from "../dom.js";
 import { withUnit } from "../format.js";
 import { DASHES, SYMBOLS, colour, palette, plot } from "../plot.js";
-import { thinned } from "../thin.js";
 import { common } from "./tables.js";
 
 /** Lowest objective so far of every job; returns a function that draws what was loaded. */
@@ -10,7 +9,7 @@ export function drawConvergences(place) {
   let loaded = [];
   const made = plot(place, () => {
     const unit = common(loaded.map(({ fit }) => fit.objective_unit)) ?? "";
-    const courses = loaded.map(({ course }) => thinned(course.filter(({ objective }) => objective > 0), 1000));
+    const courses = loaded.map(({ course }) => course.filter(({ objective }) => objective > 0));
     return {
       data: loaded.map(({ job }, i) => ({
         type: "scatter", mode: "lines", name: job.name, x: courses[i].map(({ evaluations }) => evaluations),

@@ -10,6 +10,7 @@ export function followUps(view) {
   const place = document.getElementById("follow-ups"), pictures = document.getElementById("figures"), shares = document.getElementById("shares");
 
   const list = paced(async () => {
+    for (const item of document.querySelectorAll("[data-needs-best]")) item.hidden = view.job.objective === null;
     if (view.job.objective === null) {
       place.replaceChildren(empty("They begin at the best evaluation; there is none yet."));
       return;

@@ -26,7 +26,7 @@ export function paint(context, view, map, size) {
   context.lineJoin = "round";
   if (view.shown === "regions") regions(context, view, pixels);
   else contours(context, view, pixels);
-  if (view.options.lines) lines(context, view.mesh.triangles, pixels, colour("--muted"), view.shown === "regions" ? 0.45 : 0.25);
+  if (view.options.lines) lines(context, view.mesh.triangles, pixels, colour("--muted"), (view.shown === "regions" ? 0.45 : 0.25) * fineness(view.mesh.triangles, pixels));
   interfaces(context, view.mesh.interfaces, pixels);
   if (view.options.outline) edges(context, view.outline, view.mesh.nodes.map(map), colour("--ink"), [5, 4]);
   if (view.options.points) points(context, view.mesh, pixels);
@@ -78,6 +78,12 @@ function contours(context, { mesh, shown }, pixels) {
     context.fill(path);
     context.stroke(path); // closes the hairlines between neighbours
   });
+}
+
+/** Thinner lines where triangles are small on the screen, 0.2 to 1: they shall not hide the colours. */
+function fineness(triangles, pixels) {
+  const sides = triangles.map(([a, b]) => Math.hypot(pixels[a][0] - pixels[b][0], pixels[a][1] - pixels[b][1])).sort((a, b) => a - b);
+  return Math.max(0.2, Math.min(1, (sides[sides.length >> 1] ?? 12) / 12));
 }
 
 function lines(context, triangles, pixels, paintOf, width) {

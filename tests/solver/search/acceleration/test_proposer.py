@@ -109,6 +109,24 @@ def test_any_dimension_and_number_of_particles(dimension: int, particles: int) -
     assert max(nearest) < 0.05  # linear residuals are solved at once, up to the compression
 
 
+@pytest.mark.parametrize(("frequency", "misled"), [(0.1, False), (60.0, True)])
+def test_probes_go_out_where_the_surface_predicts_worse_than_the_mean(frequency: float, misled: bool) -> None:
+    space, x = box(3, 0.0, 1.0), np.linspace(0.0, 1.0, 12)
+
+    def wave(at: FloatArray) -> FloatArray:
+        return np.asarray(np.sin(frequency * at.sum(axis=1)[:, None] * x) - 0.5)
+
+    proposer, moved = Proposer(space, 1), np.array([space.draw(particle_generator(5, 1, i)) for i in range(10)])
+    proposer.propose(1, moved, np.arange(10), runs(space, 30, wave))
+    arms = {arm.partition(":")[0] for arm in proposer.state.aimed.values()}
+    hold_out = proposer.state.hold_out
+    assert hold_out is not None
+    assert (hold_out > 1.0) == misled
+    assert ("probe" in arms) == ("alike" in arms) == misled
+    proposer.propose(1, moved, np.arange(10), runs(space, 12, wave))  # too few runs tell nothing
+    assert "probe" not in proposer.state.aimed.values()
+
+
 def test_state_survives_json_bit_for_bit() -> None:
     space = oedometer_space()
     known, state = runs(space, 20, lambda x: np.abs(valley(x)[:, :1])), ProposerState()

@@ -30,6 +30,21 @@ def test_a_small_gain_does_not_count_and_a_large_one_does() -> None:
     assert basins.after(points, np.array([0.9]), 4).waiting == 0
 
 
+def test_the_rim_of_a_finished_basin_is_no_basin_of_its_own() -> None:
+    basins = Basins(finished=((0.2, 0.2),), restarts=1)
+    # from the centre over two steps up its side, then two runs of another basin, then one on no side
+    points = np.array([[0.2, 0.2], [0.24, 0.2], [0.28, 0.2], [0.6, 0.6], [0.32, 0.2], [0.62, 0.6], [0.4, 0.2]])
+    assert basins.open_runs(points).tolist() == [False, False, False, True, False, True, True]
+    assert basins.after(points, np.arange(1.0, 8.0), 4).best == 4.0
+    open_ = basins.open_runs(points)
+    wanted = [([0.3, 0.22], False), ([0.6, 0.62], True), ([0.32, 0.35], True), ([0.23, 0.23], False)]
+    assert [basins.admits(np.array(point), points, open_) for point, _ in wanted] == [
+        admitted for _, admitted in wanted
+    ]
+    assert Basins().open_runs(points).all()
+    assert Basins().admits(np.array([0.2, 0.2]), points, open_)
+
+
 def test_when_everything_is_finished_it_begins_again() -> None:
     basins = Basins(finished=((0.5,),), restarts=1).after(np.array([[0.5]]), np.array([1.0]), 4)
     assert (basins.finished, basins.restarts, basins.best) == ((), 2, 1.0)

@@ -1,0 +1,103 @@
+"""Measured points with what evaluations give there, in the units of the user; one evaluation by its place."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.problem import parse_problem
+from tests.api.conftest import API, App, line_problem, wait_for_end
+from workers.engine import Engine
+
+MEASURED = {"x": [120.0, 0.0, 60.0], "y": [500.0, 100.0, 300.0]}
+CHANGES: dict[str, Any] = {
+    "forward_model": {
+        "kind": "formula",
+        "series": {"settlement": {"expression": "a + b * x", "x_unit": "day", "y_unit": "m"}},
+    },
+    "parameters": {"a": {"lower": -5, "upper": 5, "initial": 1}, "b": {"lower": 0, "upper": 200}, "c": {"value": 2}},
+    "observations": [{"series": "settlement", "points": MEASURED, "x_unit": "min", "y_unit": "mm", "weight": 3}],
+}
+
+
+@pytest.fixture(scope="module")
+def job(engine: Engine) -> str:
+    view, _ = engine.service.submit(parse_problem(line_problem(**CHANGES)))
+    wait_for_end(engine.service, view.id)
+    return view.id
+
+
+def test_a_fit_has_the_units_of_the_user_and_rises_in_x(engine: Engine, job: str) -> None:
+    fit = App(engine.service).get(f"{API}/jobs/{job}/fit").json()
+    (series,) = fit["series"]
+    assert (series["x_unit"], series["y_unit"], series["weight"]) == ("min", "mm", 3)
+    assert (series["x"], series["measured"]) == ([0, 60, 120], pytest.approx([100, 300, 500], rel=1e-12))
+    assert fit["objective_unit"] == "m²"
+    first, best = fit["curves"]
+    assert [first["role"], best["role"]] == ["initial", "best"]
+    assert (first["generation"], first["particle"], first["parameters"]["a"]) == (0, 0, 1.0)
+    a, b = best["parameters"]["a"], best["parameters"]["b"]
+    assert best["values"]["settlement"] == pytest.approx(1000 * (a + b * np.array([0, 60, 120]) / 1440), rel=1e-9)
+    assert best["objective"] == engine.service.get(job).objective
+    assert [share["share"] for share in best["shares"]] == [pytest.approx(1.0, abs=1e-12)]
+    forms = {parameter["name"]: parameter["form"] for parameter in fit["parameters"]}
+    assert forms == {"a": "free", "b": "free", "c": "fixed"}
+    assert (fit["parameters"][0]["lower"], fit["parameters"][0]["initial"], fit["parameters"][2]["value"]) == (-5, 1, 2)
+
+
+def test_one_evaluation_is_shown_by_its_place(engine: Engine, job: str) -> None:
+    app = App(engine.service)
+    chosen = app.get(f"{API}/jobs/{job}/fit?generation=2&particle=3").json()["curves"][-1]
+    one = app.get(f"{API}/jobs/{job}/evaluations/2/3").json()
+    assert (chosen["role"], chosen["generation"], chosen["particle"]) == ("chosen", 2, 3)
+    assert chosen["objective"] == one["objective"]
+    order = np.argsort(MEASURED["x"])
+    assert chosen["values"]["settlement"] == pytest.approx(
+        1000 * np.array(one["responses"]["settlement"]["y"])[order], rel=1e-12
+    )
+    page = app.get(f"{API}/jobs/{job}/evaluations?generation=2&responses=true").json()["items"]
+    assert one == page[3]
+    for path in ("fit?generation=2&particle=99", "evaluations/2/99", "evaluations/999/0"):
+        answer = app.get(f"{API}/jobs/{job}/{path}")
+        assert (answer.status_code, answer.json()["type"]) == (404, "urn:geoswarm:error:evaluation-not-found")
+    assert app.get(f"{API}/jobs/{job}/fit?generation=2").status_code == 422
+
+
+def test_a_job_that_waits_shows_its_measured_points(app: App) -> None:
+    job_id = app.post(f"{API}/jobs", json=line_problem(**CHANGES)).json()["id"]
+    fit = app.get(f"{API}/jobs/{job_id}/fit").json()
+    assert fit["curves"] == []
+    assert fit["series"][0]["measured"] == pytest.approx([100, 300, 500], rel=1e-12)
+
+
+def test_generations_come_evenly_spaced(engine: Engine, job: str) -> None:
+    app = App(engine.service)
+    numbers = [g["number"] for g in app.get(f"{API}/jobs/{job}/generations?points=4").json()["items"]]
+    assert numbers == [0, 3, 6, 9]
+    assert len(app.get(f"{API}/jobs/{job}/generations?points=400").json()["items"]) == 10
+
+
+def test_lists_are_filtered_over_http(engine: Engine, job: str) -> None:
+    app = App(engine.service)
+    found = app.get(f"{API}/jobs?q=line&state=finished&state=failed&sort=objective&order=ascending&trend=5").json()
+    (item,) = [item for item in found["items"] if item["id"] == job]
+    assert len(item["trend"]) == 5
+    assert item["trend"][-1] == item["objective"]
+    assert item["last_event"] == engine.service.events(job)[-1].id
+    assert app.get(f"{API}/jobs?q=%00").status_code == 422
+    assert app.get(f"{API}/jobs?sort=colour").status_code == 422
+
+
+def test_the_end_of_a_job_is_changed_over_http(engine: Engine) -> None:
+    app = App(engine.service)
+    job_id = app.post(f"{API}/jobs", json=line_problem(stopping={"max_evaluations": 12})).json()["id"]
+    wait_for_end(engine.service, job_id)
+    path = f"{API}/jobs/{job_id}"
+    assert app("PATCH", path, json={"stopping": {"max_evaluations": 12}}).status_code == 409
+    assert app("PATCH", path, json={"stopping": {"max_evaluations": "many"}}).status_code == 422
+    assert app("PATCH", path, json={"name": "other"}).status_code == 422
+    answer = app("PATCH", path, json={"stopping": {"max_evaluations": 30, "max_seconds": None}})
+    assert (answer.status_code, answer.json()["max_evaluations"]) == (200, 30)
+    assert wait_for_end(engine.service, job_id).evaluations == 30

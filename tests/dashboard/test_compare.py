@@ -1,0 +1,73 @@
+"""Jobs side by side."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import expect
+
+from solver.problem import parse_problem
+from tests.api.conftest import wait_for_end
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.test_job import LONG, SOON, textbook
+
+Visit = Callable[..., Opened]
+
+
+@pytest.fixture(scope="module")
+def ids(embedded: Site) -> list[str]:
+    """Three finished jobs, one with a fixed parameter."""
+    parameters = {"a": {"value": 0.5}, "b": {"lower": 0, "upper": 4}}
+    made = [
+        embedded.service.submit(parse_problem(textbook(name=name, **changes)))[0].id
+        for name, changes in (("free", {}), ("other-seed", {"seed": 8}), ("fixed-a", {"parameters": parameters}))
+    ]
+    for job_id in made:
+        wait_for_end(embedded.service, job_id)
+    return made
+
+
+def test_parameters_convergence_and_fits_stand_side_by_side(embedded: Site, visit: Visit, ids: list[str]) -> None:
+    page, _ = visit(embedded, "/compare?" + "&".join(f"job={job_id}" for job_id in ids))
+    parameters = page.locator("#parameters tr")
+    expect(parameters).to_have_count(3)
+    expect(parameters.nth(1).locator("td.n").nth(2)).to_have_text("0.5 fixed")
+    best = min((embedded.service.get(job_id).objective or 0.0, i) for i, job_id in enumerate(ids))
+    expect(page.locator("#facts tr").nth(1).locator("td.n").nth(best[1])).to_contain_text("(lowest)")
+    for name in ("Lowest objective over evaluations of 3 jobs", "y: measured points and the best evaluation of 3 jobs"):
+        figure = page.get_by_role("figure", name=re.compile(name))
+        expect(figure.locator(".main-svg").first).to_be_visible()
+    expect(page.get_by_role("figure", name=re.compile("y: measured")).locator(".legendtext")).to_have_text(
+        ["measured", "free", "other-seed", "fixed-a"]
+    )
+    check_accessibility(page)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_jobs_are_added_and_removed(embedded: Site, visit: Visit, ids: list[str]) -> None:
+    page, _ = visit(embedded, f"/compare?job={ids[0]}")
+    expect(page.locator(".empty")).to_contain_text("Choose two to six jobs")
+    page.get_by_label("Add a job").select_option(ids[1])
+    page.get_by_role("button", name="Add").click()
+    expect(page.locator(".chosen li")).to_have_count(2)
+    expect(page.locator("#parameters tr")).to_have_count(3)
+    page.get_by_role("link", name="Remove free").click()
+    expect(page.locator(".chosen li")).to_have_count(1)
+    assert page.locator("#parameters").count() == 0
+
+
+def test_a_running_job_is_followed(embedded: Site, visit: Visit, ids: list[str]) -> None:
+    view, _ = embedded.service.submit(parse_problem(textbook(name="running", **LONG)))
+    try:
+        page, _ = visit(embedded, f"/compare?job={ids[0]}&job={view.id}")
+        state = page.locator(".chosen .state").nth(1)
+        expect(state).to_have_text("running", timeout=SOON)
+        embedded.service.cancel(view.id)
+        expect(state).to_have_text("cancelled", timeout=SOON)
+        assert page.locator(".chosen .state").first.inner_text() == "finished"
+    finally:
+        if embedded.service.get(view.id).state != "cancelled":
+            embedded.service.cancel(view.id)

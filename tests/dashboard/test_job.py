@@ -1,0 +1,205 @@
+"""The page of a job: seen to its end live, steered, and asked why it failed; embedded and with everything."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from solver.problem import parse_problem
+from tests.api.conftest import line_problem, wait_for_end
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from workers.access import LOCAL, Principal
+from workers.store.job_list import JobFilters
+
+Visit = Callable[..., Opened]
+TEXTBOOK = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
+LONG = {"stopping": {"max_evaluations": 4_000_000}}
+BROKEN = {"kind": "formula", "series": {"y": {"expression": "a + b * x + ln(0 - 1)"}}}
+SOON = 90_000
+
+
+def textbook(**changes: Any) -> dict[str, Any]:
+    """The line, by a search that costs next to nothing."""
+    return line_problem(**({"method": TEXTBOOK} | changes))
+
+
+@pytest.fixture(params=["embedded", "full"])
+def site(request: pytest.FixtureRequest) -> Site:
+    chosen: Site = request.getfixturevalue(request.param)
+    return chosen
+
+
+@pytest.fixture
+def submit(site: Site) -> Iterator[Callable[..., str]]:
+    """``job_id = submit(**changes)``: a job of alice; ended when the test ends."""
+    alice = site.service.on_behalf_of(Principal("alice", "submit") if site.settings.require_key else LOCAL)
+    made: list[str] = []
+
+    def submitted(**changes: Any) -> str:
+        made.append(alice.submit(parse_problem(textbook(**changes)))[0].id)
+        return made[-1]
+
+    yield submitted
+    left = {view.id for view in alice.list(JobFilters(states=("queued", "running", "paused"))).items}
+    for job_id in left.intersection(made):
+        alice.cancel(job_id)
+
+
+def opened(site: Site, visit: Visit, path: str, **options: object) -> Opened:
+    return visit(site, path, key=site.key("alice") if site.settings.require_key else None, **options)
+
+
+def state(page: Page) -> Any:
+    return expect(page.locator("h1 .state"))
+
+
+def counted(page: Page) -> int:
+    return int(re.sub(r"\D", "", page.locator("[data-field=evaluations]").inner_text().split("/")[0]))
+
+
+def test_a_job_is_watched_to_its_end(site: Site, visit: Visit, submit: Callable[..., str]) -> None:
+    job_id = submit(name="watched", stopping={"max_evaluations": 240})
+    page, _ = opened(site, visit, f"/jobs/{job_id}")
+    state(page).to_have_text("finished", timeout=SOON)
+    expect(page.locator("[data-field=evaluations]")).to_have_text("240 / 240")
+    expect(page.locator("[data-field=stopped]")).to_have_text("max evaluations")
+    best = site.service.get(job_id).parameters or {}
+    expect(page.locator("#parameters tr", has_text="identified")).to_have_count(2)
+    assert float(page.locator("#parameters td.n").first.inner_text()) == pytest.approx(best["a"], rel=1e-5)
+    for plot in ("Objective over evaluations", "Generation 39: 6 particles", "y: 3 measured points with first"):
+        figure = page.get_by_role("figure", name=re.compile(plot))
+        figure.scroll_into_view_if_needed()
+        expect(figure.locator(".main-svg").first).to_be_visible()
+    expect(page.locator("#shares meter")).to_have_count(1)
+    page.locator("#downloads-title").scroll_into_view_if_needed()
+    expect(page.get_by_role("link", name="convergence as PNG")).to_be_visible()
+    check_accessibility(page)
+    report = page.context.request.get(f"/api/v1/jobs/{job_id}/report.pdf")
+    assert report.body().startswith(b"%PDF")
+
+
+def test_a_job_is_paused_resumed_cancelled_and_goes_on(site: Site, visit: Visit, submit: Callable[..., str]) -> None:
+    job_id = submit(name="steered", **LONG)
+    page, guard = opened(site, visit, f"/jobs/{job_id}")
+    guard.allow("409")
+    state(page).to_have_text("running", timeout=SOON)
+    page.get_by_role("button", name="Pause").click()
+    state(page).to_have_text("paused", timeout=SOON)
+    page.get_by_role("button", name="Resume").click()
+    state(page).to_have_text("running", timeout=SOON)
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("dialog").get_by_role("button", name="No").click()
+    state(page).to_have_text("running")
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("dialog").get_by_role("button", name="End it").click()
+    state(page).to_have_text("cancelled", timeout=SOON)
+    there = site.service.get(job_id).evaluations
+    page.get_by_role("button", name="Go on").click()
+    dialog = page.get_by_role("dialog")
+    check_accessibility(page)
+    dialog.get_by_label("Largest number of evaluations").fill("6")
+    dialog.get_by_role("button", name="Go on").click()
+    expect(dialog.get_by_role("alert")).to_contain_text("would end at once by max_evaluations")
+    dialog.get_by_label("Largest number of evaluations").fill(str(there + 600))
+    dialog.get_by_role("button", name="Go on").click()
+    state(page).to_have_text("finished", timeout=SOON)
+    assert there < site.service.get(job_id).evaluations <= there + 600
+    page.get_by_role("button", name="Delete").click()
+    page.get_by_role("button", name="Delete it").click()
+    expect(page.locator("h1")).to_have_text("Jobs")
+
+
+def test_why_a_job_failed_is_one_step_away(site: Site, visit: Visit, submit: Callable[..., str]) -> None:
+    job_id = submit(name="failing", forward_model=BROKEN, stopping={"max_evaluations": 12})
+    page, guard = opened(site, visit, f"/jobs/{job_id}")
+    state(page).to_have_text("failed", timeout=SOON)
+    expect(page.locator("#outcome")).to_contain_text("all 12 evaluations failed")
+    page.get_by_role("button", name="Show the first failed evaluation").click()
+    dialog = page.get_by_role("dialog", name="Generation 0, particle 0")
+    expect(dialog).to_contain_text("Why it failed: not finite")
+    expect(dialog.get_by_role("region", name="Tries")).to_contain_text("not finite (counts)")
+    check_accessibility(page)
+    page.keyboard.press("Escape")
+    expect(dialog).to_have_count(0)
+    page.locator("#evaluations-title").scroll_into_view_if_needed()
+    expect(page.locator("#evaluations td.why").first).to_contain_text("is nan at point")
+    assert guard.faults == []
+
+
+def test_evaluations_are_filtered_and_opened_by_keyboard(embedded: Site, visit: Visit) -> None:
+    model = {"kind": "formula", "series": {"y": {"expression": "a + b * x + 0 * sqrt(b - 1)"}}}
+    view, _ = embedded.service.submit(parse_problem(textbook(name="partly", forward_model=model)))
+    wait_for_end(embedded.service, view.id)
+    failed = embedded.service.get(view.id).failed_evaluations
+    page, _ = visit(embedded, f"/jobs/{view.id}")
+    assert 0 < failed < 60
+    expect(page.locator("#outcome")).to_contain_text(f"{failed} of 60 evaluations failed")
+    table = page.locator("#evaluations tbody tr")
+    page.locator("#evaluations-title").scroll_into_view_if_needed()
+    expect(table).to_have_count(25)
+    page.get_by_role("button", name="Further").click()
+    expect(table.first).to_contain_text("4 · 1")
+    page.get_by_label("State").select_option("failed")
+    expect(table).to_have_count(min(failed, 25))
+    page.get_by_label("Generation", exact=True).last.fill("0")
+    first = embedded.service.evaluations(view.id, generation=0, state="failed").items
+    expect(table).to_have_count(len(first))
+    button = page.get_by_role("button", name=re.compile("Open evaluation")).first
+    button.focus()
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("dialog")).to_contain_text("Why it failed")
+    page.keyboard.press("Escape")
+    expect(button).to_be_focused()
+    with page.expect_download() as download:
+        page.get_by_role("link", name="These as CSV").click()
+    assert download.value.path().read_text().count("\n") == len(first) + 1
+
+
+def test_particles_are_leafed_through(embedded: Site, visit: Visit) -> None:
+    view, _ = embedded.service.submit(parse_problem(textbook(name="particles")))
+    wait_for_end(embedded.service, view.id)
+    page, _ = visit(embedded, f"/jobs/{view.id}")
+    place = page.locator("#particles")
+    place.scroll_into_view_if_needed()
+    expect(place.get_by_role("figure")).to_have_attribute("aria-label", "Generation 9: 6 particles, b over a")
+    place.get_by_role("slider").fill("3")
+    expect(place.get_by_role("figure")).to_have_attribute("aria-label", re.compile("Generation 3: "))
+    place.locator("select").first.select_option("parallel")
+    expect(place.get_by_role("figure")).to_have_attribute("aria-label", re.compile("3: 6 particles in parallel"))
+    place.get_by_role("button", name="Play").click()
+    expect(place.locator("output")).to_have_text("9 of 9", timeout=15_000)
+    expect(place.get_by_role("button", name="Play")).to_be_visible()
+    place.get_by_text("Numbers of this plot").click()
+    assert place.locator(".plot-table tbody tr").count() == 6
+
+
+def test_the_jobs_of_others_are_kept_out_of_reach(full: Site, visit: Visit) -> None:
+    alice = full.service.on_behalf_of(Principal("alice", "submit"))
+    job_id = alice.submit(parse_problem(textbook(name="confidential-slope", **LONG)))[0].id
+    try:
+        page, guard = visit(full, f"/jobs/{job_id}", key=full.key("bob"))
+        guard.allow("404")
+        expect(page.locator("h1")).to_have_text("Job not found")
+        page.goto(f"/compare?job={job_id}")
+        expect(page.locator("h1")).to_have_text("Job not found")
+        page.goto("/")
+        expect(page.locator("#list")).not_to_contain_text("confidential-slope")
+        for method, path in (("POST", "/cancel"), ("PATCH", ""), ("DELETE", ""), ("GET", "/fit"), ("GET", "/events")):
+            answer = page.context.request.fetch(
+                f"/api/v1/jobs/{job_id}{path}",
+                method=method,
+                headers={"X-Requested-With": "test"},
+                data={"stopping": {"max_evaluations": 9}} if method == "PATCH" else None,
+            )
+            assert answer.status == 404, (method, path)
+        reader, _ = visit(full, f"/jobs/{job_id}", key=full.key("alice", "read"))
+        expect(reader.locator("[data-field=objective]")).not_to_have_text("–", timeout=SOON)
+        expect(reader.locator("#actions button")).to_have_count(0)
+        assert alice.get(job_id).state == "running"
+    finally:
+        alice.cancel(job_id)

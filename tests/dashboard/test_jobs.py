@@ -1,0 +1,93 @@
+"""The list of jobs: kept up to date, searched, sorted, leafed through, chosen from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import expect
+
+from solver.problem import parse_problem
+from tests.api.conftest import wait_for_end
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.test_job import LONG, textbook
+
+Visit = Callable[..., Opened]
+
+
+@pytest.fixture(scope="module")
+def ids(embedded: Site) -> list[str]:
+    """Three finished jobs."""
+    made = []
+    for name, most in (("gravel-wall", 30), ("clay-test", 60), ("silt-test", 90)):
+        problem = parse_problem(textbook(name=name, stopping={"max_evaluations": most}, seed=most))
+        made.append(embedded.service.submit(problem)[0].id)
+    for job_id in made:
+        wait_for_end(embedded.service, job_id)
+    return made
+
+
+def test_jobs_are_searched_and_sorted_without_a_reload(embedded: Site, visit: Visit, ids: list[str]) -> None:
+    page, _ = visit(embedded, "/")
+    rows = page.locator("tr[data-job]")
+    for job_id in ids:
+        expect(page.locator(f"tr[data-job='{job_id}'] svg.spark")).to_be_visible()
+    page.get_by_label("Search").fill("-TEST")
+    expect(rows).to_have_count(2)
+    assert "q=-TEST" in page.url
+    page.get_by_label("Order").select_option("evaluations")
+    expect(rows.first).to_contain_text("silt-test")
+    page.get_by_label("Order").select_option("name")
+    expect(rows.first).to_contain_text("clay-test")
+    page.get_by_label("State").select_option("failed")
+    expect(page.locator(".empty")).to_contain_text("No job matches")
+    page.get_by_label("State").select_option("ended")
+    expect(rows).to_have_count(2)
+    page.reload()
+    expect(page.get_by_label("Search")).to_have_value("-TEST")
+    expect(rows).to_have_count(2)
+    check_accessibility(page)
+
+
+def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
+    embedded: Site, visit: Visit, ids: list[str]
+) -> None:
+    page, _ = visit(embedded, "/")
+    box = page.locator(f"tr[data-job='{ids[0]}'] input")
+    box.focus()
+    page.keyboard.press("Space")
+    view, _ = embedded.service.submit(parse_problem(textbook(name="just-now")))
+    row = page.locator(f"tr[data-job='{view.id}']")
+    expect(row.locator(".state")).to_have_text("finished", timeout=30_000)
+    expect(box).to_be_checked()
+    expect(box).to_be_focused()
+    assert page.locator("#chosen").inner_text() == "1 job chosen; choose at least one more."
+
+
+def test_pages_are_leafed_through(embedded: Site, visit: Visit) -> None:
+    for number in range(52):
+        view, _ = embedded.service.submit(parse_problem(textbook(name=f"leaf-{number:02}", **LONG)))
+        embedded.service.cancel(view.id)
+    page, _ = visit(embedded, "/?q=leaf&state=cancelled&sort=name")
+    rows = page.locator("tr[data-job]")
+    expect(rows).to_have_count(50)
+    page.get_by_role("link", name="Further jobs").click()
+    expect(rows).to_have_count(2)
+    expect(rows.first).to_contain_text("leaf-50")
+    page.get_by_role("link", name="First page").click()
+    expect(rows).to_have_count(50)
+    assert "q=leaf" in page.url
+
+
+def test_two_jobs_are_chosen_and_compared(embedded: Site, visit: Visit, ids: list[str]) -> None:
+    page, _ = visit(embedded, "/?state=finished")
+    button = page.get_by_role("button", name="Compare")
+    expect(button).to_be_disabled()
+    for job_id in ids[:2]:
+        page.locator(f"tr[data-job='{job_id}'] input").check()
+    button.click()
+    expect(page.locator("h1")).to_have_text("Compare jobs")
+    expect(page).to_have_url(re.compile(f"job={ids[0]}&job={ids[1]}"))
+    assert page.locator(".chosen li").count() == 2
