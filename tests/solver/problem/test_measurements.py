@@ -49,7 +49,7 @@ ROWS = (
     '<row r="5"><c r="A5"><v>3</v></c><c r="C5" t="e"><v>#N/A</v></c></row>'
     '<row r="6"><c r="A6"><v>4.5E1</v></c><c r="C6"><f>C4*2</f><v>0.5</v></c></row>'
 )
-STRINGS = "<si><t>time [min]</t></si><si><r><t>se</t></r><r><t>ttlement (mm)</t></r></si>"
+STRINGS = "<si><t>time [min]</t></si><si><r><t>settlement </t></r><r><t>(mm)</t></r></si>"
 
 
 @pytest.mark.parametrize(
