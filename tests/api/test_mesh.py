@@ -122,7 +122,9 @@ def test_who_may_only_read_starts_no_forward_run(engine: Engine) -> None:
 
 def test_a_run_that_exceeds_the_limit_is_ended(engine: Engine) -> None:
     app = App(engine.service)
-    document = loaded_ground(limits={"seconds_per_evaluation": 1e-6})
+    layers = [{"name": "sand", "thickness": "depth", "rows": 30}, {"name": "rock", "bottom": 0, "rows": 30}]
+    fine = ground(layers=layers, element_length=0.2)  # takes longer than the interval at which limits are looked after
+    document = loaded_ground(forward_model=fine, limits={"seconds_per_evaluation": 1e-6})
     job = app.post(f"{API}/jobs", json=document).json()["id"]
     wait_for_end(engine.service, job)
     answer = app.get(f"{API}/jobs/{job}/mesh/fields", params={"generation": 0, "particle": 0})

@@ -52,6 +52,7 @@ FINISH_SECONDS = 600.0
 Bits = tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[str, list[float]], str | None]
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_a_short_chaos_changes_nothing(
     fresh_postgres_url: str, redis_server: RedisServer, postgres_server: PostgresServer, tmp_path: Path

@@ -21,7 +21,7 @@ def job(embedded: Site) -> str:
     return view.id
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_every_page_is_sound_and_usable_by_everybody(embedded: Site, visit: Visit, job: str, theme: str) -> None:
     page, _ = visit(embedded, "/", color_scheme=theme)
     for path in (

@@ -28,7 +28,7 @@ def textbook(**changes: Any) -> dict[str, Any]:
     return line_problem(**({"method": TEXTBOOK} | changes))
 
 
-@pytest.fixture(params=["embedded", "full"])
+@pytest.fixture(params=[pytest.param("embedded", marks=pytest.mark.slow), "full"])
 def site(request: pytest.FixtureRequest) -> Site:
     chosen: Site = request.getfixturevalue(request.param)
     return chosen
@@ -175,7 +175,9 @@ def test_particles_are_leafed_through(embedded: Site, visit: Visit) -> None:
     expect(place.locator("output")).to_have_text("9 of 9", timeout=15_000)
     expect(place.get_by_role("button", name="Play")).to_be_visible()
     place.get_by_text("Numbers of this plot").click()
-    assert place.locator(".plot-table tbody tr").count() == 6
+    rows = place.locator(".plot-table tbody tr")
+    expect(rows).to_have_count(6)
+    assert rows.count() == 6
 
 
 def test_the_jobs_of_others_are_kept_out_of_reach(full: Site, visit: Visit) -> None:

@@ -124,6 +124,7 @@ def published() -> dict[str, object]:
     return document | {"name": "clay of San Cassiano", "stopping": stopping}
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_a_new_user_builds_the_published_job_from_a_csv(embedded: Site, visit: Visit, readings: Path) -> None:
     page, _ = visit(embedded, "/new")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from solver.problem import load_problem
@@ -59,6 +60,7 @@ def test_two_parameters_are_fixed_with_keys_and_workers(full: Site, visit: Visit
     expect(page.locator("h1 .state")).to_have_text("finished", timeout=60_000)
 
 
+@pytest.mark.slow
 def test_two_parameters_are_fixed_on_a_laptop(embedded: Site, visit: Visit) -> None:
     job = ended(embedded.service, five_parameters())
     page, _ = visit(embedded, "/")

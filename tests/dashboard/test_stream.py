@@ -46,6 +46,7 @@ def goes_on(page: Page) -> None:
     )
 
 
+@pytest.mark.slow
 def test_tabs_share_one_stream_and_hand_it_on(embedded: Site, visit: Visit, job: str) -> None:
     first, _ = visit(embedded, "/")
     opened = streams(first.context)

@@ -20,7 +20,7 @@ from workers.tally import tally
 Visit = Callable[..., Opened]
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_an_administrator_sees_workers_queue_and_failures(embedded: Site, visit: Visit, theme: str) -> None:
     ended(embedded.service, line_problem())
     tally.run("finished", 0.1)

@@ -119,7 +119,7 @@ def finish(client: Client, job_id: str, evaluations: int = 1590) -> None:
     assert (job.evaluations, job.failed_evaluations, job.stop_reasons) == (evaluations, 0, ["max_evaluations"])
 
 
-@pytest.mark.parametrize("workers", [1, 2, 4])
+@pytest.mark.parametrize("workers", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 4))])
 def test_embedded_service_gives_the_in_process_history(workers: int, tmp_path: Path) -> None:
     with served("--database", f"sqlite:///{tmp_path / 'jobs.db'}", "--workers", str(workers)) as client:
         job = client.submit(WHOLE)
@@ -142,7 +142,7 @@ def test_an_accelerated_job_gives_the_in_process_history(
         assert over_http(client, job.id) == in_process(accelerated=True)
 
 
-@pytest.mark.parametrize("workers", [1, 2, 4])
+@pytest.mark.parametrize("workers", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 4))])
 def test_redis_and_postgresql_give_the_in_process_history(
     workers: int, fresh_postgres_url: str, fresh_redis_url: str
 ) -> None:

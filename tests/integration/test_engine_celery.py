@@ -30,6 +30,7 @@ def settings(fresh_postgres_url: str, fresh_redis_url: str) -> Settings:
     return Settings(database_url=fresh_postgres_url, broker_url=fresh_redis_url, **STEADY)
 
 
+@pytest.mark.slow
 def test_same_history_as_in_process_for_1_and_2_workers(settings: Settings) -> None:
     problem = line(stopping={"max_evaluations": 300})
     plain = settings.model_copy(update={"burst_seconds": 0.02, "cheap_seconds": 0.05})

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from solver.problem import Problem, parse_problem
+from solver.problem import Problem, Stopping, parse_problem
 from tests.api.conftest import line_problem
 from tests.workers.conftest import MakeWorker
 from workers.access import Principal
@@ -55,11 +55,13 @@ def test_every_method_with_a_job_refuses_strangers(service: JobService) -> None:
     tried = 0
     for name in dir(JobService):
         method = getattr(stranger, name)
-        if name.startswith("_") or not callable(method) or "job_id" not in JobService.__dict__[name].__annotations__:
+        if name.startswith("_") or not callable(method) or "job_id" not in getattr(method, "__annotations__", {}):
             continue
+        place = {} if name not in ("attempts", "evaluation") else {"generation": 0, "particle": 0}
+        further = {"stopping": Stopping(max_evaluations=10)} if name == "change_stopping" else {}
         tried += 1
         with pytest.raises(JobNotFoundError):
-            method(job.id, **(dict.fromkeys(("generation", "particle"), 0) if name == "attempts" else {}))
+            method(job.id, **place, **further)
     assert tried >= 11
 
 
