@@ -35,7 +35,7 @@ BATCH = 500
 RETRY_SECONDS = 2.0
 READING_THREADS = 4
 EXISTENCE_SECONDS = 2.0  # how soon listeners learn that their job was deleted
-GATHER_SECONDS = 0.01
+GATHER_SECONDS = 0.005
 QUIET_SECONDS = 1.0  # between two looks while the database tells of events by itself
 
 T = TypeVar("T")

@@ -37,7 +37,7 @@ log = logging.getLogger(__name__)
 
 CACHED_CALIBRATIONS = 32
 LONGEST_WAIT_SECONDS = 2.0
-SHORTEST_LOOK, LONGEST_LOOK = 0.002, 0.02  # between two looks for the next generation [s]
+SHORTEST_LOOK, LONGEST_LOOK = 0.001, 0.02  # between two looks for the next generation [s]
 PATIENCE_SECONDS = 0.05
 
 
@@ -167,7 +167,7 @@ class Worker:
 
         A ring through the broker would come later than a look at the database.
         """
-        pause = min(max(0.02 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        pause = min(max(0.01 * typical, SHORTEST_LOOK), LONGEST_LOOK)
         now = time.monotonic()
         patience = min(turn.until, now + max(3.0 * typical, PATIENCE_SECONDS))
         others = now  # when to look for other work

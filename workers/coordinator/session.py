@@ -34,7 +34,7 @@ from workers.store.line import note_served
 
 __all__ = ["Closed", "Due", "Session"]
 
-ENOUGH_MEASURED = 3
+ENOUGH_MEASURED = 1
 
 
 @dataclass(frozen=True, slots=True)

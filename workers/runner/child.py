@@ -26,7 +26,6 @@ __all__ = ["LOG_TAIL", "serve", "tail"]
 
 CACHED_CALIBRATIONS = 8
 SEND_EVERY_SECONDS = 0.005
-NICENESS = 5
 LOG_TAIL = 8192  # bytes of output kept of a failed evaluation
 
 
@@ -39,8 +38,6 @@ def serve(connection: socket.socket, board: Board) -> None:
     with contextlib.suppress(OSError):
         # When memory runs out, the kernel shall choose this process, not the worker that has results to hand in.
         Path("/proc/self/oom_score_adj").write_text("500")
-    # Forward calculations leave the processor to what hands them out, and to the pages, whenever these want it.
-    os.nice(NICENESS)
     known: OrderedDict[str, Calibration] = OrderedDict()
     with contextlib.suppress(ConnectionEnded):
         while True:
