@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 # Before NumPy is loaded: one numerical thread a process, so that parallel workers do not fight for the cores.
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 # Settings of the user's own installation must not reach the tests.
 for _name in [name for name in os.environ if name.startswith("GEOSWARM_")]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 
 from api import ApiSettings
 from tests.api.conftest import LiveServer, live_server
@@ -23,6 +23,8 @@ from workers.engine import open_engine
 from workers.keys import KeyRing
 from workers.service import JobService
 from workers.settings import Settings
+
+expect.set_options(timeout=30_000)  # for what a busy machine takes its time for; a miss is told all the same
 
 
 @dataclass
