@@ -14,6 +14,7 @@ __all__ = ["problem_yaml"]
 
 _WIDTH = 100
 _PLAIN = re.compile(r"[^\W\d][\w./*+^()<>-]*(?: [\w./*+^()<>-]+)*")
+_LONGEST_KEY = 1000  # YAML 1.2, 7.4.2: a key of more than 1024 characters needs a question mark
 _WORDS = frozenset({"true", "false", "null", "yes", "no", "on", "off"})
 
 
@@ -30,7 +31,9 @@ def _block(value: Any, depth: int) -> Iterator[str]:
     indent = "  " * depth
     if isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from _entry(f"{indent}{_text(str(key))}:", inner, depth)
+            name = _text(str(key))
+            head = f"{indent}{name}:" if len(name) <= _LONGEST_KEY else f"{indent}? {name}\n{indent}:"
+            yield from _entry(head, inner, depth)
     else:
         for inner in value:
             lines = list(_entry(f"{indent}-", inner, depth))
@@ -52,19 +55,19 @@ def _entry(head: str, value: Any, depth: int) -> Iterator[str]:
 
 def _flow(value: Any, room: int) -> str | None:
     """A value on one line; None when it is too long or too deep for that."""
+    if not isinstance(value, Mapping | list) or not value:
+        return _scalar(value)
     if isinstance(value, Mapping):
         if any(isinstance(inner, Mapping | list) and inner for inner in value.values()):
             return None
         text = "{" + ", ".join(f"{_text(str(key))}: {_scalar(inner)}" for key, inner in value.items()) + "}"
-    elif isinstance(value, list):
+    else:
         if len(value) > room or any(isinstance(inner, Mapping) and inner for inner in value):
             return None
         inner = [_flow(item, room) for item in value]
         if None in inner:
             return None
         text = f"[{', '.join(map(str, inner))}]"
-    else:
-        return _scalar(value)
     return text if len(text) < room else None
 
 

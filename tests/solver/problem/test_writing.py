@@ -34,6 +34,13 @@ def test_any_document_survives_being_written(document: dict[str, Any]) -> None:
     assert read_document(problem_yaml(document), "yaml") == document
 
 
+@pytest.mark.parametrize("length", [90, 120, 2000])
+@pytest.mark.parametrize("value", [1.5, [], {}, [0.1] * 40, {"a": {"b": [{"c": 1}]}}])
+def test_long_keys_are_keys_too(length: int, value: Any) -> None:
+    document = {"\U000f0000" * length: value, "list": [{"k" * length: value}, {"\x85" * length: [value]}]}
+    assert read_document(problem_yaml(document), "yaml") == document
+
+
 def test_it_reads_as_one_would_write_it() -> None:
     document = {
         "name": "a: b",
