@@ -187,38 +187,39 @@ class Worker:
         wait = 0.1
         while True:
             try:
-                answer = self.runtime.exchange(
-                    job_id,
-                    self.identity.id,
-                    calibration,
-                    hand_in,
-                    live_workers=self._live_workers,
-                    want=turn.goes_on(),
-                    taken_up=turn.begins,
-                )
+                answer = self._ask(job_id, calibration, hand_in, turn)
             except StoreUnavailableError:
                 if hand_in.claim is None or self.stopping.wait(wait):
                     raise
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
             else:
-                turn.begins = turn.begins and answer.queued
                 if answer.rings:
                     self.doorbell.ring(job_id, answer.rings, kind=_kind(calibration))
                 return answer
+
+    def _ask(
+        self, job_id: str, calibration: Calibration, hand_in: HandIn, turn: _Turn, *, want: bool = True
+    ) -> Exchange:
+        """Exchange with the runtime once."""
+        want = want and turn.goes_on()
+        answer = self.runtime.exchange(
+            job_id,
+            self.identity.id,
+            calibration,
+            hand_in,
+            live_workers=self._live_workers,
+            want=want,
+            taken_up=turn.begins,
+        )
+        turn.begins = turn.begins and answer.queued
+        return answer
 
     def _early(
         self, job_id: str, calibration: Calibration, turn: _Turn, hand_in: HandIn, want: bool
     ) -> tuple[bool, Claim | None]:
         """Hand in what is ready while an evaluation runs; see :data:`workers.errand.Early`."""
         try:
-            answer = self.runtime.exchange(
-                job_id,
-                self.identity.id,
-                calibration,
-                hand_in,
-                live_workers=self._live_workers,
-                want=want and turn.goes_on(),
-            )
+            answer = self._ask(job_id, calibration, hand_in, turn, want=want)
             if answer.rings or (answer.left and not want):
                 self.doorbell.ring(job_id, max(answer.rings, 1), kind=_kind(calibration))
         except StoreUnavailableError as error:

@@ -4,16 +4,18 @@ import time
 
 import numpy as np
 import pytest
-from sqlalchemy import update
+from sqlalchemy import select, update
 
 from solver.arrays import FloatArray
 from solver.calibration import Calibration, Evaluation, Step
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
-from tests.workers.problems import expected_history, line, recorded_history
+from tests.workers.problems import calibration, expected_history, line, recorded_history
+from workers.coordinator.work import HandIn
 from workers.service import JobService
 from workers.store import Store
 from workers.store.codec import pack_json
 from workers.store.tables import jobs
+from workers.worker import _Turn
 
 
 def test_a_burst_and_single_steps_give_the_same_history(service: JobService, make_worker: MakeWorker) -> None:
@@ -116,3 +118,26 @@ def test_the_heartbeat_renews_the_lease_of_a_long_run(
     assert seen == [0]
     assert service.get(job_id).state == "finished"
     assert {e.attempts for e in service.iterate_evaluations(job_id)} == {1}
+
+
+def test_a_worker_that_stays_with_a_job_lets_the_others_move_up(
+    service: JobService, make_worker: MakeWorker, store: Store
+) -> None:
+    job_id = service.submit(line())[0].id
+    worker = make_worker()
+    made = calibration(line())
+    worker.runtime.start(job_id, made.start())
+    turn = _Turn(worker, job_id)
+    held = worker._ask(job_id, made, HandIn(), turn).claim
+    assert held is not None
+    store.write(lambda c: c.execute(update(jobs).values(served_at=1.0)))
+    going_on = HandIn(held, (), held.generation, (), partial=True)
+    assert worker._early(job_id, made, turn, going_on, True)[0]
+    assert served_at(store) == 1.0  # its turn has not ended
+    turn.until = 0.0
+    assert worker._early(job_id, made, turn, going_on, True)[0]
+    assert served_at(store) > 1.0
+
+
+def served_at(store: Store) -> float:
+    return float(store.read(lambda c: c.scalar(select(jobs.c.served_at))))
