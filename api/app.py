@@ -61,6 +61,7 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
     app.include_router(metrics_router)
     app.include_router(api_router)
     app.include_router(pages_router)
+    app.state.limiters = {}
     app.state.assets = Assets()
     app.mount("/static", app.state.assets, name="static")
     app.state.authenticator = Authenticator(settings, service)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any
 
+import anyio
 from fastapi import Depends, Path, Query, Request
 
 from api.errors import ProblemDetail
@@ -13,7 +14,7 @@ from workers.access import Principal
 from workers.errors import JobNotFoundError
 from workers.service import JobService
 
-__all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "problems_of"]
+__all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "limiter", "problems_of"]
 
 NOBODY = Principal(None, "read")  # on routes that are open to everybody
 POSSIBLE_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
@@ -24,6 +25,12 @@ async def _service(request: Request) -> JobService:
     service: JobService = request.app.state.service
     principal: Principal | None = getattr(request.state, "principal", None)
     return service.on_behalf_of(NOBODY if principal is None else principal)
+
+
+def limiter(request: Request, name: str, total: int) -> anyio.CapacityLimiter:
+    """Return what requests of one kind wait at, holding no thread; ``total`` of them are worked on at once."""
+    limiters: dict[str, anyio.CapacityLimiter] = request.app.state.limiters
+    return limiters.setdefault(name, anyio.CapacityLimiter(total))
 
 
 async def _feed(request: Request) -> EventFeed:

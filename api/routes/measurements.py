@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import anyio
 import anyio.to_thread
 from fastapi import APIRouter, Query, Request
 
 from api.bodies import FileContent
-from api.dependencies import problems_of
+from api.dependencies import limiter, problems_of
 from api.draft_schemas import MeasurementFile
 from api.errors import DetailError
 from solver.errors import Issue
@@ -37,17 +36,10 @@ async def read_file(
 ) -> MeasurementFile:
     """Read columns, numbers and probable units of a file. Nothing is stored."""
     try:
-        found = await anyio.to_thread.run_sync(read_measurements, content, name, sheet, limiter=_one_at_a_time(request))
+        # One at a time, as large files take memory.
+        slot = limiter(request, "files", 1)
+        found = await anyio.to_thread.run_sync(read_measurements, content, name, sheet, limiter=slot)
     except TableError as error:
         issues = [Issue("", message) for message in error.messages]
         raise DetailError(422, str(error), kind="unreadable-file", title="File cannot be read", issues=issues) from None
     return MeasurementFile.model_validate(found)
-
-
-def _one_at_a_time(request: Request) -> anyio.CapacityLimiter:
-    """Large files take memory."""
-    state = request.app.state
-    if not hasattr(state, "files"):
-        state.files = anyio.CapacityLimiter(1)
-    limiter: anyio.CapacityLimiter = state.files
-    return limiter

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request
 
-from api.dependencies import JobId, Service, problems_of
+from api.dependencies import JobId, Service, limiter, problems_of
 from api.errors import DetailError
 from api.mesh_schemas import MeshAnswer, MeshFields
-from api.routes.problems import one_at_a_time
 from solver.report.jsonable import jsonable
 from workers.errors import NoBodyError
 from workers.service import JobService
@@ -132,7 +131,7 @@ async def fields(
         return MeshFields.model_validate(jsonable(content))
 
     # One at a time, as a forward run occupies a core; those who wait occupy no thread.
-    return await anyio.to_thread.run_sync(calculate, limiter=one_at_a_time(request))
+    return await anyio.to_thread.run_sync(calculate, limiter=limiter(request, "test runs", 1))
 
 
 def _body(service: JobService, job_id: str, wanted: Wanted) -> Body:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-import anyio
 import anyio.to_thread
 from fastapi import APIRouter, Request
 
 from api.bodies import ProblemDocument, ProblemText
-from api.dependencies import Service, problems_of
+from api.dependencies import Service, limiter, problems_of
 from api.draft_schemas import ProblemDraft
 from api.drafts import describe_draft
 from api.errors import DetailError
@@ -20,7 +19,7 @@ from solver.errors import ProblemError
 from solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
 from solver.problem.reading import Form
 
-__all__ = ["one_at_a_time", "router"]
+__all__ = ["router"]
 
 router = APIRouter(prefix="/problems", tags=["problems"])
 
@@ -30,7 +29,7 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
     """Validate a problem, make one test run and estimate the cost. Nothing is stored."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     # One at a time, as a test run occupies a core; those who wait occupy no thread.
-    report = await anyio.to_thread.run_sync(service.check, problem, limiter=one_at_a_time(request))
+    report = await anyio.to_thread.run_sync(service.check, problem, limiter=limiter(request, "test runs", 1))
     earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
     return CheckResult.model_validate(asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
 
@@ -52,7 +51,8 @@ async def read(given: ProblemText, request: Request) -> ProblemDraft:
     YAML that cannot be read is answered, too, with the mistake in ``issues``.
     """
     text, form = given
-    return await anyio.to_thread.run_sync(_draft, text, form, limiter=_two_at_a_time(request))
+    # Drafts are read at every change: the cores are for the calculations.
+    return await anyio.to_thread.run_sync(_draft, text, form, limiter=limiter(request, "drafts", 2))
 
 
 @router.get("/schema", responses=problems_of())
@@ -66,21 +66,3 @@ def _draft(text: str, form: Form) -> ProblemDraft:
         return describe_draft(draft_of_text(text) if form == "yaml" else draft_of_document(read_document(text, form)))
     except ProblemError as error:
         raise DetailError(400, str(error), kind="malformed-body", title="Malformed body", issues=error.issues) from None
-
-
-def _two_at_a_time(request: Request) -> anyio.CapacityLimiter:
-    """Drafts are read at every change: the cores are for the calculations."""
-    state = request.app.state
-    if not hasattr(state, "drafts"):
-        state.drafts = anyio.CapacityLimiter(2)
-    limiter: anyio.CapacityLimiter = state.drafts
-    return limiter
-
-
-def one_at_a_time(request: Request) -> anyio.CapacityLimiter:
-    """Return what test runs and the like wait at: each occupies a core."""
-    state = request.app.state
-    if not hasattr(state, "test_runs"):
-        state.test_runs = anyio.CapacityLimiter(1)
-    limiter: anyio.CapacityLimiter = state.test_runs
-    return limiter

@@ -6,6 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -76,9 +77,9 @@ class Counter:
         return Outcome(self.solved, self.evaluations, generations, own / max(generations, 1))
 
 
-def swarm(task: Task, seed: int, acceleration: str) -> Outcome:
+def swarm(task: Task, seed: int, acceleration: Literal["none", "response_surface"]) -> Outcome:
     """Run our swarm; evaluations count up to the one that reached the target, generations are whole."""
-    settings = SwarmSettings(particles=PARTICLES, acceleration=acceleration)  # type: ignore[arg-type]
+    settings = SwarmSettings(particles=PARTICLES, acceleration=acceleration)
     search = ParticleSwarm(task.calibration.space, settings, seed)
     outputs = 1 if task.scalar else task.outputs
     positions, rows, overhead, generations = np.empty((0, task.dimension)), np.empty((0, outputs)), 0.0, 0
@@ -124,7 +125,7 @@ def pymoo_swarm(counter: Counter, seed: int) -> None:
     from pymoo.core.problem import ElementwiseProblem
     from pymoo.optimize import minimize
 
-    class Wrapped(ElementwiseProblem):  # type: ignore[misc]
+    class Wrapped(ElementwiseProblem):  # type: ignore[misc]  # a library without types
         def __init__(self) -> None:
             super().__init__(n_var=counter.task.dimension, n_obj=1, xl=0.0, xu=1.0)
 

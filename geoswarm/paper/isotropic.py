@@ -17,6 +17,7 @@ from geoswarm.paper.study import (
     coordinates_row,
     correlation_rows,
     free,
+    identified_rows,
     laboratory_rows,
     polished_rows,
     row,
@@ -178,11 +179,8 @@ def _swarm_rows(result: CalibrationResult) -> list[Row]:
     published: Any = ISOTROPIC
     values = result.parameters or {}
     synthetic = "reference data made with the published value, plus noise"
-    rows = [
-        row("swarm", name, value, values.get(name), remark=synthetic) for name, value in published["identified"].items()
-    ]
     return [
-        *rows,
+        *identified_rows(published["identified"], values, _UNITS, synthetic),
         row("swarm", "kappa_star", 0.5 * 0.089, values.get("kappa_star"), remark="linked: 0.5 lambda*"),
         row("swarm", "cycles of 10 runs", published["cycles"], result.generations, digits=5),
         row("swarm", "forward runs", published["runs"], result.evaluations, digits=5),

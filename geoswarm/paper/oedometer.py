@@ -17,6 +17,7 @@ from geoswarm.paper.study import (
     coordinates_row,
     correlation_rows,
     free,
+    identified_rows,
     laboratory_rows,
     polished_rows,
     row,
@@ -184,13 +185,9 @@ def _swarm_rows(result: CalibrationResult) -> list[Row]:
     published: Any = OEDOMETER
     values = result.parameters or {}
     synthetic = "reference data made with the published value, plus noise"
-    rows = [
-        row("swarm", name, value, values.get(name), unit=_UNITS.get(name, ""), remark=synthetic)
-        for name, value in published["identified"].items()
-    ]
     noise = "noise alone leaves 2.5e-9 m²; stopped at the published 5e-9 m²"
     return [
-        *rows,
+        *identified_rows(published["identified"], values, _UNITS, synthetic),
         row("swarm", "cycles of 10 runs", published["cycles"], result.generations, digits=5, remark="one swarm each"),
         row("swarm", "forward runs", published["runs"], result.evaluations, digits=5),
         row("swarm", "objective reached", published["objective"], result.objective, unit="m²", remark=noise),

@@ -11,7 +11,18 @@ import numpy as np
 
 from geoswarm.paper.published import SLOPE
 from geoswarm.paper.slope_pictures import slope_pictures
-from geoswarm.paper.study import Row, Sampling, Study, Tell, bounds_rows, free, laboratory_rows, row, sample
+from geoswarm.paper.study import (
+    Row,
+    Sampling,
+    Study,
+    Tell,
+    bounds_rows,
+    free,
+    identified_rows,
+    laboratory_rows,
+    row,
+    sample,
+)
 from solver.arrays import FloatArray
 from solver.calibration import Calibration
 from solver.forward.section import SectionModel
@@ -179,10 +190,8 @@ def _statistics_rows(sampling: Sampling) -> list[Row]:
     published: Any = SLOPE
     filtered = sampling.statistics.filtered
     pair = sampling.statistics.pearson.get("phi", "mu_star")
-    interval = "no interval"
-    if pair.coefficient is not None and pair.count > 3:
-        centre, half = math.atanh(min(max(pair.coefficient, -0.9999), 0.9999)), 1.96 / math.sqrt(pair.count - 3)
-        interval = f"95 % interval {math.tanh(centre - half):.2f} to {math.tanh(centre + half):.2f}"
+    known = pair.lower is not None and pair.upper is not None
+    interval = f"95 % interval {pair.lower:.2f} to {pair.upper:.2f}" if known else "no interval"
     return [
         row("statistics", "samples", None, filtered.total, digits=5, remark="the paper does not say how many"),
         row("statistics", "filter f", None, filtered.threshold.value, unit="m²", remark="proposed; the paper has none"),
@@ -201,10 +210,7 @@ def _swarm_rows(problem: Problem, result: CalibrationResult) -> list[Row]:
     published: Any = SLOPE
     values = result.parameters or {}
     synthetic = "reference vectors made with the published value, plus noise"
-    rows = [
-        row("swarm", name, value, values.get(name), unit=_UNITS.get(name, ""), remark=synthetic)
-        for name, value in published["identified"].items()
-    ]
+    rows = identified_rows(published["identified"], values, _UNITS, synthetic)
     calibration = Calibration(problem, result.seed)
     truth = calibration.evaluate_values({**problem.values([0.0] * len(problem.free_names)), **published["identified"]})
     return [

@@ -28,6 +28,7 @@ __all__ = [
     "coordinates_row",
     "correlation_rows",
     "free",
+    "identified_rows",
     "laboratory_rows",
     "polished_rows",
     "row",
@@ -158,6 +159,16 @@ def row(
         else:
             difference = f"{here - published:+.3g}".replace("-", "−")
     return Row(topic, quantity, _text(published, unit, digits), _text(here, unit, digits), difference, remark)
+
+
+def identified_rows(
+    published: Mapping[str, float], found: Mapping[str, float], units: Mapping[str, str], remark: str
+) -> list[Row]:
+    """Return a row for each published identified value, with what the swarm has found."""
+    return [
+        row("swarm", name, value, found.get(name), unit=units.get(name, ""), remark=remark)
+        for name, value in published.items()
+    ]
 
 
 def correlation_rows(sampling: Sampling, first: str, second: str, published: float) -> list[Row]:

@@ -11,12 +11,11 @@ from solver.calibration import Evaluation
 from solver.problem import Problem, parse_problem
 from solver.problem.follow_ups import FOLLOW_UPS
 from workers.store.codec import unpack_array, unpack_json, unpack_responses
-from workers.store.listing import Filters, list_evaluations
+from workers.store.selection import read_evaluations
 from workers.store.tables import jobs
 
 __all__ = ["StoredFollowUp", "evaluations_in_order", "follow_ups_of"]
 
-_ROWS = 2000
 _MOST = 50
 
 
@@ -55,23 +54,18 @@ def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
 def evaluations_in_order(connection: Connection, job_id: str) -> list[Evaluation]:
     """Return the evaluations by generation and particle, up to the first that has not ended."""
     found: list[Evaluation] = []
-    after: tuple[int, int] | None = None
-    while True:
-        page = list_evaluations(connection, job_id, Filters(), after=after, limit=_ROWS, responses=True)
-        for row in page:
-            if row.state not in ("finished", "failed"):
-                return found
-            found.append(
-                Evaluation(
-                    unpack_array(row.parameters),
-                    row.objective,
-                    {} if row.misfits is None else unpack_json(row.misfits),
-                    {} if row.responses is None else unpack_responses(row.responses),
-                    row.reason,
-                    row.message,
-                    row.seconds or 0.0,
-                )
+    for row in read_evaluations(connection, job_id, None):
+        if row.state not in ("finished", "failed"):
+            break
+        found.append(
+            Evaluation(
+                unpack_array(row.parameters),
+                row.objective,
+                {} if row.misfits is None else unpack_json(row.misfits),
+                {} if row.responses is None else unpack_responses(row.responses),
+                row.reason,
+                row.message,
+                row.seconds or 0.0,
             )
-        if len(page) < _ROWS:
-            return found
-        after = (page[-1].generation, page[-1].particle)
+        )
+    return found
