@@ -4,7 +4,7 @@
 ``sync``        :class:`Client`
 ``aio``         :class:`AsyncClient`
 ``calls``       what is asked and how answers are read, without any input or output
-``models``      frozen records of the answers
+``models``      frozen records of the answers; those with arrays in ``points``, ``fit``, ``bodies``
 ``errors``      the tree of errors
 ``sse``         reads an event stream
 ==============  =====================================================================
@@ -12,7 +12,9 @@
 
 from __future__ import annotations
 
+from geoswarm.client.administration import Key, NewKey, Operations, Session
 from geoswarm.client.aio import AsyncClient
+from geoswarm.client.bodies import Displacement, Mesh, MeshFields, Phase
 from geoswarm.client.errors import (
     ConflictError,
     ConnectionFailedError,
@@ -26,6 +28,7 @@ from geoswarm.client.errors import (
     UnauthorizedError,
     WaitTimeoutError,
 )
+from geoswarm.client.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
 from geoswarm.client.models import (
     Attempt,
     Best,
@@ -48,6 +51,7 @@ from geoswarm.client.models import (
     WarmStart,
     Worker,
 )
+from geoswarm.client.points import PointParameter, Points, PointSeries
 from geoswarm.client.sync import Client
 
 __all__ = [
@@ -57,19 +61,35 @@ __all__ = [
     "Best",
     "CheckResult",
     "Curve",
+    "Displacement",
     "Evaluation",
     "Event",
     "Figure",
+    "Fit",
+    "FitCurve",
+    "FitParameter",
+    "FitSeries",
+    "FitShare",
     "ForwardModel",
     "ForwardModelInfo",
     "Generation",
     "Health",
     "Job",
+    "Key",
+    "Mesh",
+    "MeshFields",
+    "NewKey",
+    "Operations",
     "Page",
     "Parameter",
+    "Phase",
+    "PointParameter",
+    "PointSeries",
+    "Points",
     "Report",
     "Retry",
     "Series",
+    "Session",
     "TestRun",
     "WarmStart",
     "Worker",

@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeVar
 import httpx
 
 from geoswarm.client import calls
+from geoswarm.client.administration import AsyncAdministration
 from geoswarm.client.calls import Call, Problem, SortKey
 from geoswarm.client.drafts import AsyncDrafts
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
@@ -34,6 +35,7 @@ from geoswarm.client.models import (
     WarmStart,
     Worker,
 )
+from geoswarm.client.results import AsyncResults
 from geoswarm.client.statistics import AsyncStatistics
 
 __all__ = ["AsyncClient"]
@@ -41,7 +43,7 @@ __all__ = ["AsyncClient"]
 T = TypeVar("T")
 
 
-class AsyncClient(AsyncStatistics, AsyncDrafts):
+class AsyncClient(AsyncResults, AsyncStatistics, AsyncDrafts, AsyncAdministration):
     """Talks to a geoswarm service. Lives in one event loop; close it, or use it in an ``async with`` statement.
 
     The methods are those of :class:`geoswarm.client.sync.Client`.
@@ -195,10 +197,16 @@ class AsyncClient(AsyncStatistics, AsyncDrafts):
         return await self._send(calls.best(job_id))
 
     async def generations(
-        self, job_id: str, *, after: int = -1, limit: int = 1000, diversity: bool = False
+        self, job_id: str, *, after: int = -1, limit: int = 1000, diversity: bool = False, points: int | None = None
     ) -> tuple[Generation, ...]:
-        """Show finished generations with a number above ``after``; with ``diversity`` also their scatter."""
-        return await self._send(calls.generations(job_id, after, limit, diversity))
+        """Show finished generations with a number above ``after``; with ``diversity`` also their scatter.
+
+        Parameters
+        ----------
+        points
+            At most so many, evenly spaced over all of them.
+        """
+        return await self._send(calls.generations(job_id, after, limit, diversity, points))
 
     async def evaluations(
         self,

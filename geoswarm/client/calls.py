@@ -13,7 +13,7 @@ from typing import Any, Generic, Literal, TypeAlias, TypeVar
 from urllib.parse import quote
 
 import httpx
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from geoswarm.client.errors import (
     ConflictError,
@@ -69,9 +69,11 @@ __all__ = [
     "health",
     "job_path",
     "list_jobs",
+    "not_ours",
     "plain",
     "present",
     "problem",
+    "read_json",
     "reader",
     "retry_failed",
     "submit",
@@ -129,16 +131,35 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
 
 
+def not_ours(response: httpx.Response, why: str) -> GeoswarmError:
+    """The error about an answer that cannot be read."""
+    return GeoswarmError(f"the answer from {response.url} is not one of a geoswarm service: {why}")
+
+
+def read_json(kind: Any, text: bytes, response: httpx.Response) -> Any:
+    """Read JSON of an answer as a record.
+
+    Raises
+    ------
+    GeoswarmError
+        When it is none.
+    """
+    try:
+        return _adapter(kind).validate_json(text)
+    except ValueError as error:
+        raise not_ours(response, str(error).splitlines()[0]) from None
+
+
 def reader(kind: Any, item: str | None = None) -> Callable[[httpx.Response], Any]:
+    """How to read an answer, or one item of it, as a record."""
+
     def read(response: httpx.Response) -> Any:
+        if item is None:
+            return read_json(kind, response.content, response)
         try:
-            if item is None:
-                return _adapter(kind).validate_json(response.content)
             return _adapter(kind).validate_python(response.json()[item])
-        except (ValidationError, ValueError, LookupError, TypeError) as error:
-            raise GeoswarmError(
-                f"the answer from {response.url} is not one of a geoswarm service: {str(error).splitlines()[0]}"
-            ) from None
+        except (ValueError, LookupError, TypeError) as error:
+            raise not_ours(response, str(error).splitlines()[0]) from None
 
     return read
 
@@ -253,9 +274,11 @@ def best(job_id: str) -> Call[Best]:
     return Call("GET", f"{job_path(job_id)}/best", reader(Best))
 
 
-def generations(job_id: str, after: int, limit: int, diversity: bool) -> Call[tuple[Generation, ...]]:
+def generations(
+    job_id: str, after: int, limit: int, diversity: bool, points: int | None
+) -> Call[tuple[Generation, ...]]:
     """Show generations."""
-    query = present(after=after, limit=limit, diversity=True if diversity else None)
+    query = present(after=after, limit=limit, diversity=True if diversity else None, points=points)
     return Call("GET", f"{job_path(job_id)}/generations", reader(tuple[Generation, ...], "items"), query)
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeVar
 import httpx
 
 from geoswarm.client import calls
+from geoswarm.client.administration import Administration
 from geoswarm.client.calls import Call, Problem, SortKey
 from geoswarm.client.drafts import Drafts
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
@@ -33,6 +34,7 @@ from geoswarm.client.models import (
     WarmStart,
     Worker,
 )
+from geoswarm.client.results import Results
 from geoswarm.client.statistics import Statistics
 
 __all__ = ["Client"]
@@ -40,7 +42,7 @@ __all__ = ["Client"]
 T = TypeVar("T")
 
 
-class Client(Statistics, Drafts):
+class Client(Results, Statistics, Drafts, Administration):
     """Talks to a geoswarm service. Safe to use from several threads; close it, or use it in a ``with`` statement.
 
     Parameters
@@ -191,10 +193,16 @@ class Client(Statistics, Drafts):
         return self._send(calls.best(job_id))
 
     def generations(
-        self, job_id: str, *, after: int = -1, limit: int = 1000, diversity: bool = False
+        self, job_id: str, *, after: int = -1, limit: int = 1000, diversity: bool = False, points: int | None = None
     ) -> tuple[Generation, ...]:
-        """Show finished generations with a number above ``after``; with ``diversity`` also their scatter."""
-        return self._send(calls.generations(job_id, after, limit, diversity))
+        """Show finished generations with a number above ``after``; with ``diversity`` also their scatter.
+
+        Parameters
+        ----------
+        points
+            At most so many, evenly spaced over all of them.
+        """
+        return self._send(calls.generations(job_id, after, limit, diversity, points))
 
     def evaluations(
         self,

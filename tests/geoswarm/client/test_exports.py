@@ -9,7 +9,7 @@ from pathlib import Path
 
 import geoswarm
 import geoswarm.client
-from geoswarm.client import errors, models
+from geoswarm.client import administration, bodies, errors, fit, models, points
 
 ROOT = Path(__file__).parents[3]
 
@@ -24,7 +24,9 @@ def test_every_name_of_the_package_is_there_and_is_that_of_the_client() -> None:
 
 def test_every_error_and_record_is_exported() -> None:
     assert set(errors.__all__) <= set(geoswarm.client.__all__)
-    assert set(models.__all__) - {"ENDED_STATES"} <= set(geoswarm.client.__all__)
+    inside = {"ENDED_STATES", "Administration", "AsyncAdministration", "Role", "read_points"}
+    for module in (models, administration, bodies, fit, points):
+        assert set(module.__all__) - inside <= set(geoswarm.client.__all__)
     for name in geoswarm.client.__all__:
         assert inspect.getdoc(getattr(geoswarm.client, name)), name
 
