@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import posixpath
 import re
 import threading
 from dataclasses import dataclass, field
@@ -31,6 +32,7 @@ MEDIA_TYPES = {
     ".js": "text/javascript; charset=utf-8",
     ".svg": "image/svg+xml",
 }
+IMPORTED = re.compile(r"""^(?:import|export)\b[^"']*["'](\.{1,2}/[^"']+)["']""", re.MULTILINE)
 VERSIONED = re.compile(r"v-[0-9a-f]{16}/")
 IMMUTABLE = "public, max-age=31536000, immutable"
 
@@ -63,9 +65,28 @@ class Assets:
         digest = hashlib.sha256(str(plotly.stat().st_size).encode())
         for name, asset in self._assets.items():
             digest.update(name.encode() + b"\0" + hashlib.sha256(asset.body).digest())
+        self._modules: dict[str, tuple[str, ...]] = {}
         self._plotly = plotly
         self.version = digest.hexdigest()[:16]
         self._reading = threading.Lock()
+
+    def modules(self, view: str) -> tuple[str, ...]:
+        """Modules that the one of a view imports, also by others: a page that names them loads all of them at once."""
+        if view not in self._modules:
+            found: set[str] = set()
+            self._follow(f"js/{view}.js", found)
+            self._modules[view] = tuple(sorted(found))
+        return self._modules[view]
+
+    def _follow(self, name: str, found: set[str]) -> None:
+        asset = self._assets.get(name)
+        if asset is None:
+            return
+        for address in IMPORTED.findall(asset.body.decode()):
+            imported = posixpath.normpath(posixpath.join(posixpath.dirname(name), address))
+            if imported not in found:
+                found.add(imported)
+                self._follow(imported, found)
 
     @property
     def base(self) -> str:

@@ -134,7 +134,7 @@ def finished(url: str, job: str) -> None:
 
 
 def loaded(page: Page, url: str, ready: str) -> float:
-    """Return the time [ms] from the start of a navigation until an element of the view is there."""
+    """Return the time [ms] from the start of a navigation until an element is there, which the view's script has made."""
     began = time.perf_counter()
     page.goto(url)
     page.wait_for_selector(ready)
@@ -144,11 +144,11 @@ def loaded(page: Page, url: str, ready: str) -> float:
 def views(browser: Browser, url: str, job: str) -> list[Measured]:
     """Measure first views in new profiles, and views again in one that knows the files."""
     pages = {
-        "jobs": ("/", "main h1"),
-        "job": (f"/jobs/{job}", "main h1"),
+        "jobs": ("/", "#choose button:disabled"),
+        "job": (f"/jobs/{job}", "#actions button"),
         "statistics, plot": (f"/jobs/{job}/statistics", ".marks .cell"),
         "mesh": (f"/jobs/{job}/mesh", "main h1"),
-        "new": ("/new", "main h1"),
+        "new": ("/new", "#verdict:not(:empty)"),
         "workers": ("/workers", "#workers tbody tr, #workers .empty"),
     }
     found = []

@@ -9,7 +9,7 @@ from fastapi import Request
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from api.assets import PLOTLY
+from api.assets import PLOTLY, Assets
 from api.authentication import Identity
 from api.errors import DetailError
 from api.feed import ENDED_STATES
@@ -55,13 +55,15 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
     plots
         Whether Plotly is used, which needs inline styles allowed.
     values
-        What the template names beside ``static``, ``plotly``, ``view``, ``owner``, ``is_admin`` and ``signed_in``.
+        What the template names beside ``static``, ``modules``, ``plotly``, ``view``, ``owner``, ``is_admin`` and ``signed_in``.
     """
     identity: Identity | None = getattr(request.state, "identity", None)
-    static = request.app.state.assets.base
+    assets: Assets = request.app.state.assets
+    static = assets.base
     text = templates.get_template(f"{view}.html").render(
         view=view,
         static=static,
+        modules=assets.modules(view),
         plotly=f"{static}/{PLOTLY}" if plots else None,
         known=identity is not None,
         owner=None if identity is None else identity.principal.owner,

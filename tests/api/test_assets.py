@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import re
+from urllib.parse import urljoin
 
 import pytest
 
@@ -42,6 +43,22 @@ def test_plotly_comes_out_of_its_wheel_compressed(app: App) -> None:
     assert b"plotly.js v" in large.content[:200]
     assert int(small.headers["content-length"]) < 0.4 * int(large.headers["content-length"])
     assert len(gzip.compress(large.content, 1)) > int(small.headers["content-length"])
+
+
+def test_a_page_names_every_module_that_it_needs(app: App) -> None:
+    page = app.get("/new").text
+    named = set(re.findall(r'<link rel="modulepreload" href="([^"]+)">', page))
+    asked = re.findall(r'<script src="([^"]+)" type="module">', page)
+    needed: set[str] = set()
+    while asked:
+        address = asked.pop()
+        for other in re.findall(r'^import .* from "([^"]+)";', app.get(address).text, re.MULTILINE):
+            found = urljoin(address, other)
+            if found not in needed:
+                needed.add(found)
+                asked.append(found)
+    assert f"{base(app)}/js/new/schema_form.js" in named
+    assert named == needed
 
 
 @pytest.mark.parametrize(

@@ -1,21 +1,19 @@
-// Plotly, loaded once and dressed in the page's colours; plots that follow the theme and can be read as a table.
+// Plotly in the page's colours; plots that follow the theme and can be read as a table.
 import { element } from "./dom.js";
 import { number } from "./format.js";
 
 let loading = null;
 
-/** Plotly, loaded when it is first needed. */
+/** Plotly, loaded with the first plot that is drawn, after what else changed is on the screen: reading it takes long. */
 export function plotly() {
   loading ??= new Promise((resolve, reject) => {
     const script = element("script", { src: document.body.dataset.plotly });
     script.addEventListener("load", () => resolve(window.Plotly));
     script.addEventListener("error", () => reject(new Error("The plots could not be loaded; reload the page.")));
-    document.head.append(script);
+    requestAnimationFrame(() => setTimeout(() => document.head.append(script)));
   });
   return loading;
 }
-const late = document.querySelector("main")?.dataset.plots === "late"; // a view that shows something else first
-if (document.body.dataset.plotly && !late) plotly().catch(() => {}); // begin early; whoever draws is told of a failure
 
 /** A colour of tokens.css as the browser computes it now: `colour("--series-1")`. */
 export function colour(token) {
@@ -46,7 +44,7 @@ function dressed(layout) {
   const [ink, grid, edge, muted] = ["--ink", "--plot-grid", "--edge", "--muted"].map(colour);
   const axis = {
     gridcolor: grid, linecolor: edge, zerolinecolor: grid, tickcolor: edge, showline: true, ticks: "outside",
-    automargin: true, exponentformat: "power", title: { standoff: 8 },
+    automargin: true, exponentformat: "power", minexponent: 5, title: { standoff: 8 },
   };
   const base = {
     font: { family: "system-ui, sans-serif", size: 12, color: ink },
@@ -59,7 +57,8 @@ function dressed(layout) {
   };
   const dress = merged(base, layout);
   for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout ?? {}).filter((key) => /^[xy]axis\d*$/.test(key))])) {
-    dress[name] = merged(axis, layout?.[name]);
+    const sparse = layout?.[name]?.type === "log" ? { nticks: 4 } : {}; // else 9, 8 and 7 lie upon each other
+    dress[name] = merged({ ...axis, ...sparse }, layout?.[name]);
   }
   return dress;
 }
