@@ -40,6 +40,7 @@ class MeshAnswer(BaseModel):
     )
     particle: int | None
     objective: Number
+    objective_unit: str = Field(description="empty where series of different units add up")
     parameters: dict[str, float]
     nodes: list[tuple[float, float]] = Field(description="x, y [m]")
     triangles: list[list[int]] = Field(description="corners 0, 1, 2, then the mid-sides of 01, 12 and 20")

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Depends, Query, Request
 from api.dependencies import JobId, Service, limiter, problems_of
 from api.errors import DetailError
 from api.mesh_schemas import MeshAnswer, MeshFields
+from solver.report.curves import objective_unit
 from solver.report.jsonable import jsonable
 from workers.errors import NoBodyError
 from workers.service import JobService
@@ -62,6 +63,7 @@ def mesh(job_id: JobId, service: Service, wanted: WantedBody) -> MeshAnswer:
         "generation": body.generation,
         "particle": body.particle,
         "objective": body.objective,
+        "objective_unit": objective_unit(body.problem),
         "parameters": {} if body.free is None else body.problem.values(body.free.tolist()),
         "nodes": body.mesh.nodes,
         "triangles": body.mesh.triangles,

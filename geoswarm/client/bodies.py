@@ -71,6 +71,7 @@ class Mesh:
     generation: int | None
     particle: int | None
     objective: float | None
+    objective_unit: str
     parameters: dict[str, float]
     nodes: Floats
     triangles: Integers

@@ -39,7 +39,7 @@ def test_the_mesh_is_that_of_the_best_evaluation(done: tuple[App, str]) -> None:
     best = app.get(f"{path}/best").json()
     found = app.get(f"{path}/mesh").json()
     assert (found["generation"], found["particle"]) == (best["generation"], best["particle"])
-    assert found["parameters"] == best["parameters"]
+    assert (found["parameters"], found["objective_unit"]) == (best["parameters"], "m²")
     nodes = np.array(found["nodes"])
     assert nodes.min(axis=0) == pytest.approx([0, 0])
     assert nodes.max(axis=0) == pytest.approx([8, 10])

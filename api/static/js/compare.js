@@ -1,7 +1,7 @@
 // Several jobs side by side: facts, parameters, convergence, fits.
 import { drawConvergences, drawFits } from "./compare/plots.js";
 import { factsTable, parametersTable } from "./compare/tables.js";
-import { connection, element, failure } from "./dom.js";
+import { connection, element, exchange, failure } from "./dom.js";
 import { get } from "./http.js";
 import { ENDED } from "./stream.js";
 
@@ -29,8 +29,8 @@ async function run() {
   const show = async () => {
     loaded = await Promise.all(ids.map((id, i) => load(id, loaded[i])));
     connection(null);
-    places.facts.replaceChildren(factsTable(loaded));
-    places.parameters.replaceChildren(parametersTable(loaded));
+    exchange(places.facts, factsTable(loaded));
+    exchange(places.parameters, parametersTable(loaded));
     loaded.forEach(({ job }, i) => {
       const state = document.querySelectorAll(".chosen .state")[i];
       state.className = `state ${job.state}`;

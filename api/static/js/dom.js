@@ -52,6 +52,26 @@ export function empty(...children) {
   return element("p", { class: "empty" }, ...children);
 }
 
+const control = (node) => [node.localName, node.getAttribute("href"), node.getAttribute("aria-label") ?? node.textContent].join(" ");
+
+/** Replace what stands in a place; who is there with the keyboard is afterwards at the control of the same kind and name. */
+export function exchange(place, ...made) {
+  const active = document.activeElement, held = place.contains(active) && active !== place ? control(active) : null;
+  place.replaceChildren(...made);
+  if (held !== null) [...place.querySelectorAll(active.localName)].find((node) => control(node) === held)?.focus({ preventScroll: true });
+}
+
+/** While `work` goes on its button does nothing more. It keeps the focus, which one that is disabled would lose. */
+export async function once(button, work) {
+  if (button.ariaDisabled === "true") return;
+  button.ariaDisabled = "true";
+  try {
+    await work();
+  } finally {
+    button.ariaDisabled = null;
+  }
+}
+
 let dialogs = 0;
 
 /** A modal dialog with a title; returns it opened. It is closed by Escape, its button, or `.close()`, and then removed. */

@@ -25,6 +25,12 @@ export function withUnit(label, unit) {
   return unit && unit !== "1" && unit !== "-" ? `${label} [${unit}]` : label;
 }
 
+/** Unit of the objective: the square of that of the series ([{y_unit}]), nothing where they differ. */
+export function objectiveUnit(series) {
+  const units = [...new Set(series.map(({ y_unit }) => y_unit))];
+  return units.length === 1 && units[0] && !["1", "-", "dimensionless"].includes(units[0]) ? `${units[0]}²` : "";
+}
+
 /** A duration [s] as one reads it: 12 ms, 0.8 s, 42 s, 3 min 5 s, 2 h 10 min, 3 d 4 h. */
 export function duration(seconds) {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return "–";

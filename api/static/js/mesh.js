@@ -1,6 +1,6 @@
 // The body of a job: mesh, deformed mesh, vectors measured against calculated, contours of displacement and shear strain.
 import { element, failure } from "./dom.js";
-import { count, number } from "./format.js";
+import { count, number, withUnit } from "./format.js";
 import { get } from "./http.js";
 import { BodyCanvas } from "./mesh/canvas.js";
 import { controls } from "./mesh/controls.js";
@@ -28,7 +28,7 @@ async function begin(query = {}) {
   place("content").hidden = false;
   parts.canvas ??= new BodyCanvas(place("body"), { onNode: pointed });
   parts.scale ??= place("body").appendChild(element("div", { class: "scale" }));
-  parts.node ??= place("body").appendChild(element("p", { class: "help" }, "Point at a node to read its values."));
+  parts.node ??= place("body").appendChild(element("p", { class: "help", role: "status", id: "node" }, "Point at a node, or go to it with shift and the arrow keys, to read its values."));
   parts.controls = controls(place("controls"), view.mesh, { onLook: show, onPeriod: read, onEvaluation: begin });
   const lengths = view.mesh.vectors.flatMap(({ measured, calculated }) => [...measured, ...calculated]).map((value) => Math.abs(value ?? 0));
   view.unit = unitOf(Math.max(0, ...lengths));
@@ -123,7 +123,7 @@ function about() {
   const rows = [
     ["Triangles of six nodes", count(mesh.triangles.length)], ["Nodes", count(mesh.nodes.length)], ["Interfaces", count(mesh.interfaces.length)],
     ["Size", `${number(right - left, 4)} m × ${number(top - bottom, 4)} m`],
-    ["Evaluation", mesh.generation === null ? "none yet" : `generation ${mesh.generation}, particle ${mesh.particle}`], ["Objective", number(mesh.objective)],
+    ["Evaluation", mesh.generation === null ? "none yet" : `generation ${mesh.generation}, particle ${mesh.particle}`], [withUnit("Objective", mesh.objective_unit), number(mesh.objective)],
     ...mesh.region_names.map((name, i) => [`Triangles of ${name}`, count(mesh.regions.filter((region) => region === i).length)]),
   ];
   place("about").replaceChildren(...rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))));

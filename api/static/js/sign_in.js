@@ -1,10 +1,15 @@
 // Signing in: the key goes to the service once, and is not kept here.
+import { once } from "./dom.js";
 import { post } from "./http.js";
 
 const form = document.getElementById("sign-in");
-form?.addEventListener("submit", async (event) => {
+form?.addEventListener("submit", (event) => {
   event.preventDefault();
-  const field = form.elements.key, place = document.getElementById("key-error"), button = form.querySelector("button");
+  once(form.querySelector("button"), signIn);
+});
+
+async function signIn() {
+  const field = form.elements.key, place = document.getElementById("key-error");
   const say = (text) => {
     place.textContent = text;
     field.setAttribute("aria-invalid", String(Boolean(text)));
@@ -12,7 +17,6 @@ form?.addEventListener("submit", async (event) => {
   };
   const key = field.value.trim();
   if (!key) return say("Enter the API key.");
-  button.disabled = true;
   say("");
   try {
     await post("/session", { key });
@@ -20,5 +24,4 @@ form?.addEventListener("submit", async (event) => {
   } catch (error) {
     say(error.status === 401 ? "This key is not valid, or no longer." : error.message);
   }
-  button.disabled = false;
-});
+}

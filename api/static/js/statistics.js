@@ -1,9 +1,9 @@
 // What is identified, how well, and what to do next.
 import { announce, connection, element } from "./dom.js";
-import { count, number } from "./format.js";
+import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
 import { COLOURS } from "./ramp.js";
-import { Cloud, objectiveUnit } from "./statistics/cloud.js";
+import { Cloud } from "./statistics/cloud.js";
 import { FitPlot, affordable } from "./statistics/fit.js";
 import { Matrix } from "./statistics/matrix.js";
 import { Plan } from "./statistics/plan.js";

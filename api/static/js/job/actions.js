@@ -1,5 +1,5 @@
 // What can be done with a job in its state.
-import { announce, confirmed, element } from "../dom.js";
+import { announce, confirmed, element, once } from "../dom.js";
 import { post, send } from "../http.js";
 import { ENDED } from "../stream.js";
 import { extend } from "./extend.js";
@@ -11,8 +11,7 @@ export function actions(view) {
   const may = document.body.dataset.maySubmit === "true";
   let shown = "";
 
-  async function act(button, work, said) {
-    button.disabled = true;
+  const act = (button, work, said) => once(button, async () => {
     try {
       await work();
       await view.refresh();
@@ -21,8 +20,7 @@ export function actions(view) {
       announce(error.message, 12);
       await view.refresh().catch(() => {}); // the stream tells of a lost connection
     }
-    button.disabled = false;
-  }
+  });
 
   const button = (label, kind, work, said) => element("button", { type: "button", class: kind, onclick: ({ currentTarget }) => act(currentTarget, work, said) }, label);
 

@@ -1,5 +1,5 @@
 // Jobs that follow from this one, the shares of the series, and the figures of the report.
-import { element, empty, failure } from "../dom.js";
+import { element, empty, exchange, failure } from "../dom.js";
 import { number } from "../format.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
@@ -17,11 +17,11 @@ export function followUps(view) {
     }
     try {
       const [{ follow_ups: found }, { items }] = await Promise.all([get(`/jobs/${view.id}/uncertainty`), get(`/jobs/${view.id}/figures`)]);
-      place.replaceChildren(
+      exchange(place,
         found.length
           ? element("ul", {}, found.map((one) => element("li", {}, element("a", { href: `/jobs/${one.id}` }, NAMES[one.kind] ?? one.kind), ` · ${one.evaluations} evaluations `, element("span", { class: `state ${one.state}` }, one.state))))
           : empty("None yet. ", element("a", { href: `/jobs/${view.id}/statistics` }, "The statistics"), " propose what to do next."));
-      pictures.replaceChildren(items.length ? figures(items) : "");
+      exchange(pictures, items.length ? figures(items) : "");
     } catch (error) {
       place.replaceChildren(failure(error));
     }
@@ -36,7 +36,7 @@ export function followUps(view) {
   function share() {
     const best = view.fit?.curves.find(({ role }) => role === "best");
     if (!best) return void shares.replaceChildren(empty("No successful evaluation yet."));
-    shares.replaceChildren(element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Shares of the series" }, element("table", {},
+    exchange(shares, element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Shares of the series" }, element("table", {},
       element("thead", {}, element("tr", {}, ["Series", "Weight", "Misfit [base unit²]", "Share of the objective"].map((head, i) => element("th", { scope: "col", class: i === 1 || i === 2 ? "n" : null }, head)))),
       element("tbody", {}, best.shares.map((one) => element("tr", {},
         element("td", {}, one.series), element("td", { class: "n" }, number(one.weight)), element("td", { class: "n" }, number(one.misfit)),

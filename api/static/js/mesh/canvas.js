@@ -3,16 +3,18 @@ import { element } from "../dom.js";
 import { paint } from "./drawing.js";
 import { box } from "./geometry.js";
 
-const MARGIN = 0.06, STEP = 1.4, MOVE = 60;
+const MARGIN = 0.06, STEP = 1.4, MOVE = 60, RING = 7;
+const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class BodyCanvas {
   /** `onNode(node | null)`: the pointer is at a node. */
   constructor(holder, { onNode }) {
     this.onNode = onNode;
+    this.marked = null; // the node that the keyboard has reached
     this.canvas = element("canvas", { role: "img", "aria-label": "Body" });
     const button = (text, name, act) => element("button", { type: "button", class: "quiet", "aria-label": name, title: name, onclick: act }, text);
     const buttons = element("div", { class: "zoom" }, button("+", "Closer", () => this.zoom(STEP)), button("−", "Further away", () => this.zoom(1 / STEP)), button("Whole", "The whole body", () => this.whole()));
-    this.frame = element("div", { class: "body", tabindex: "0", role: "region", "aria-label": "Body: arrow keys move, + and - change the size, 0 shows all" }, this.canvas, buttons);
+    this.frame = element("div", { class: "body", tabindex: "0", role: "region", "aria-label": "Body: arrow keys move, + and - change the size, 0 shows all, shift with arrow keys goes from node to node" }, this.canvas, buttons);
     holder.replaceChildren(this.frame);
     this.frame.addEventListener("keydown", (event) => this.key(event));
     this.canvas.addEventListener("pointerdown", (event) => this.drag(event));
@@ -26,6 +28,7 @@ export class BodyCanvas {
   /** Show something else; `anew` forgets what part was seen. */
   show(view, anew = false) {
     this.view = view;
+    if (anew || this.marked >= view.places.length) this.marked = null;
     if (anew || !this.width) this.resize();
     else this.draw();
   }
@@ -55,13 +58,28 @@ export class BodyCanvas {
   }
 
   key(event) {
-    const moves = { ArrowLeft: [-MOVE, 0], ArrowRight: [MOVE, 0], ArrowUp: [0, MOVE], ArrowDown: [0, -MOVE] };
-    if (moves[event.key]) this.move(...moves[event.key]);
+    const way = WAYS[event.key];
+    if (way && event.shiftKey) this.step(...way);
+    else if (way) this.move(MOVE * way[0], MOVE * way[1]);
     else if (event.key === "+") this.zoom(STEP);
     else if (event.key === "-") this.zoom(1 / STEP);
     else if (event.key === "0") this.whole();
     else return;
     event.preventDefault();
+  }
+
+  /** Go to the next node in a direction, at first to the one in the middle of what is seen. */
+  step(across, up) {
+    const from = this.marked === null ? this.centre : this.view.places[this.marked];
+    let next = this.marked, least = Infinity;
+    this.view.places.forEach(([x, y], node) => {
+      const [ahead, aside] = [(x - from[0]) * across + (y - from[1]) * up, Math.abs((x - from[0]) * up) + Math.abs((y - from[1]) * across)];
+      const distance = this.marked === null ? ahead ** 2 + aside ** 2 : ahead > 1e-9 && aside <= ahead ? ahead + 2 * aside : Infinity;
+      if (distance < least) [next, least] = [node, distance];
+    });
+    this.marked = next;
+    this.onNode(next);
+    this.draw();
   }
 
   move(x, y) {
@@ -114,6 +132,14 @@ export class BodyCanvas {
     const context = this.canvas.getContext("2d");
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     paint(context, this.view, (place) => this.map(place), [this.width, this.height]);
+    if (this.marked !== null) {
+      const [x, y] = this.map(this.view.places[this.marked]);
+      context.beginPath();
+      context.arc(x, y, RING, 0, 2 * Math.PI);
+      context.lineWidth = 3;
+      context.strokeStyle = getComputedStyle(this.frame).color;
+      context.stroke();
+    }
     this.canvas.setAttribute("aria-label", this.view.label);
   }
 }

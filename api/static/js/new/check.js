@@ -1,6 +1,6 @@
 // One forward calculation before the job: does it run, how far is it from the data, what will the search cost. And the start.
-import { announce, connection, element, failure } from "../dom.js";
-import { count, duration, number, percent, symbol } from "../format.js";
+import { announce, connection, element, failure, once } from "../dom.js";
+import { count, duration, number, objectiveUnit, percent, symbol, withUnit } from "../format.js";
 import { post } from "../http.js";
 import { forget } from "./draft.js";
 import { redrawn } from "./fields.js";
@@ -12,14 +12,13 @@ const PLACEHOLDER = "The check makes one forward calculation with the estimates 
 export function checkSection(context, place, judged) {
   const { draft } = context;
   const result = element("div", { "aria-live": "polite" }), stale = element("p", { class: "help stale", hidden: true }, "The problem has changed since this check.");
-  const check = element("button", { type: "button", class: "quiet", id: "check", onclick: () => run(checked) }, "Check");
-  const start = element("button", { type: "button", id: "start", onclick: () => run(submitted) }, "Start the job");
+  const check = element("button", { type: "button", class: "quiet", id: "check", onclick: () => once(check, () => run(checked)) }, "Check");
+  const start = element("button", { type: "button", id: "start", onclick: () => once(start, () => run(submitted)) }, "Start the job");
   let checkedAt = -1;
   // The same key as long as the problem is the same: a second click, or a lost answer, never makes a second job.
   let key = newKey(), keyAt = -1;
 
   async function run(act) {
-    check.disabled = start.disabled = true;
     try {
       const answer = await judged();
       if (!answer) return;
@@ -32,8 +31,6 @@ export function checkSection(context, place, judged) {
       connection(null);
     } catch (error) {
       redrawn(result, failure(error), error.issues?.length ? element("ul", {}, error.issues.map((one) => element("li", {}, `${one.path}: ${one.message}`))) : null);
-    } finally {
-      check.disabled = start.disabled = false;
     }
   }
 
@@ -59,13 +56,14 @@ export function checkSection(context, place, judged) {
     const cost = found.planned_evaluations === null
       ? "not limited by a number of evaluations"
       : `at most ${count(found.planned_evaluations)} evaluations${found.estimated_seconds === null ? "" : `, about ${duration(found.estimated_seconds)} on one worker`}`;
+    const unit = objectiveUnit(answer.observations.map((one) => answer.series.find(({ name }) => name === one.series)));
     const fact = (name, value) => element("div", {}, element("dt", {}, name), element("dd", {}, value));
     redrawn(result,
       element("h3", {}, run_.state === "finished" ? "The forward calculation works" : "The forward calculation failed"),
       run_.state === "finished" ? null : element("p", { class: "error", role: "alert" }, `${run_.reason}: ${run_.message}`),
       element("dl", {},
         fact("Estimated cost", cost), fact("One calculation", duration(run_.seconds)), fact("Readings", count(found.data_points)),
-        run_.objective === null ? null : fact("Objective there", number(run_.objective)),
+        run_.objective === null ? null : fact(withUnit("Objective there", unit), number(run_.objective)),
         ...Object.entries(run_.parameters).map(([name, value]) => fact(symbol(name), `${number(value)}${unitOf(answer, name)}`))),
       shares(run_, answer), plots(run_, answer));
   }

@@ -104,9 +104,3 @@ export class Cloud {
     return Object.fromEntries(parts.map(([series, part]) => [series, total > 0 ? part / total : NaN]));
   }
 }
-
-/** Unit of the objective: the square of the series' one, nothing where they differ. */
-export function objectiveUnit(series) {
-  const units = [...new Set(series.map(({ y_unit }) => y_unit))];
-  return units.length === 1 && units[0] && !["1", "-", "dimensionless"].includes(units[0]) ? `${units[0]}²` : "";
-}

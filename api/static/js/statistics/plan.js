@@ -1,5 +1,5 @@
 // The follow-up job: the same problem with parameters fixed, linked or given other bounds.
-import { element } from "../dom.js";
+import { element, once } from "../dom.js";
 import { count, duration, number, symbol } from "../format.js";
 import { get, post } from "../http.js";
 
@@ -12,8 +12,8 @@ export class Plan {
     this.title = element("input", { id: "plan-name", maxlength: 200, size: 40, value: "" });
     this.message = element("p", { class: "error", role: "alert" });
     this.told = element("p", { class: "help", role: "status" });
-    this.start = element("button", { type: "button", onclick: () => this.submit() }, "Start follow-up");
-    this.check = element("button", { type: "button", class: "quiet", onclick: () => this.tryOut() }, "Check it first");
+    this.start = element("button", { type: "button", onclick: () => once(this.start, () => this.submit()) }, "Start follow-up");
+    this.check = element("button", { type: "button", class: "quiet", onclick: () => once(this.check, () => this.tryOut()) }, "Check it first");
     const headings = ["Parameter", "In the follow-up", "Value"].map((text) => element("th", { scope: "col" }, text));
     holder.append(
       element("p", { class: "help" }, "The same problem and measurements as a new job, with these changes. This job stays as it is."),
@@ -77,9 +77,7 @@ export class Plan {
   /** Take one proposal over and start at once. */
   async startWith(proposal, button) {
     this.accept(proposal);
-    button.disabled = true;
-    await this.submit();
-    button.disabled = false;
+    await once(button, () => this.submit());
   }
 
   async document() {
@@ -93,7 +91,6 @@ export class Plan {
   }
 
   async submit() {
-    this.start.disabled = true;
     this.message.textContent = "";
     try {
       const made = await post("/jobs", await this.document());
@@ -101,11 +98,9 @@ export class Plan {
     } catch (error) {
       this.refused(error);
     }
-    this.start.disabled = false;
   }
 
   async tryOut() {
-    this.check.disabled = true;
     this.told.textContent = "One forward calculation …";
     try {
       const { test_run: run, planned_evaluations: planned, estimated_seconds: whole } = await post("/problems/check", await this.document());
@@ -115,7 +110,6 @@ export class Plan {
       this.told.textContent = "";
       this.refused(error);
     }
-    this.check.disabled = false;
   }
 
   refused(error) {

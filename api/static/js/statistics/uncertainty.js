@@ -1,5 +1,5 @@
 // Follow-ups that evaluate more around the optimum, and what they have found: intervals and profiles.
-import { element } from "../dom.js";
+import { element, once } from "../dom.js";
 import { number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
@@ -11,7 +11,7 @@ export class Uncertainty {
   constructor(holder, { job, maySubmit, units, objectiveUnit, onFound }) {
     Object.assign(this, { job, units, objectiveUnit, onFound });
     this.message = element("p", { class: "error", role: "alert" });
-    const act = (path, text, help) => element("button", { type: "button", class: "quiet", title: help, onclick: (event) => this.begin(path, event.currentTarget) }, text);
+    const act = (path, text, help) => element("button", { type: "button", class: "quiet", title: help, onclick: ({ currentTarget }) => once(currentTarget, () => this.begin(path)) }, text);
     const buttons = maySubmit ? element("div", { class: "buttons" },
       act("sensitivity", "Sensitivities at the optimum", "Goes to the minimum; standard errors, intervals, combinations"),
       act("profile", "Profiles of all parameters", "The lowest objective for every value of a parameter; needs the sensitivities first"),
@@ -23,8 +23,7 @@ export class Uncertainty {
     holder.append(element("p", { class: "help" }, "Each is a job of its own; what it finds is shown here and enters the verdicts and the report."), buttons, this.message, this.jobs, this.table, this.profiles, this.indices);
   }
 
-  async begin(path, button) {
-    button.disabled = true;
+  async begin(path) {
     this.message.textContent = "";
     try {
       await post(`/jobs/${this.job}/${path}`, {});
@@ -32,7 +31,6 @@ export class Uncertainty {
     } catch (error) {
       this.message.textContent = error.message;
     }
-    button.disabled = false;
   }
 
   async refresh() {

@@ -1,5 +1,5 @@
 // Other weights of the series: the optimum and the clouds move at once, without a forward run.
-import { announce, element } from "../dom.js";
+import { announce, element, once } from "../dom.js";
 import { number, percent, symbol } from "../format.js";
 import { post } from "../http.js";
 
@@ -20,7 +20,7 @@ export class Weights {
     }
     this.rows = new Map(cloud.points.series.map(({ name }) => [name, this.row(name)]));
     const schemes = SCHEMES.map(([scheme, words]) => element("button", { type: "button", class: "quiet small", onclick: () => this.scheme(scheme) }, words));
-    this.run = element("button", { type: "button", class: "small", hidden: true, onclick: () => this.submit() }, "New job with these weights");
+    this.run = element("button", { type: "button", class: "small", hidden: true, onclick: () => once(this.run, () => this.submit()) }, "New job with these weights");
     this.reset = element("button", { type: "button", class: "quiet small", hidden: true, onclick: () => this.set(this.own) }, "Weights of the job");
     holder.replaceChildren(
       element("p", { class: "help" }, "From the stored responses, without a run. The share is that of the series in the objective of the best fit."),
@@ -105,7 +105,6 @@ export class Weights {
   }
 
   async submit() {
-    this.run.disabled = true;
     try {
       const { problem } = await post(`/jobs/${this.job}/reweight`, { weights: this.cloud.weights });
       const made = await post("/jobs", { ...problem, name: `${problem.name} (other weights)`.slice(0, 200) });
@@ -113,7 +112,6 @@ export class Weights {
     } catch (error) {
       this.message.textContent = error.message;
       announce(error.message);
-      this.run.disabled = false;
     }
   }
 }

@@ -1,5 +1,5 @@
 // API keys: list, make, revoke.
-import { announce, confirmed, dialog, element, empty, failure } from "../dom.js";
+import { announce, confirmed, dialog, element, empty, exchange, failure, once } from "../dom.js";
 import { age, moment } from "../format.js";
 import { get, post } from "../http.js";
 
@@ -16,7 +16,7 @@ export async function keysPanel(place) {
   async function look() {
     try {
       const { items } = await get("/keys");
-      list.replaceChildren(items.length ? table(items, revoke) : empty("There are no keys."));
+      exchange(list, items.length ? table(items, revoke) : empty("There are no keys."));
     } catch (error) {
       list.replaceChildren(failure(error));
     }
@@ -55,10 +55,8 @@ function form(look, message) {
   const expiry = element("select", {}, DAYS.map(([value, text]) => element("option", { value }, text)));
   const field = (text, input) => element("label", {}, text, input);
   const make = element("button", {}, "Make a key");
-  async function submit(event) {
-    event.preventDefault();
+  async function submit() {
     message.textContent = "";
-    make.disabled = true;
     try {
       const wanted = { owner: owner.value, role: role.value, label: label.value, valid_seconds: expiry.value ? 86400 * Number(expiry.value) : null };
       const { key } = await post("/keys", wanted);
@@ -69,9 +67,8 @@ function form(look, message) {
     } catch (error) {
       message.textContent = error.message;
     }
-    make.disabled = false;
   }
-  return element("form", { class: "make-key", onsubmit: submit, "aria-label": "Make a key" }, field("Owner", owner), field("Role", role), field("Label", label), field("Expires", expiry), make);
+  return element("form", { class: "make-key", onsubmit: (event) => { event.preventDefault(); once(make, submit); }, "aria-label": "Make a key" }, field("Owner", owner), field("Role", role), field("Label", label), field("Expires", expiry), make);
 }
 
 async function copied(key) {

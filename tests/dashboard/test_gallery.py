@@ -1,0 +1,191 @@
+"""Every view at the width of a desk and of a phone, light and dark: sound to look at, and usable by everybody.
+
+A picture of each lies in the folder ``gallery`` below pytest's ``--basetemp`` afterwards.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from solver.examples import example_file
+from solver.problem import load_problem, parse_problem
+from tests.api.test_mesh import loaded_ground
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.layout import check_layout, leaf_through
+from tests.dashboard.test_job import BROKEN, LONG, SOON, state, textbook
+from tests.dashboard.test_statistics import ended
+from tests.dashboard.test_statistics_story import five_parameters
+from workers.tally import tally
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
+
+Visit = Callable[..., Opened]
+
+DESK, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
+LOOKS = {
+    f"{name}-{theme}": {"viewport": size, "color_scheme": theme}
+    for name, size in (("desk", DESK), ("phone", PHONE))
+    for theme in ("light", "dark")
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("gallery", numbered=False)
+
+
+@pytest.fixture(params=LOOKS)
+def look(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def sight(folder: Path, look: str) -> Callable[..., None]:
+    """``sight(page, name)``: take a picture of a view, and find nothing wrong with it."""
+
+    def seen(page: Page, name: str, *, whole: bool = True) -> None:
+        if whole:
+            leaf_through(page)
+        try:
+            check_layout(page)
+            check_accessibility(page)
+        finally:
+            page.screenshot(path=folder / f"{name}-{look}.png", full_page=whole)
+
+    return seen
+
+
+Sight = Callable[..., None]
+
+
+def oedometer(**changes: Any) -> dict[str, Any]:
+    """The published test, by a search that costs little."""
+    with example_file("oedometer") as path:
+        document = load_problem(path).document()
+    method = {"kind": "particle_swarm", "particles": 10, "acceleration": "none"}
+    return document | {"method": method, "stopping": {"max_evaluations": 300}} | changes
+
+
+@pytest.fixture(scope="module")
+def calibrated(embedded: Site) -> list[str]:
+    """Three calibrations of the published test."""
+    return [ended(embedded.service, oedometer(name=f"oedometer, seed {seed}", seed=seed)) for seed in (1, 2, 3)]
+
+
+@pytest.fixture
+def running(embedded: Site) -> Iterator[str]:
+    """A job that goes on for long."""
+    view, _ = embedded.service.submit(parse_problem(textbook(name="a line that is calibrated for very long", **LONG)))
+    yield view.id
+    embedded.service.cancel(view.id)
+
+
+def test_lists(
+    embedded: Site, full: Site, visit: Visit, look: str, sight: Sight, calibrated: list[str], running: str
+) -> None:
+    ended(embedded.service, textbook(name="failing", forward_model=BROKEN, stopping={"max_evaluations": 12}))
+    page, _ = visit(embedded, "/", **LOOKS[look])
+    expect(page.locator(f"tr[data-job='{running}'] .state")).to_have_text("running", timeout=SOON)
+    sight(page, "jobs")
+    page.locator(f"tr[data-job='{calibrated[0]}'] input").check()
+    page.goto("/?q=nothing-is-called-so")
+    expect(page.locator(".empty")).to_be_visible()
+    sight(page, "jobs-none-matches")
+    page.goto("/compare?" + "&".join(f"job={job}" for job in calibrated))
+    expect(page.locator("#parameters tr")).to_have_count(7)
+    sight(page, "compare")
+    page.goto("/compare")
+    sight(page, "compare-none")
+    newcomer, _ = visit(full, "/", key=full.key("newcomer"), **LOOKS[look])
+    expect(newcomer.locator(".empty")).to_contain_text("No jobs yet")
+    sight(newcomer, "jobs-empty")
+
+
+def test_jobs(embedded: Site, visit: Visit, look: str, sight: Sight, calibrated: list[str], running: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{calibrated[0]}", **LOOKS[look])
+    expect(page.locator("#convergence .main-svg").first).to_be_visible()
+    sight(page, "job-finished")
+    page.locator("#particles select").first.select_option("parallel")
+    page.locator("#particles").scroll_into_view_if_needed()
+    expect(page.locator("#particles [role=figure]")).to_have_attribute("aria-label", re.compile("in parallel"))
+    sight(page, "job-parallel-coordinates")
+    page.get_by_role("button", name="Open evaluation").first.click()
+    expect(page.get_by_role("dialog")).to_be_visible()
+    sight(page, "job-evaluation", whole=False)
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Go on").click()
+    sight(page, "job-go-on", whole=False)
+    page.goto(f"/jobs/{running}")
+    state(page).to_have_text("running", timeout=SOON)
+    sight(page, "job-running")
+
+
+def test_failed_jobs(embedded: Site, visit: Visit, look: str, sight: Sight) -> None:
+    job = ended(embedded.service, textbook(name="failing", forward_model=BROKEN, stopping={"max_evaluations": 12}))
+    page, guard = visit(embedded, f"/jobs/{job}", **LOOKS[look])
+    state(page).to_have_text("failed")
+    sight(page, "job-failed")
+    page.get_by_role("button", name="Show the first failed evaluation").click()
+    expect(page.get_by_role("dialog")).to_contain_text("Why it failed")
+    sight(page, "job-failed-evaluation", whole=False)
+    guard.allow("409", "404", "statistics")
+    page.goto(f"/jobs/{job}/statistics")
+    expect(page.locator("#nothing")).not_to_contain_text("Reading")
+    sight(page, "statistics-none")
+    page.goto(f"/jobs/{job}/mesh")
+    sight(page, "mesh-none")
+    page.goto("/jobs/nobody")
+    expect(page.locator("h1")).to_have_text("Job not found")
+    sight(page, "not-found")
+
+
+def test_new(embedded: Site, visit: Visit, look: str, sight: Sight) -> None:
+    page, _ = visit(embedded, "/new", **LOOKS[look])
+    expect(page.locator("#verdict")).to_contain_text("still to be given")
+    sight(page, "new-empty")
+    page.goto("/new?example=oedometer")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    page.get_by_role("button", name="Check", exact=True).click()
+    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=180_000)
+    sight(page, "new-oedometer-checked")
+    page.goto("/new?example=slope")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    sight(page, "new-slope")
+
+
+def test_statistics_and_mesh(embedded: Site, visit: Visit, look: str, sight: Sight) -> None:
+    job = ended(embedded.service, five_parameters() | {"method": {"kind": "monte_carlo", "samples": 1000}})
+    page, _ = visit(embedded, f"/jobs/{job}/statistics", **LOOKS[look])
+    expect(page.locator("#verdicts .card")).to_have_count(5)
+    for summary in page.locator("main summary").all():
+        summary.click()
+    sight(page, "statistics")
+    ground = ended(embedded.service, loaded_ground())
+    page.goto(f"/jobs/{ground}/mesh")
+    expect(page.locator("#told")).to_contain_text("Largest displacement")
+    sight(page, "mesh")
+    page.get_by_label("Show", exact=True).select_option("shear")
+    sight(page, "mesh-shear")
+
+
+def test_administration(full: Site, visit: Visit, look: str, sight: Sight) -> None:
+    tally.run("finished", 0.1)
+    tally.run("timeout", 0.1)
+    tally.flush(full.service.store)
+    page, _ = visit(full, "/workers", **LOOKS[look])
+    expect(page.locator("h1")).to_have_text("Sign in")
+    sight(page, "sign-in")
+    admin, _ = visit(full, "/workers", key=full.key("root", "admin"), **LOOKS[look])
+    expect(admin.locator("#keys tbody tr").first).to_be_visible()
+    sight(admin, "workers-keys")
+    admin.get_by_label("Owner").fill("erika")
+    admin.get_by_role("button", name="Make a key").click()
+    expect(admin.get_by_role("dialog")).to_be_visible()
+    sight(admin, "workers-new-key", whole=False)
