@@ -15,7 +15,7 @@ import { follow } from "./stream.js";
 import { thinned } from "./thin.js";
 
 const { job: id } = document.querySelector("main").dataset;
-const POINTS = 3000, MOST = 9000, INTERVAL = 200;
+const POINTS = 3000, MOST = 9000, INTERVAL = 200, LATER = 3000;
 
 for (const place of document.querySelectorAll("time.age")) {
   place.title = moment(place.dateTime);
@@ -59,12 +59,19 @@ async function run() {
     } while (again);
     busy = false;
   }
+  function changed() {
+    state().then(() => connection(null), (error) => {
+      busy = false;
+      connection(error.message);
+      if (error.status === 0) setTimeout(changed, LATER);
+    });
+  }
   follow(id, {
     after: follower,
     state: view.job.state,
     onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
     onEvent: ({ kind, data }) => {
-      if (kind === "state") state().catch((error) => { busy = false; connection(error.message); });
+      if (kind === "state") changed();
       else take(data);
     },
   });

@@ -1,8 +1,11 @@
 // Work that follows a stream of news without running after every single one.
 
+const LATER = 3000;
+
 /**
  * A function that runs `work` soon after it is called, at most once in `interval` ms and never twice at a time, and only
- * while `place` (an element) is on the screen of a page that is looked at: what was missed is made up for then.
+ * while `place` (an element) is on the screen of a page that is looked at: what was missed is made up for then. What the
+ * service could not be asked is asked again later.
  */
 export function paced(work, interval, place = null) {
   let due = false, busy = false, last = -Infinity, timer = null, seen = place === null;
@@ -16,6 +19,10 @@ export function paced(work, interval, place = null) {
     last = performance.now();
     try {
       await work();
+    } catch (error) {
+      if (error.status !== 0) throw error;
+      due = true; // the service is out of reach, which the stream tells the reader
+      last = performance.now() + LATER - interval;
     } finally {
       busy = false;
       look();
