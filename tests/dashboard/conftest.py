@@ -7,7 +7,7 @@ tests elsewhere could not run their own.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from api import ApiSettings
-from tests.api.conftest import LiveServer, live_server
+from tests.api.conftest import LiveServer
 from tests.dashboard.browser import Guard, chromium, guarded_context
 from tests.integration.engines import celery_workers
 from tests.servers import PostgresServer, RedisServer
@@ -53,10 +53,20 @@ class Site:
         self.server = LiveServer(self.service, self.settings, port)
 
 
+@contextmanager
+def running(service: JobService, settings: ApiSettings) -> Iterator[Site]:
+    """A site whose present server, not only its first one, is stopped at the end."""
+    site = Site(service, settings, LiveServer(service, settings))
+    try:
+        yield site
+    finally:
+        site.stop()
+
+
 @pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
-    with chromium() as running:
-        yield running
+    with chromium() as started:
+        yield started
 
 
 @pytest.fixture(scope="package")
@@ -66,9 +76,9 @@ def embedded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     api = ApiSettings(poll_seconds=0.05)
     with (
         open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1)) as engine,
-        live_server(engine.service, api) as server,
+        running(engine.service, api) as site,
     ):
-        yield Site(engine.service, api, server)
+        yield site
 
 
 @pytest.fixture(scope="package")
@@ -82,9 +92,9 @@ def full(postgres_server: PostgresServer, redis_server: RedisServer) -> Iterator
     with (
         open_engine(settings) as engine,
         celery_workers(settings, count=1, concurrency=2),
-        live_server(engine.service, api) as server,
+        running(engine.service, api) as site,
     ):
-        yield Site(engine.service, api, server)
+        yield site
     postgres_server.drop_database(database)
 
 

@@ -42,5 +42,6 @@ export function followUps(view) {
         element("td", {}, one.series), element("td", { class: "n" }, number(one.weight)), element("td", { class: "n" }, number(one.misfit)),
         element("td", { class: "bar-cell" }, element("meter", { min: 0, max: 1, value: one.share, "aria-label": `share of ${one.series}` }), ` ${(100 * one.share).toFixed(0)} %`)))))));
   }
+  place.replaceChildren(element("p", { class: "help" }, "Reading …"));
   return { job: list, fit: share };
 }
