@@ -32,6 +32,7 @@ class Heart:
         self.stopping = threading.Event()  # the worker is to end
         self._ended = threading.Event()
         self._claim: Claim | None = None
+        self._claimed = 0.0
         self._unwanted: tuple[Claim, float] | None = None
         self._thread = threading.Thread(target=self._beat, name="geoswarm-heartbeat", daemon=True)
 
@@ -60,6 +61,7 @@ class Heart:
     @claim.setter
     def claim(self, claim: Claim | None) -> None:
         self._claim = claim
+        self._claimed = time.monotonic()
 
     def unwanted(self) -> float | None:
         """Return how long the evaluation under way may still take [s], None: it is wanted."""
@@ -86,6 +88,8 @@ class Heart:
     def _look_after(self, claim: Claim, *, renew: bool) -> None:
         if renew:
             self.runtime.renew(claim, self.identity.id)
+        if time.monotonic() - self._claimed < 0.5 * self.settings.watch_seconds:
+            return  # the exchange that gave it was the look
         state = self.store.read(lambda c: still_wanted(c, claim.job_id, claim.generation, claim.particles))
         if state != "running":
             self._unwanted = (claim, self.settings.pause_seconds if state == "paused" else 0.0)
