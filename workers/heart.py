@@ -71,16 +71,21 @@ class Heart:
         return 0.6 * self.settings.grace_seconds if self.stopping.is_set() else None
 
     def _beat(self) -> None:
-        beaten = time.monotonic()
-        while not self._ended.wait(self.settings.watch_seconds):
-            due = time.monotonic() - beaten >= self.settings.heartbeat_seconds
+        beaten = looked = time.monotonic()
+        half = 0.5 * self.settings.watch_seconds
+        while not self._ended.wait(half):
+            now = time.monotonic()
+            due = now - beaten >= self.settings.heartbeat_seconds
             claim = self._claim
             try:
                 if due:
-                    beaten = time.monotonic()
+                    beaten = now
                     self._see()
                     tally.flush(self.store)
-                if claim is not None:
+                # The exchange that gave the claim was a look, too.
+                look = now - self._claimed >= half and now - looked >= 1.9 * half
+                if claim is not None and (due or look):
+                    looked = now
                     self._look_after(claim, renew=due)
             except StoreUnavailableError as error:
                 log.warning("heartbeat of worker %s: %s", self.identity.id, error)
@@ -88,8 +93,6 @@ class Heart:
     def _look_after(self, claim: Claim, *, renew: bool) -> None:
         if renew:
             self.runtime.renew(claim, self.identity.id)
-        if time.monotonic() - self._claimed < 0.5 * self.settings.watch_seconds:
-            return  # the exchange that gave it was the look
         state = self.store.read(lambda c: still_wanted(c, claim.job_id, claim.generation, claim.particles))
         if state != "running":
             self._unwanted = (claim, self.settings.pause_seconds if state == "paused" else 0.0)
