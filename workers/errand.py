@@ -79,7 +79,7 @@ class Errand:
             began = self._since = time.monotonic()
             self._due = began + self._settings.chunk_seconds
             self._last = len(self._results) + len(part.particles) - 1
-            self._asked = False
+            self._asked = part.last
             killed = self._evaluate(
                 part.generation, part.particles, part.attempts, part.positions, began, self._results
             )

@@ -32,6 +32,7 @@ class Heart:
         self.stopping = threading.Event()  # the worker is to end
         self._ended = threading.Event()
         self._claim: Claim | None = None
+        self._claimed = 0.0
         self._unwanted: tuple[Claim, float] | None = None
         self._thread = threading.Thread(target=self._beat, name="geoswarm-heartbeat", daemon=True)
 
@@ -60,6 +61,7 @@ class Heart:
     @claim.setter
     def claim(self, claim: Claim | None) -> None:
         self._claim = claim
+        self._claimed = time.monotonic()
 
     def unwanted(self) -> float | None:
         """Return how long the evaluation under way may still take [s], None: it is wanted."""
@@ -69,16 +71,21 @@ class Heart:
         return 0.6 * self.settings.grace_seconds if self.stopping.is_set() else None
 
     def _beat(self) -> None:
-        beaten = time.monotonic()
-        while not self._ended.wait(self.settings.watch_seconds):
-            due = time.monotonic() - beaten >= self.settings.heartbeat_seconds
+        beaten = looked = time.monotonic()
+        half = 0.5 * self.settings.watch_seconds
+        while not self._ended.wait(half):
+            now = time.monotonic()
+            due = now - beaten >= self.settings.heartbeat_seconds
             claim = self._claim
             try:
                 if due:
-                    beaten = time.monotonic()
+                    beaten = now
                     self._see()
                     tally.flush(self.store)
-                if claim is not None:
+                # The exchange that gave the claim was a look, too.
+                look = now - self._claimed >= half and now - looked >= 1.9 * half
+                if claim is not None and (due or look):
+                    looked = now
                     self._look_after(claim, renew=due)
             except StoreUnavailableError as error:
                 log.warning("heartbeat of worker %s: %s", self.identity.id, error)

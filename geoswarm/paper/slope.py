@@ -156,7 +156,7 @@ def _input_rows(problem: Problem) -> list[Row]:
         Row("section", "thickness of the cover", "20 to 40 m", f"{min(cover):g} to {max(cover):g} m", "inside"),
         row("section", "bedrock in the model", published["rock"], rock, unit="m"),
         row("section", "creep", published["years"], years, unit="years"),
-        Row("section", "mean slope of the surface", "–", f"{slope:.1f}°", "–", "about 10° in the paper's figure"),
+        Row("section", "mean slope of the surface", "–", f"{slope:.1f} °", "–", "about 10 ° in the paper's figure"),
         *laboratory_rows(published["laboratory"], problem, _UNITS),
         *bounds_rows(problem, published["bounds"], _UNITS),
     ]
@@ -191,7 +191,7 @@ def _statistics_rows(sampling: Sampling) -> list[Row]:
     filtered = sampling.statistics.filtered
     pair = sampling.statistics.pearson.get("phi", "mu_star")
     known = pair.lower is not None and pair.upper is not None
-    interval = f"95 % interval {pair.lower:.2f} to {pair.upper:.2f}" if known else "no interval"
+    interval = f"95 % interval {pair.lower:.2f} to {pair.upper:.2f}".replace("-", "−") if known else "no interval"
     return [
         row("statistics", "samples", None, filtered.total, digits=5, remark="the paper does not say how many"),
         row("statistics", "filter f", None, filtered.threshold.value, unit="m²", remark="proposed; the paper has none"),

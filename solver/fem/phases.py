@@ -132,6 +132,8 @@ class Control:
     ----------
     tolerance
         Out-of-balance force over the size of the forces at which a step has converged.
+    load_tolerance
+        The same for the load steps before the last of a phase, over the change of the forces in the phase.
     iterations
         Most Newton iterations a step.
     modified
@@ -151,6 +153,7 @@ class Control:
     """
 
     tolerance: float = 1.0e-6
+    load_tolerance: float = 1.0e-3
     iterations: int = 25
     modified: bool = False
     keep_ratio: float = 0.2

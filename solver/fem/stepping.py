@@ -91,10 +91,12 @@ class PhaseSteps:
             No equilibrium; says how far it came and why.
         """
         done, size = 0.0, min(self.phase.load_step, self.phase.largest_load_step)
+        on_the_way = self._on_the_way()
         while done < 1.0:
             self._check_work(f"{done:.4g} of its load")
             end = 1.0 if done + size > 1.0 - 1.0e-9 else done + size
-            iterations = self._try(end - done, -math.inf, end, (end - done) * self.target)
+            tolerance = self.control.tolerance if end == 1.0 else on_the_way
+            iterations = self._try(end - done, -math.inf, end, (end - done) * self.target, tolerance)
             if iterations < 0:
                 size = 0.5 * (end - done)
                 if size < self.control.smallest_step:
@@ -106,6 +108,13 @@ class PhaseSteps:
             if iterations <= _EASY:
                 size = min(2.0 * size, self.phase.largest_load_step)
         self._last_length = 0.0
+
+    def _on_the_way(self) -> float:
+        """Tolerance of the steps before the last: what they leave out of balance is part of the next one's load."""
+        free = ~self.fixed
+        change = float(np.linalg.norm((self.end_forces - self.start_forces)[free]))
+        size = max(float(np.linalg.norm(self.end_forces[free])), change, self.floor)
+        return max(self.control.tolerance, self.control.load_tolerance * change / size)
 
     def creep(self, log_scale: float, ramp: bool, times: FloatArray) -> None:
         """Let time pass.
@@ -143,7 +152,7 @@ class PhaseSteps:
                 log_time = math.log(end - now) if cut else log_age + length + math.log(-math.expm1(-length))
                 load = end / duration if ramp else 1.0
                 share = (end - now) / duration if ramp else 0.0
-                iterations = self._try(length, log_time, load, share * self.target)
+                iterations = self._try(length, log_time, load, share * self.target, self.control.tolerance)
                 factor = 0.25
                 accepted = iterations >= 0
                 if accepted:
@@ -170,7 +179,7 @@ class PhaseSteps:
         size = max(float(np.abs(self.moved + self._increment).max()), _NOISE * self.known)
         return error / (self.control.time_tolerance * size) if size > 0.0 and self._last_length > 0.0 else 0.0
 
-    def _try(self, length: float, log_time: float, load: float, target: FloatArray) -> int:
+    def _try(self, length: float, log_time: float, load: float, target: FloatArray, tolerance: float) -> int:
         """Try a step, from the extrapolation of the last one or from rest; its iterations, -1 when it failed."""
         dead = self.start_forces + load * (self.end_forces - self.start_forces)
         edge_loads = load * self.edge_loads
@@ -201,7 +210,7 @@ class PhaseSteps:
                 self.plan,
                 self.fronts,
                 self.floor,
-                self.control.tolerance,
+                tolerance,
                 min(patience * self.control.iterations, self.control.largest_assemblies - self.work.assemblies),
                 self.control.modified,
                 self.control.keep_ratio,

@@ -61,6 +61,14 @@ def test_the_next_claim_is_fetched_before_the_last_evaluation_ends(
     assert seconds == sorted(seconds)
 
 
+def test_nothing_is_asked_for_ahead_where_nothing_was_left(
+    runner: Runner, make_worker: MakeWorker, settings: Settings
+) -> None:
+    rest = replace(CLAIM, last=True)
+    (only,) = run(rest, runner, make_worker, settings.model_copy(update={"chunk_seconds": 30.0}), CLAIM)
+    assert particles(only) == [0, 1]
+
+
 def test_without_a_typical_time_nothing_is_fetched_ahead(
     runner: Runner, make_worker: MakeWorker, settings: Settings
 ) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 
 import pytest
 from hypothesis import HealthCheck, given
@@ -11,11 +10,11 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from sqlalchemy import select, update
 
-from solver.calibration import Calibration
 from tests.workers.conftest import MakeWorker
+from tests.workers.hand import PROBLEM, Hand, finish, runtime_for
 from tests.workers.problems import calibration, expected_history, line, recorded_history
 from workers.coordinator.runtime import Runtime
-from workers.coordinator.work import Claim, Exchange, HandIn, Result
+from workers.coordinator.work import HandIn
 from workers.errand import Errand
 from workers.runner.evaluator import InlineEvaluator
 from workers.service import JobService
@@ -23,62 +22,8 @@ from workers.settings import Settings
 from workers.store import Store
 from workers.store.tables import attempts, evaluations, jobs
 
-PROBLEM = line(stopping={"max_evaluations": 60})
 PATIENT = line(stopping={"max_evaluations": 60}, failures={"retry": {"worker_lost": 1000}})
-CALIBRATION = calibration(PROBLEM)
 EXPECTED = expected_history(PROBLEM)
-
-
-class Hand:
-    """A worker that does only what it is told."""
-
-    def __init__(self, runtime: Runtime, job_id: str, name: str, calibration: Calibration = CALIBRATION) -> None:
-        self.runtime = runtime
-        self.job_id = job_id
-        self.name = name
-        self.calibration = calibration
-        self.claim: Claim | None = None
-
-    def exchange(self, hand_in: HandIn, *, want: bool = True) -> Exchange:
-        answer = self.runtime.exchange(
-            self.job_id, self.name, self.calibration, hand_in, live_workers=2, want=want, taken_up=True
-        )
-        if answer.queued:
-            self.runtime.start(self.job_id, self.calibration.start())
-            return self.exchange(hand_in, want=want)
-        self.claim = answer.claim
-        return answer
-
-    def take(self) -> Exchange:
-        return self.exchange(HandIn())
-
-    def results(self, count: int | None = None) -> HandIn:
-        claim = self.claim
-        assert claim is not None
-        triples = list(zip(claim.particles, claim.attempts, claim.positions, strict=True))[:count]
-        results = [Result(p, a, self.calibration.evaluate(x), claim.now, claim.now + 1.0) for p, a, x in triples]
-        return HandIn(claim, (), claim.generation, results)
-
-    def hand_in(self, count: int | None = None, *, want: bool = True) -> Exchange:
-        return self.exchange(self.results(count), want=want)
-
-    def reach_ahead(self, count: int) -> Claim | None:
-        """Hand in the first results, keep the others under way, and ask for what follows them."""
-        held, ready = self.claim, self.results(count)
-        assert held is not None
-        ahead = self.exchange(replace(ready, partial=True)).claim
-        self.claim = held if ahead is None else held.followed_by(ahead, without=ready.results)
-        return ahead
-
-
-def runtime_for(store: Store, settings: Settings, **changes: float) -> Runtime:
-    return Runtime(store, settings.model_copy(update={"burst_seconds": 0.0} | changes))
-
-
-def finish(hand: Hand) -> None:
-    hand.take()
-    while hand.claim is not None:
-        hand.hand_in()
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import pytest
 
 from solver.identifiability import analyse
 from solver.identifiability.study import SWARM_BIAS
+from tests.workers.hand import Hand, finish, runtime_for
 from tests.workers.problems import calibration, line
-from tests.workers.test_runtime import Hand, finish, runtime_for
 from workers.service import JobService
 from workers.settings import Settings
 from workers.store import Store, jobs, selection

@@ -261,7 +261,7 @@ class Session:
         left = sum(cell.status.state == "pending" for cell in board.cells)
         if want and not claimed and not left and not under_way:
             claimed = self._duplicate(board)
-        claim = self._claim(board, claimed) if claimed else None
+        claim = self._claim(board, claimed, last=not left) if claimed else None
         board.write(self.connection)
         if taken_up:
             note_served(self.connection, self.locked.id)
@@ -307,7 +307,7 @@ class Session:
                 return [cell]
         return []
 
-    def _claim(self, board: Board, cells: Sequence[Cell]) -> Claim:
+    def _claim(self, board: Board, cells: Sequence[Cell], *, last: bool) -> Claim:
         # A search that learns from stored runs advances here, where they are stored.
         whole = (
             self.locked.row.retry_to is None
@@ -326,6 +326,7 @@ class Session:
             job=self.job if whole else None,
             typical=self.typical,
             stopping=self.locked.row.stopping,
+            last=last,
         )
 
 

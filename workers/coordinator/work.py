@@ -36,6 +36,8 @@ class Claim:
         What an evaluation of this job usually takes [s]; None: not known yet.
     stopping
         The stop criteria, where they were changed, as in the job's row.
+    last
+        Nothing else of the generation was left for anybody when they were claimed.
     """
 
     job_id: str
@@ -48,6 +50,7 @@ class Claim:
     job: Job | None
     typical: float | None = None
     stopping: str | None = None
+    last: bool = False
 
     def followed_by(self, ahead: Claim, *, without: Sequence[Result]) -> Claim:
         """Return what is held of this claim without these results, and one that follows it."""

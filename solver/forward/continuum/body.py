@@ -21,6 +21,12 @@ class ControlSection(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     tolerance: float = Field(1.0e-6, gt=0.0, le=1.0e-2, description="Out-of-balance forces over the forces.")
+    load_tolerance: float = Field(
+        1.0e-3,
+        ge=0.0,
+        le=5.0e-3,
+        description="The same for load steps before the last of a phase, over the change of the load in the phase.",
+    )
     time_tolerance: float = Field(
         1.0e-3, gt=0.0, le=0.1, description="Error of a time step of creep over the displacement of its phase."
     )

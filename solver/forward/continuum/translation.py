@@ -29,6 +29,7 @@ def control_of(section: ControlSection) -> Control:
     """Accuracy."""
     return Control(
         tolerance=section.tolerance,
+        load_tolerance=section.load_tolerance,
         time_tolerance=section.time_tolerance,
         creep_step=section.creep_step,
         modified=section.modified_newton,

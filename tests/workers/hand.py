@@ -1,0 +1,67 @@
+"""A worker whose every step is told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from solver.calibration import Calibration
+from tests.workers.problems import calibration, line
+from workers.coordinator.runtime import Runtime
+from workers.coordinator.work import Claim, Exchange, HandIn, Result
+from workers.settings import Settings
+from workers.store import Store
+
+PROBLEM = line(stopping={"max_evaluations": 60})
+CALIBRATION = calibration(PROBLEM)
+
+
+class Hand:
+    """A worker that does only what it is told."""
+
+    def __init__(self, runtime: Runtime, job_id: str, name: str, calibration: Calibration = CALIBRATION) -> None:
+        self.runtime = runtime
+        self.job_id = job_id
+        self.name = name
+        self.calibration = calibration
+        self.claim: Claim | None = None
+
+    def exchange(self, hand_in: HandIn, *, want: bool = True) -> Exchange:
+        answer = self.runtime.exchange(
+            self.job_id, self.name, self.calibration, hand_in, live_workers=2, want=want, taken_up=True
+        )
+        if answer.queued:
+            self.runtime.start(self.job_id, self.calibration.start())
+            return self.exchange(hand_in, want=want)
+        self.claim = answer.claim
+        return answer
+
+    def take(self) -> Exchange:
+        return self.exchange(HandIn())
+
+    def results(self, count: int | None = None) -> HandIn:
+        claim = self.claim
+        assert claim is not None
+        triples = list(zip(claim.particles, claim.attempts, claim.positions, strict=True))[:count]
+        results = [Result(p, a, self.calibration.evaluate(x), claim.now, claim.now + 1.0) for p, a, x in triples]
+        return HandIn(claim, (), claim.generation, results)
+
+    def hand_in(self, count: int | None = None, *, want: bool = True) -> Exchange:
+        return self.exchange(self.results(count), want=want)
+
+    def reach_ahead(self, count: int) -> Claim | None:
+        """Hand in the first results, keep the others under way, and ask for what follows them."""
+        held, ready = self.claim, self.results(count)
+        assert held is not None
+        ahead = self.exchange(replace(ready, partial=True)).claim
+        self.claim = held if ahead is None else held.followed_by(ahead, without=ready.results)
+        return ahead
+
+
+def runtime_for(store: Store, settings: Settings, **changes: float) -> Runtime:
+    return Runtime(store, settings.model_copy(update={"burst_seconds": 0.0} | changes))
+
+
+def finish(hand: Hand) -> None:
+    hand.take()
+    while hand.claim is not None:
+        hand.hand_in()
