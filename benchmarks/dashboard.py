@@ -134,7 +134,7 @@ def finished(url: str, job: str) -> None:
 
 
 def loaded(page: Page, url: str, ready: str) -> float:
-    """Return the time [ms] from the start of a navigation until an element is there, which the view's script has made."""
+    """Return the time [ms] from the start of a navigation until an element made by the script of the view is there."""
     began = time.perf_counter()
     page.goto(url)
     page.wait_for_selector(ready)

@@ -55,7 +55,8 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
     plots
         Whether Plotly is used, which needs inline styles allowed.
     values
-        What the template names beside ``static``, ``modules``, ``plotly``, ``view``, ``owner``, ``is_admin`` and ``signed_in``.
+        What the template names beside ``static``, ``modules``, ``plotly``, ``view``, ``owner``, ``is_admin`` and
+        ``signed_in``.
     """
     identity: Identity | None = getattr(request.state, "identity", None)
     assets: Assets = request.app.state.assets

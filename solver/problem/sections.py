@@ -222,7 +222,9 @@ class Stopping(Section):
 
     max_evaluations: int | None = Field(None, ge=1, description="largest number of forward calculations")
     max_seconds: float | None = Field(None, gt=0, description="largest running time in seconds")
-    target_objective: float | None = Field(None, ge=0, description="the objective is at or below this value [base unit²]")
+    target_objective: float | None = Field(
+        None, ge=0, description="the objective is at or below this value [base unit²]"
+    )
     stagnation_generations: int | None = Field(None, ge=1, description="generations without a lower objective")
 
     @property
