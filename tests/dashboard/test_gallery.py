@@ -46,8 +46,8 @@ def look(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def sight(folder: Path, look: str) -> Callable[..., None]:
-    """``sight(page, name)``: take a picture of a view, and find nothing wrong with it."""
+def check_view(folder: Path, look: str) -> Callable[..., None]:
+    """``check_view(page, name)``: take a picture of a view, and find nothing wrong with it."""
 
     def seen(page: Page, name: str, *, whole: bool = True) -> None:
         if whole:
@@ -61,7 +61,7 @@ def sight(folder: Path, look: str) -> Callable[..., None]:
     return seen
 
 
-Sight = Callable[..., None]
+CheckView = Callable[..., None]
 
 
 def oedometer(**changes: Any) -> dict[str, Any]:
@@ -87,105 +87,107 @@ def running(embedded: Site) -> Iterator[str]:
 
 
 def test_lists(
-    embedded: Site, full: Site, visit: Visit, look: str, sight: Sight, calibrated: list[str], running: str
+    embedded: Site, full: Site, visit: Visit, look: str, check_view: CheckView, calibrated: list[str], running: str
 ) -> None:
     ended(embedded.service, textbook(name="failing", forward_model=BROKEN, stopping={"max_evaluations": 12}))
     page, _ = visit(embedded, "/", **LOOKS[look])
     expect(page.locator(f"tr[data-job='{running}'] .state")).to_have_text("running", timeout=SOON)
-    sight(page, "jobs")
+    check_view(page, "jobs")
     page.locator(f"tr[data-job='{calibrated[0]}'] input").check()
     page.goto("/?q=nothing-is-called-so")
     expect(page.locator(".empty")).to_be_visible()
-    sight(page, "jobs-none-matches")
+    check_view(page, "jobs-none-matches")
     page.goto("/compare?" + "&".join(f"job={job}" for job in calibrated))
     expect(page.locator("#parameters tr")).to_have_count(7)
-    sight(page, "compare")
+    check_view(page, "compare")
     page.goto("/compare")
-    sight(page, "compare-none")
+    check_view(page, "compare-none")
     newcomer, _ = visit(full, "/", key=full.key("newcomer"), **LOOKS[look])
     expect(newcomer.locator(".empty")).to_contain_text("No jobs yet")
-    sight(newcomer, "jobs-empty")
+    check_view(newcomer, "jobs-empty")
 
 
-def test_jobs(embedded: Site, visit: Visit, look: str, sight: Sight, calibrated: list[str], running: str) -> None:
+def test_jobs(
+    embedded: Site, visit: Visit, look: str, check_view: CheckView, calibrated: list[str], running: str
+) -> None:
     page, _ = visit(embedded, f"/jobs/{calibrated[0]}", **LOOKS[look])
     expect(page.locator("#convergence .main-svg").first).to_be_visible()
-    sight(page, "job-finished")
+    check_view(page, "job-finished")
     page.locator("#particles select").first.select_option("parallel")
     page.locator("#particles").scroll_into_view_if_needed()
     expect(page.locator("#particles [role=figure]")).to_have_attribute("aria-label", re.compile("in parallel"))
-    sight(page, "job-parallel-coordinates")
+    check_view(page, "job-parallel-coordinates")
     page.get_by_role("button", name="Open evaluation").first.click()
     expect(page.get_by_role("dialog")).to_be_visible()
-    sight(page, "job-evaluation", whole=False)
+    check_view(page, "job-evaluation", whole=False)
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Go on").click()
-    sight(page, "job-go-on", whole=False)
+    check_view(page, "job-go-on", whole=False)
     page.goto(f"/jobs/{running}")
     state(page).to_have_text("running", timeout=SOON)
-    sight(page, "job-running")
+    check_view(page, "job-running")
 
 
-def test_failed_jobs(embedded: Site, visit: Visit, look: str, sight: Sight) -> None:
+def test_failed_jobs(embedded: Site, visit: Visit, look: str, check_view: CheckView) -> None:
     job = ended(embedded.service, textbook(name="failing", forward_model=BROKEN, stopping={"max_evaluations": 12}))
     page, guard = visit(embedded, f"/jobs/{job}", **LOOKS[look])
     state(page).to_have_text("failed")
-    sight(page, "job-failed")
+    check_view(page, "job-failed")
     page.get_by_role("button", name="Show the first failed evaluation").click()
     expect(page.get_by_role("dialog")).to_contain_text("Why it failed")
-    sight(page, "job-failed-evaluation", whole=False)
+    check_view(page, "job-failed-evaluation", whole=False)
     guard.allow("409", "404", "statistics")
     page.goto(f"/jobs/{job}/statistics")
     expect(page.locator("#nothing")).not_to_contain_text("Reading")
-    sight(page, "statistics-none")
+    check_view(page, "statistics-none")
     page.goto(f"/jobs/{job}/mesh")
-    sight(page, "mesh-none")
+    check_view(page, "mesh-none")
     page.goto("/jobs/nobody")
     expect(page.locator("h1")).to_have_text("Job not found")
-    sight(page, "not-found")
+    check_view(page, "not-found")
 
 
-def test_new(embedded: Site, visit: Visit, look: str, sight: Sight) -> None:
+def test_new(embedded: Site, visit: Visit, look: str, check_view: CheckView) -> None:
     page, _ = visit(embedded, "/new", **LOOKS[look])
     expect(page.locator("#verdict")).to_contain_text("still to be given")
-    sight(page, "new-empty")
+    check_view(page, "new-empty")
     page.goto("/new?example=oedometer")
     expect(page.locator("#verdict")).to_contain_text("Complete")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=180_000)
-    sight(page, "new-oedometer-checked")
+    check_view(page, "new-oedometer-checked")
     page.goto("/new?example=slope")
     expect(page.locator("#verdict")).to_contain_text("Complete")
-    sight(page, "new-slope")
+    check_view(page, "new-slope")
 
 
-def test_statistics_and_mesh(embedded: Site, visit: Visit, look: str, sight: Sight) -> None:
+def test_statistics_and_mesh(embedded: Site, visit: Visit, look: str, check_view: CheckView) -> None:
     job = ended(embedded.service, five_parameters() | {"method": {"kind": "monte_carlo", "samples": 1000}})
     page, _ = visit(embedded, f"/jobs/{job}/statistics", **LOOKS[look])
     expect(page.locator("#verdicts .card")).to_have_count(5)
     for summary in page.locator("main summary").all():
         summary.click()
-    sight(page, "statistics")
+    check_view(page, "statistics")
     with example_file("slope") as path:
         slope = load_problem(path).document() | {"method": {"kind": "monte_carlo", "samples": 2}, "stopping": {}}
     page.goto(f"/jobs/{ended(embedded.service, slope)}/mesh")
     expect(page.locator("#told")).to_contain_text("Largest displacement", timeout=SOON)
-    sight(page, "mesh")
+    check_view(page, "mesh")
     page.get_by_label("Show", exact=True).select_option("shear")
-    sight(page, "mesh-shear")
+    check_view(page, "mesh-shear")
 
 
-def test_administration(full: Site, visit: Visit, look: str, sight: Sight) -> None:
+def test_administration(full: Site, visit: Visit, look: str, check_view: CheckView) -> None:
     tally.run("finished", 0.1)
     tally.run("timeout", 0.1)
     tally.flush(full.service.store)
     page, _ = visit(full, "/workers", **LOOKS[look])
     expect(page.locator("h1")).to_have_text("Sign in")
-    sight(page, "sign-in")
+    check_view(page, "sign-in")
     admin, _ = visit(full, "/workers", key=full.key("root", "admin"), **LOOKS[look])
     expect(admin.locator("#keys tbody tr").first).to_be_visible()
-    sight(admin, "workers-keys")
+    check_view(admin, "workers-keys")
     admin.get_by_label("Owner").fill("erika")
     admin.get_by_role("button", name="Make a key").click()
     expect(admin.get_by_role("dialog")).to_be_visible()
-    sight(admin, "workers-new-key", whole=False)
+    check_view(admin, "workers-new-key", whole=False)
