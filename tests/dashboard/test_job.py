@@ -92,6 +92,7 @@ def test_a_job_is_paused_resumed_cancelled_and_goes_on(site: Site, visit: Visit,
     state(page).to_have_text("paused", timeout=SOON)
     page.get_by_role("button", name="Resume").click()
     state(page).to_have_text("running", timeout=SOON)
+    expect(page.locator("[data-field=generations]")).not_to_have_text(re.compile("^[01]$"), timeout=SOON)
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("dialog").get_by_role("button", name="No").click()
     state(page).to_have_text("running")

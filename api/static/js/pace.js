@@ -1,6 +1,12 @@
 // Work that follows a stream of news without running after every single one.
 
 const LATER = 3000;
+let leaving = false;
+
+/** Begin nothing more, as the page goes; or go on, as it stays. */
+export function leave(goes) {
+  leaving = goes;
+}
 
 /**
  * A function that runs `work` soon after it is called, at most once in `interval` ms and never twice at a time, and only
@@ -11,7 +17,7 @@ export function paced(work, interval, place = null) {
   let due = false, busy = false, last = -Infinity, timer = null, seen = place === null;
   async function look() {
     clearTimeout(timer);
-    if (!due || busy || !seen || document.hidden) return;
+    if (!due || busy || !seen || leaving || document.hidden) return;
     const rest = last + interval - performance.now();
     if (rest > 0) { timer = setTimeout(look, rest); return; }
     due = false;

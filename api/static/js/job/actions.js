@@ -1,6 +1,7 @@
 // What can be done with a job in its state.
 import { announce, confirmed, element, once } from "../dom.js";
 import { post, send } from "../http.js";
+import { leave } from "../pace.js";
 import { ENDED } from "../stream.js";
 import { extend } from "./extend.js";
 
@@ -22,7 +23,11 @@ export function actions(view) {
     }
   });
 
-  const button = (label, kind, work, said) => element("button", { type: "button", class: kind, onclick: ({ currentTarget }) => act(currentTarget, work, said) }, label);
+  /** `asked`: question and answer to it, without which nothing is done. */
+  function button(label, kind, work, said, asked = null) {
+    const made = element("button", { type: "button", class: kind, onclick: async () => { if (!asked || await confirmed(...asked)) act(made, work, said); } }, label);
+    return made;
+  }
 
   function buttons({ id, name, state, retrying, failed_evaluations: failed }) {
     const list = [];
@@ -36,16 +41,19 @@ export function actions(view) {
     }
     list.push(element("a", { class: "button quiet", href: `/new?from=${id}` }, "Clone"));
     if (OPEN.includes(state)) {
-      list.push(button("Cancel", "danger", async () => {
-        if (await confirmed(`End “${name}” now? What it has found stays.`, "End it")) await post(`/jobs/${id}/cancel`);
-      }, ""));
+      list.push(button("Cancel", "danger", () => post(`/jobs/${id}/cancel`), "", [`End “${name}” now? What it has found stays.`, "End it"]));
     } else {
       list.push(button("Delete", "danger", async () => {
-        if (!await confirmed(`Delete “${name}” with all its evaluations for good?`, "Delete it")) return;
-        await send("DELETE", `/jobs/${id}`);
+        leave(true);
+        try {
+          await send("DELETE", `/jobs/${id}`);
+        } catch (error) {
+          leave(false);
+          throw error;
+        }
         location.assign("/");
         await new Promise(() => {}); // the page goes
-      }, ""));
+      }, "", [`Delete “${name}” with all its evaluations for good?`, "Delete it"]));
     }
     return list;
   }
