@@ -96,3 +96,13 @@ def press(page: Page, name: str) -> None:
         page.keyboard.press("Tab")
     expect(button).to_be_focused()
     page.keyboard.press("Enter")
+
+
+def test_a_table_that_renews_itself_keeps_the_keyboard(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/workers")
+    page.locator("#workers tbody tr").first.wait_for()
+    page.get_by_role("region", name="Workers").focus()
+    page.evaluate("window.before = document.activeElement")
+    page.wait_for_function("!window.before.isConnected")
+    expect(page.get_by_role("region", name="Workers")).to_be_focused()
+    assert page.evaluate("document.activeElement !== window.before")
