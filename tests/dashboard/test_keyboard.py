@@ -103,6 +103,6 @@ def test_a_table_that_renews_itself_keeps_the_keyboard(embedded: Site, visit: Vi
     page.locator("#workers tbody tr").first.wait_for()
     page.get_by_role("region", name="Workers").focus()
     page.evaluate("window.before = document.activeElement")
-    page.wait_for_function("!window.before.isConnected")
+    page.wait_for_function("() => !window.before.isConnected")
     expect(page.get_by_role("region", name="Workers")).to_be_focused()
     assert page.evaluate("document.activeElement !== window.before")
