@@ -102,7 +102,7 @@ class Settings(BaseModel):
     sweep_seconds: float = Field(2.0, gt=0)
     poll_seconds: float = Field(0.5, gt=0)
     slice_seconds: float = Field(1.0, gt=0)
-    chunk_seconds: float = Field(0.25, gt=0)
+    chunk_seconds: float = Field(0.5, gt=0)
     cheap_seconds: float = Field(0.05, ge=0)
     single_seconds: float = Field(1.0, ge=0)
     burst_seconds: float = Field(0.02, ge=0)
