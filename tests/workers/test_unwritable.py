@@ -56,7 +56,7 @@ class Switch:
                 )
 
 
-@pytest.fixture(params=["read-only", "full"])
+@pytest.fixture(params=[pytest.param("read-only", marks=pytest.mark.slow), "full"])
 def switch(request: pytest.FixtureRequest, store: Store) -> Iterator[Switch]:
     made = Switch(store, request.param)
     yield made
