@@ -17,6 +17,8 @@ from workers.service import JobService
 __all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "limiter", "problems_of"]
 
 NOBODY = Principal(None, "read")  # on routes that are open to everybody
+AT_ONCE = {"test runs": 1, "drafts": 2, "files": 1}
+"""Requests worked on together: a test run occupies a core, drafts come with every change, files take memory."""
 POSSIBLE_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
@@ -27,10 +29,10 @@ async def _service(request: Request) -> JobService:
     return service.on_behalf_of(NOBODY if principal is None else principal)
 
 
-def limiter(request: Request, name: str, total: int) -> anyio.CapacityLimiter:
-    """Return what requests of one kind wait at, holding no thread; ``total`` of them are worked on at once."""
+def limiter(request: Request, name: str) -> anyio.CapacityLimiter:
+    """Return what requests of one kind of :data:`AT_ONCE` wait at, holding no thread."""
     limiters: dict[str, anyio.CapacityLimiter] = request.app.state.limiters
-    return limiters.setdefault(name, anyio.CapacityLimiter(total))
+    return limiters.setdefault(name, anyio.CapacityLimiter(AT_ONCE[name]))
 
 
 async def _feed(request: Request) -> EventFeed:

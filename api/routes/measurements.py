@@ -36,8 +36,7 @@ async def read_file(
 ) -> MeasurementFile:
     """Read columns, numbers and probable units of a file. Nothing is stored."""
     try:
-        # One at a time, as large files take memory.
-        slot = limiter(request, "files", 1)
+        slot = limiter(request, "files")
         found = await anyio.to_thread.run_sync(read_measurements, content, name, sheet, limiter=slot)
     except TableError as error:
         issues = [Issue("", message) for message in error.messages]

@@ -132,8 +132,7 @@ async def fields(
         }
         return MeshFields.model_validate(jsonable(content))
 
-    # One at a time, as a forward run occupies a core; those who wait occupy no thread.
-    return await anyio.to_thread.run_sync(calculate, limiter=limiter(request, "test runs", 1))
+    return await anyio.to_thread.run_sync(calculate, limiter=limiter(request, "test runs"))
 
 
 def _body(service: JobService, job_id: str, wanted: Wanted) -> Body:

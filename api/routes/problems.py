@@ -28,8 +28,7 @@ router = APIRouter(prefix="/problems", tags=["problems"])
 async def check(document: ProblemDocument, request: Request, service: Service) -> CheckResult:
     """Validate a problem, make one test run and estimate the cost. Nothing is stored."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)
-    # One at a time, as a test run occupies a core; those who wait occupy no thread.
-    report = await anyio.to_thread.run_sync(service.check, problem, limiter=limiter(request, "test runs", 1))
+    report = await anyio.to_thread.run_sync(service.check, problem, limiter=limiter(request, "test runs"))
     earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
     return CheckResult.model_validate(asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
 
@@ -51,8 +50,7 @@ async def read(given: ProblemText, request: Request) -> ProblemDraft:
     YAML that cannot be read is answered, too, with the mistake in ``issues``.
     """
     text, form = given
-    # Drafts are read at every change: the cores are for the calculations.
-    return await anyio.to_thread.run_sync(_draft, text, form, limiter=limiter(request, "drafts", 2))
+    return await anyio.to_thread.run_sync(_draft, text, form, limiter=limiter(request, "drafts"))
 
 
 @router.get("/schema", responses=problems_of())

@@ -25,8 +25,7 @@ def _fit(job_id: str, generation: int | None, particle: int | None) -> Call[Fit]
 
 
 def _points(job_id: str, responses: bool) -> Call[Points]:
-    query = present(responses="true" if responses else None)
-    return Call("GET", f"{job_path(job_id)}/points", read_points, query)
+    return Call("GET", f"{job_path(job_id)}/points", read_points, present(responses=responses or None))
 
 
 def _mesh(job_id: str, part: str | None, generation: int | None, particle: int | None) -> Call[Mesh]:
@@ -44,8 +43,7 @@ def _mesh_fields(
     since_beginning: bool,
 ) -> Call[MeshFields]:
     query = present(part=part, generation=generation, particle=particle, start=start, end=end)
-    if since_beginning:
-        query["since_beginning"] = "true"
+    query |= present(since_beginning=since_beginning or None)
     return Call("GET", f"{job_path(job_id)}/mesh/fields", reader(MeshFields), query)
 
 

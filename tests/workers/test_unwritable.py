@@ -56,6 +56,7 @@ class Switch:
                 )
 
 
+# PostgreSQL is made read-only in both cases: filling its disk would fill this machine's.
 @pytest.fixture(params=[pytest.param("read-only", marks=pytest.mark.slow), "full"])
 def switch(request: pytest.FixtureRequest, store: Store) -> Iterator[Switch]:
     made = Switch(store, request.param)

@@ -34,8 +34,6 @@ from workers.store.line import note_served
 
 __all__ = ["Closed", "Due", "Session"]
 
-ENOUGH_MEASURED = 1
-
 
 @dataclass(frozen=True, slots=True)
 class Due:
@@ -254,7 +252,7 @@ class Session:
         particles = len(board.cells)
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
             measured = [cell.values["seconds"] for cell in board.cells if cell.status.state == "finished"]
-            self.typical = statistics.median(measured) if len(measured) >= ENOUGH_MEASURED else None
+            self.typical = statistics.median(measured) if measured else None
         left = sum(cell.status.state == "pending" for cell in board.cells)
         chunk = self.sizing.chunk(self.typical, particles, left, self.live_workers)
         claimed = self._choose(board, chunk, under_way) if want else []

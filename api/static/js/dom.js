@@ -54,11 +54,18 @@ export function empty(...children) {
 
 const control = (node) => [node.localName, node.getAttribute("href"), node.getAttribute("aria-label") ?? node.textContent].join(" ");
 
-/** Replace what stands in a place; who is there with the keyboard is afterwards at the control of the same kind and name. */
+/**
+ * Replace what stands in a place (nested lists are laid flat, what is null or false left out). Who is there with the keyboard
+ * is afterwards at the control with the same id, its cursor where it was, or else at one of the same kind and name.
+ */
 export function exchange(place, ...made) {
-  const active = document.activeElement, held = place.contains(active) && active !== place ? control(active) : null;
-  place.replaceChildren(...made);
-  if (held !== null) [...place.querySelectorAll(active.localName)].find((node) => control(node) === held)?.focus({ preventScroll: true });
+  const active = document.activeElement, inside = place.contains(active) && active !== place;
+  const held = inside ? { id: active.id, kind: active.localName, name: control(active), start: active.selectionStart, end: active.selectionEnd } : null;
+  place.replaceChildren(...made.flat(Infinity).filter(Boolean));
+  if (!held) return;
+  const again = held.id ? document.getElementById(held.id) : [...place.querySelectorAll(held.kind)].find((node) => control(node) === held.name);
+  again?.focus({ preventScroll: true });
+  if (again?.setSelectionRange && typeof held.start === "number") again.setSelectionRange(held.start, held.end);
 }
 
 /** While `work` goes on its button does nothing more. It keeps the focus, which one that is disabled would lose. */

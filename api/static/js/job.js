@@ -10,12 +10,12 @@ import { fit } from "./job/fit.js";
 import { followUps } from "./job/follow_ups.js";
 import { outcome } from "./job/outcome.js";
 import { particles } from "./job/particles.js";
-import { paced } from "./pace.js";
+import { LATER, paced } from "./pace.js";
 import { follow } from "./stream.js";
 import { thinned } from "./thin.js";
 
 const { job: id } = document.querySelector("main").dataset;
-const POINTS = 3000, MOST = 9000, INTERVAL = 200, LATER = 3000;
+const POINTS = 3000, MOST = 9000, INTERVAL = 200;
 
 for (const place of document.querySelectorAll("time.age")) {
   place.title = moment(place.dateTime);

@@ -1,6 +1,7 @@
 // Work that follows a stream of news without running after every single one.
 
-const LATER = 3000;
+/** When a service out of reach is asked again [ms]. */
+export const LATER = 3000;
 let leaving = false;
 
 /** Begin nothing more, as the page goes; or go on, as it stays. */

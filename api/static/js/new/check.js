@@ -1,9 +1,8 @@
 // One forward calculation before the job: does it run, how far is it from the data, what will the search cost. And the start.
-import { announce, connection, element, failure, once } from "../dom.js";
+import { announce, connection, element, exchange, failure, once } from "../dom.js";
 import { count, duration, number, objectiveUnit, percent, symbol, withUnit } from "../format.js";
 import { post } from "../http.js";
 import { forget } from "./draft.js";
-import { redrawn } from "./fields.js";
 import { pointsPlot } from "./points_plot.js";
 
 const PLACEHOLDER = "The check makes one forward calculation with the estimates (or the middle of the bounds), shows it against the data and estimates the cost.";
@@ -24,13 +23,13 @@ export function checkSection(context, place, judged) {
       if (!answer) return;
       if (!answer.valid) {
         const count_ = answer.issues.length;
-        redrawn(result, element("p", { class: "error", role: "alert" }, `${count_ === 1 ? "One thing is" : `${count_} things are`} missing or wrong; they are marked above and listed beside the YAML.`));
+        exchange(result, element("p", { class: "error", role: "alert" }, `${count_ === 1 ? "One thing is" : `${count_} things are`} missing or wrong; they are marked above and listed beside the YAML.`));
         return;
       }
       await act(answer);
       connection(null);
     } catch (error) {
-      redrawn(result, failure(error), error.issues?.length ? element("ul", {}, error.issues.map((one) => element("li", {}, `${one.path}: ${one.message}`))) : null);
+      exchange(result, failure(error), error.issues?.length ? element("ul", {}, error.issues.map((one) => element("li", {}, `${one.path}: ${one.message}`))) : null);
     }
   }
 
@@ -43,7 +42,7 @@ export function checkSection(context, place, judged) {
   }
 
   async function checked(answer) {
-    redrawn(result, element("p", { class: "help" }, "Calculating …"));
+    exchange(result, element("p", { class: "help" }, "Calculating …"));
     const at = draft.changes;
     const found = await post("/problems/check", answer.document);
     checkedAt = at;
@@ -58,7 +57,7 @@ export function checkSection(context, place, judged) {
       : `at most ${count(found.planned_evaluations)} evaluations${found.estimated_seconds === null ? "" : `, about ${duration(found.estimated_seconds)} on one worker`}`;
     const unit = objectiveUnit(answer.observations.map((one) => answer.series.find(({ name }) => name === one.series)));
     const fact = (name, value) => element("div", {}, element("dt", {}, name), element("dd", {}, value));
-    redrawn(result,
+    exchange(result,
       element("h3", {}, run_.state === "finished" ? "The forward calculation works" : "The forward calculation failed"),
       run_.state === "finished" ? null : element("p", { class: "error", role: "alert" }, `${run_.reason}: ${run_.message}`),
       element("dl", {},
@@ -96,7 +95,7 @@ export function checkSection(context, place, judged) {
   }
 
   place.replaceChildren(element("div", { class: "buttons" }, check, start), stale, result);
-  redrawn(result, element("p", { class: "help" }, PLACEHOLDER));
+  exchange(result, element("p", { class: "help" }, PLACEHOLDER));
   draft.on("change", () => { stale.hidden = checkedAt < 0 || checkedAt === draft.changes; });
 }
 

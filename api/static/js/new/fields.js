@@ -108,17 +108,6 @@ export function checkbox(draft, path, { label, help, fallback = false, onchange 
     errorPlace(path));
 }
 
-/** Draw again inside a place, and leave the cursor where it was. */
-export function redrawn(place, ...children) {
-  const active = document.activeElement;
-  const inside = place.contains(active) && active.id ? { id: active.id, start: active.selectionStart, end: active.selectionEnd } : null;
-  place.replaceChildren(...children.flat(Infinity).filter(Boolean));
-  if (!inside) return;
-  const again = document.getElementById(inside.id);
-  again?.focus({ preventScroll: true });
-  if (again?.setSelectionRange && inside.start !== null && inside.start !== undefined) again.setSelectionRange(inside.start, inside.end);
-}
-
 const MISSING = /^is missing|, not null$/;
 
 /** Whether an issue is something that is still to be given, not a mistake. */

@@ -1,8 +1,8 @@
 // What is calculated: the kind of forward model and its section, as its JSON schema has it.
-import { announce, element, failure } from "../dom.js";
+import { announce, element, exchange, failure } from "../dom.js";
 import { get } from "../http.js";
 import { clone } from "./draft.js";
-import { errorPlace, redrawn } from "./fields.js";
+import { errorPlace } from "./fields.js";
 import { button, objectForm, sentence } from "./schema_form.js";
 import { words } from "./schema.js";
 
@@ -39,7 +39,7 @@ export function modelSection(context, place, kinds) {
   function draw() {
     const chosen = kind();
     const schema = chosen && sectionSchema(chosen);
-    redrawn(form, schema
+    exchange(form, schema
       ? [
         schema.description ? element("p", { class: "help" }, sentence(schema.description)) : null,
         chosen === "oedometer" || chosen === "isotropic_compression" ? null : element("div", { class: "buttons" }, button("Fill in a small example", useExample)),

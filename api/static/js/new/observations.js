@@ -1,7 +1,7 @@
 // What was measured: readings of series, their units and weights, and the share of each weight.
-import { element, empty } from "../dom.js";
+import { element, empty, exchange } from "../dom.js";
 import { count, percent } from "../format.js";
-import { errorPlace, field, idOf, redrawn } from "./fields.js";
+import { errorPlace, field, idOf } from "./fields.js";
 import { pointsPlot } from "./points_plot.js";
 import { button } from "./schema_form.js";
 import { uploader } from "./upload.js";
@@ -56,8 +56,8 @@ export function observationsSection(context, place) {
 
   function draw() {
     drawnFor = key();
-    redrawn(list, all().length ? all().map(card) : empty("No measurements yet."), errorPlace(["observations"]));
-    redrawn(scheme, all().length > 1
+    exchange(list, all().length ? all().map(card) : empty("No measurements yet."), errorPlace(["observations"]));
+    exchange(scheme, all().length > 1
       ? field(draft, ["weighting"], { label: "Weights of the series", kind: "select", options: SCHEMES, help: "A scheme multiplies the weights above.", onchange: showShares })
       : null);
     showShares();

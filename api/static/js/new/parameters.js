@@ -1,8 +1,8 @@
 // Each parameter free, fixed or linked, and the constraints between them.
-import { element, empty } from "../dom.js";
+import { element, empty, exchange } from "../dom.js";
 import { number, symbol } from "../format.js";
 import { pathText } from "./draft.js";
-import { checkbox, errorPlace, field, idOf, redrawn } from "./fields.js";
+import { checkbox, errorPlace, field, idOf } from "./fields.js";
 import { button, sentence } from "./schema_form.js";
 
 const MODES = { free: "free", fixed: "fixed", linked: "linked" };
@@ -83,7 +83,7 @@ export function parametersSection(context, place) {
     const rest = known.filter((info) => !first.includes(info));
     const own = Object.keys(given()).filter((name) => !names.has(name));
     const free = Object.values(given()).filter((one) => modeOf(one) === "free").length;
-    redrawn(list,
+    exchange(list,
       known.length || own.length ? element("p", { class: "help" }, `${free} free. Free ones are identified between their bounds, fixed ones are known, linked ones follow from others.`) : empty("Describe the forward model: then its parameters stand here."),
       first.map((info) => card(info.name, info)), own.map((name) => card(name, null)),
       rest.length ? element("details", { class: "more" }, element("summary", {}, `Further parameters: ${rest.slice(0, 6).map((info) => symbol(info.name)).join(", ")}${rest.length > 6 ? " …" : ""}`), rest.map((info) => card(info.name, info))) : null,
@@ -114,7 +114,7 @@ export function parametersSection(context, place) {
       drawRules();
       document.getElementById(idOf(["constraints", texts.length]))?.focus();
     };
-    redrawn(rules,
+    exchange(rules,
       element("p", { class: "help" }, "Comparisons that hold for every proposal of the search, checked as you type."),
       texts.map((_, i) => element("div", { class: "constraint" },
         field(draft, ["constraints", i], { label: `Constraint ${i + 1}`, wide: true }),

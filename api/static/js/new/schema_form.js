@@ -1,8 +1,8 @@
 // A form for a part of the draft, made from its JSON schema.
-import { element } from "../dom.js";
+import { element, exchange } from "../dom.js";
 import { symbol } from "../format.js";
 import { clone, pathText } from "./draft.js";
-import { checkbox, errorPlace, field, idOf, redrawn } from "./fields.js";
+import { checkbox, errorPlace, field, idOf } from "./fields.js";
 import { table } from "./table.js";
 import { words } from "./schema.js";
 
@@ -76,7 +76,7 @@ function group(context, path, schema, { label, help, kind, optional, change, lea
     const absent = draft.read(path) === undefined || draft.read(path) === null;
     const add = element("button", { type: "button", class: "quiet", id: `${idOf(path)}-give`, onclick: () => set(kind === "list" ? [] : {}) }, `Set ${small(label)}`);
     const drop = element("button", { type: "button", class: "quiet", onclick: () => set(undefined) }, `Leave out ${small(label)}`);
-    redrawn(body, kind === "object" && optional && absent ? add : [FORMS[kind](context, path, schema, draw, lead), kind === "object" && optional ? drop : null]);
+    exchange(body, kind === "object" && optional && absent ? add : [FORMS[kind](context, path, schema, draw, lead), kind === "object" && optional ? drop : null]);
   };
   const set = (value) => {
     draft.write(path, value);

@@ -1,6 +1,6 @@
 // A list of like entries as a table, into which rows of a spreadsheet can be pasted.
-import { element } from "../dom.js";
-import { errorPlace, field, idOf, numberOf, redrawn } from "./fields.js";
+import { element, exchange } from "../dom.js";
+import { errorPlace, field, idOf, numberOf } from "./fields.js";
 import { words } from "./schema.js";
 
 /** Rows that were copied from a spreadsheet: cells between tabs (or semicolons), numbers where they are some. */
@@ -22,7 +22,7 @@ export function table(context, path, schema, { label, help, onchange }) {
       element("th", { scope: "row", class: "n" }, String(i + 1)),
       columns.map((column) => element("td", {}, cell(column, i))),
       element("td", {}, element("button", { type: "button", class: "quiet small", "aria-label": `Remove row ${i + 1} of ${label}`, onclick: () => remove(i) }, "×"))));
-    redrawn(place, rows().length
+    exchange(place, rows().length
       ? element("table", { class: "rows" }, element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "No."), head, element("td", {}))), element("tbody", {}, body))
       : element("p", { class: "help" }, "No rows yet."));
   }
