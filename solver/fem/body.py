@@ -27,7 +27,6 @@ class Body(NamedTuple):
     interface_constants: FloatArray
     edges: IndexArray
     edge_elements: IntArray  # (q,): the triangle that each edge belongs to
-    blend: float  # share of the elastic stiffness in the tangent at plastic points: slower, but finds more
     edge_places: IntArray  # (q, 3): numbers of the edge's nodes in that triangle
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from solver.arrays import BoolArray, FloatArray
 from solver.fem.body import Body
 from solver.fem.mesh.mesh import IndexArray
-from solver.fem.ordering import Fronts
 from solver.jit import kernel
 
 __all__ = ["LOAD_NUMBERS", "assemble_edges", "edge_forces"]
@@ -58,10 +57,9 @@ def assemble_edges(
     loads: FloatArray,
     positions: FloatArray,
     fixed: BoolArray,
-    plan: Fronts,
-    fronts: FloatArray,
+    tangents: FloatArray,
 ) -> None:
-    """Subtract the derivative of the follower loads (q, LOAD_NUMBERS) by the positions (n, 2) from the tangent."""
+    """Subtract the derivative of follower loads (q, LOAD_NUMBERS) by the positions (n, 2) from the tangents."""
     K = np.empty((6, 6))
     for e in range(body.edges.shape[0]):
         K[:, :] = 0.0
@@ -101,15 +99,11 @@ def assemble_edges(
                         weight = _WEIGHTS[point] * _SHAPES[point, n]
                         K[2 * n, 2 * k + i] += weight * dfx
                         K[2 * n + 1, 2 * k + i] += weight * dfy
-        element = body.edge_elements[e]
-        front = plan.element_front[element]
-        size, offset = plan.size[front], plan.offset[front]
+        tangent, place = tangents[body.edge_elements[e]], body.edge_places[e]
         for a in range(3):
             for i in range(2):
                 if fixed[2 * body.edges[e, a] + i]:
                     continue
-                row = offset + (2 * plan.element_node[element, body.edge_places[e, a]] + i) * size
                 for b in range(3):
-                    column = 2 * plan.element_node[element, body.edge_places[e, b]]
-                    fronts[row + column] -= K[2 * a + i, 2 * b]
-                    fronts[row + column + 1] -= K[2 * a + i, 2 * b + 1]
+                    for j in range(2):
+                        tangent[2 * place[a] + i, 2 * place[b] + j] -= K[2 * a + i, 2 * b + j]

@@ -13,7 +13,6 @@ import numpy as np
 
 from solver.arrays import BoolArray, FloatArray
 from solver.fem.body import Body, State
-from solver.fem.ordering import Fronts
 from solver.jit import kernel
 
 __all__ = ["assemble_interfaces", "interface_update"]
@@ -92,15 +91,16 @@ def assemble_interfaces(
     new: State,
     fixed: BoolArray,
     tangent: bool,
-    plan: Fronts,
-    fronts: FloatArray,
+    tangents: FloatArray,
     force: FloatArray,
 ) -> None:
-    """Add forces of all active interfaces, and the tangent into the fronts; arguments as for the triangles."""
+    """Add forces of all active interfaces, and fill their tangents (k, 12, 12); arguments as for the triangles."""
     line, line_end, half = np.empty((3, 2)), np.empty((3, 2)), 0.5
-    D, K, f = np.empty((2, 2)), np.empty((12, 12)), np.empty(12)
-    first = body.triangles.shape[0]
+    D, f = np.empty((2, 2)), np.empty(12)
     for e in range(body.interfaces.shape[0]):
+        K = tangents[e]
+        if tangent:
+            K[:, :] = 0.0
         if body.interface_material[e] < 0:
             continue
         constants = body.interface_constants[body.interface_material[e]]
@@ -111,7 +111,6 @@ def assemble_interfaces(
                 change = 0.5 * (du[2 * a + i] + du[2 * b + i]) if body.updated else 0.0
                 line_end[n, i] = line[n, i] + change
                 line[n, i] += half * change
-        K[:, :] = 0.0
         f[:] = 0.0
         for n in range(3):
             a, b = body.interfaces[e, n], body.interfaces[e, n + 3]
@@ -172,13 +171,7 @@ def assemble_interfaces(
             force[2 * node] += f[2 * n]
             force[2 * node + 1] += f[2 * n + 1]
         if tangent:
-            front = plan.element_front[first + e]
-            size, offset = plan.size[front], plan.offset[front]
-            for a in range(6):
+            for n in range(6):
                 for i in range(2):
-                    if fixed[2 * body.interfaces[e, a] + i]:
-                        continue
-                    row = offset + (2 * plan.element_node[first + e, a] + i) * size
-                    for b in range(6):
-                        for j in range(2):
-                            fronts[row + 2 * plan.element_node[first + e, b] + j] += K[2 * a + i, 2 * b + j]
+                    if fixed[2 * body.interfaces[e, n] + i]:
+                        K[2 * n + i, :] = 0.0

@@ -1,9 +1,14 @@
-"""One step to equilibrium by Newton's method, full or modified, with line search."""
+"""One step to equilibrium by Newton's method, full or modified.
+
+Perfect plasticity without associated flow leaves the tangent close to singular, the more so the finer the mesh: its
+full steps run into narrow bands and back. A share of the elastic stiffness at plastic points ("blend") holds them
+together; it follows the residual up and down and vanishes with it, so that the end is quadratic.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -11,20 +16,70 @@ from solver.arrays import BoolArray, FloatArray
 from solver.fem.body import Body, State
 from solver.fem.edges import assemble_edges, edge_forces
 from solver.fem.interface import assemble_interfaces
-from solver.fem.multifrontal import factorise, solve_factorised
+from solver.fem.materials import MOHR_COULOMB
+from solver.fem.multifrontal import Equations, factorise, solve_factorised
 from solver.fem.ordering import Fronts
 from solver.fem.triangle import assemble_triangles
 from solver.jit import kernel
 
-__all__ = ["CONVERGED", "NOT_CONVERGED", "SINGULAR", "assemble", "newton_step"]
+__all__ = ["CONVERGED", "NOT_CONVERGED", "SINGULAR", "Accuracy", "Step", "assemble", "newton_step"]
 
 CONVERGED: Final = -1
 NOT_CONVERGED: Final = -2
 SINGULAR: Final = -3
 
-_HALVINGS: Final = 4
+_TRIALS: Final = 5
+"""Lengths of a correction that are tried, each half of the one before."""
+
+_GROWTH: Final = 3.0
+"""How many times the largest of the last three residuals a bold correction may leave."""
+
+_DECREASE: Final = 1.0e-3
+"""Part of the residual by which a whole cautious correction must lower it."""
+
+_LARGEST_BLEND: Final = 0.3
+_BLEND_BY_RESIDUAL: Final = 30.0
+"""Largest blend, and largest over the residual: a hundredth of the forces admits 0.3."""
+
 _STALE: Final = 10
 """Iterations without half the smallest residual so far after which a step is given up."""
+
+
+class Step(NamedTuple):
+    """What a step applies.
+
+    ``log_time`` = ln(dt/day), -inf without time; ``dead`` (2 n,) forces that do not follow and ``edge_loads`` those of
+    ``body.edges``, at its end; ``fixed`` and ``target`` (2 n,) prescribed dofs and their increments; ``carried`` (2 n,)
+    internal forces at its beginning.
+    """
+
+    log_time: float
+    dead: FloatArray
+    edge_loads: FloatArray
+    fixed: BoolArray
+    target: FloatArray
+    carried: FloatArray
+
+
+class Accuracy(NamedTuple):
+    """When a step has converged, and how patiently it is tried.
+
+    ``floor``: smallest size of the forces that residuals are compared with, kN/m; ``tolerance``: residual over the size
+    of the forces; ``energy``: or root of the work of the residual over that of the step (0: never); ``least``:
+    iterations that are done even if the guess is in balance; ``blend``: the first and smallest one; ``bold``: the
+    residual may grow for a while and the blend follows it; otherwise it must fall and the blend stays. Others as in
+    :class:`solver.fem.phases.Control`.
+    """
+
+    floor: float
+    tolerance: float
+    energy: float
+    least: int
+    iterations: int
+    modified: bool
+    keep_ratio: float
+    blend: float
+    bold: bool
 
 
 @kernel
@@ -39,34 +94,29 @@ def assemble(
     edge_loads: FloatArray,
     fixed: BoolArray,
     tangent: bool,
-    plan: Fronts,
-    fronts: FloatArray,
+    blend: float,
+    tangents: FloatArray,
     inner: FloatArray,
     outer: FloatArray,
 ) -> int:
-    """Fill internal and external forces (2 n,) after displacement increments, and the tangent into the fronts.
+    """Fill internal and external forces (2 n,) after displacement increments, and the tangents of the elements.
 
-    ``dead`` (2 n,) are forces that do not follow, ``edge_loads`` those of ``body.edges``. Returns as the triangles'.
+    Arguments as for the triangles and in :class:`Step`. Returns as the triangles'.
     """
     inner[:] = 0.0
     outer[:] = dead
-    if tangent:
-        fronts[:] = 0.0
-    failed = assemble_triangles(body, x, du, log_time, old, new, fixed, tangent, plan, fronts, inner)
+    count = body.triangles.shape[0]
+    failed = assemble_triangles(body, x, du, log_time, old, new, fixed, tangent, blend, tangents, inner)
     if failed >= 0:
         return failed
-    assemble_interfaces(body, x, du, old, new, fixed, tangent, plan, fronts, inner)
+    assemble_interfaces(body, x, du, old, new, fixed, tangent, tangents[count:], inner)
     if body.edges.shape[0] > 0:
         positions = x.copy()
         if body.updated:
             positions += du.reshape(x.shape)
         edge_forces(body.edges, edge_loads, positions, body.axisymmetric, outer)
         if tangent and body.updated:
-            assemble_edges(body, edge_loads, positions, fixed, plan, fronts)
-    if tangent:
-        for dof in range(fixed.shape[0]):
-            if fixed[dof]:
-                fronts[plan.diagonal[dof]] = 1.0
+            assemble_edges(body, edge_loads, positions, fixed, tangents)
     return -1
 
 
@@ -94,42 +144,49 @@ def _residual(
 
 
 @kernel
+def _product(a: FloatArray, b: FloatArray) -> float:
+    total = 0.0
+    for i in range(a.shape[0]):
+        total += a[i] * b[i]
+    return total
+
+
+@kernel
+def _blended(body: Body) -> bool:
+    """Whether a material has a tangent that is blended."""
+    blended = False
+    for number in range(body.constants.shape[0]):
+        blended |= body.constants[number, 0] == MOHR_COULOMB
+    return blended
+
+
+@kernel
 def newton_step(
     body: Body,
     x: FloatArray,
     du: FloatArray,
-    log_time: float,
     old: State,
     new: State,
-    dead: FloatArray,
-    edge_loads: FloatArray,
-    fixed: BoolArray,
-    target: FloatArray,
+    step: Step,
+    accuracy: Accuracy,
     plan: Fronts,
-    fronts: FloatArray,
-    floor: float,
-    tolerance: float,
-    iterations: int,
-    modified: bool,
-    keep_ratio: float,
-    least: int,
+    equations: Equations,
+    inner: FloatArray,
 ) -> tuple[int, int, int, int, float]:
     """Find the displacement increments of a step.
 
     Parameters
     ----------
+    body, x, old, new
+        As for :func:`assemble`.
     du
         (2 n,): guess, becomes the solution.
-    fixed, target
-        (2 n,): prescribed dofs and their increments.
-    floor
-        Smallest size of the forces that residuals are compared with, kN/m.
-    tolerance, iterations, modified, keep_ratio
-        See :class:`solver.fem.phases.Control`.
-    least
-        Iterations that are done even if the guess is in balance.
-    body, x, log_time, old, new, dead, edge_loads, plan, fronts
-        As for :func:`assemble`.
+    step, accuracy
+        What is applied; how accurately.
+    plan, equations
+        Order of elimination and its buffers.
+    inner
+        (2 n,): becomes the internal forces at the end.
 
     Returns
     -------
@@ -138,63 +195,83 @@ def newton_step(
         of the forces.
     """
     dofs = du.shape[0]
-    inner, outer, r, best = np.empty(dofs), np.empty(dofs), np.empty(dofs), np.empty(dofs)
-    rest = np.empty(dofs)
-    status = assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, True, plan, fronts, inner, outer)
+    outer, r, best, rest = np.empty(dofs), np.empty(dofs), np.empty(dofs), np.empty(dofs)
+    log_time, dead, edge_loads, fixed, target = step.log_time, step.dead, step.edge_loads, step.fixed, step.target
+    tolerance, tangents = accuracy.tolerance, equations.tangents
+    least_blend = accuracy.blend if _blended(body) else 0.0
+    blend = least_blend
+    # Where a blend follows the residual, or a factorisation is kept, tangents wait until they are wanted.
+    at_once = not (accuracy.modified or blend > 0.0)
+    status = assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, at_once, blend, tangents, inner, outer)
     if status >= 0:
         return status, 0, 0, 1, math.inf
-    missing, size = _residual(inner, outer, fixed, target, du, floor, r)
+    missing, size = _residual(inner, outer, fixed, target, du, accuracy.floor, r)
     factorisations, assemblies = 0, 1
-    fresh = True
-    held = True
+    fresh, held, ready = True, True, False
     for i in range(dofs):
         if fixed[i] and r[i] != 0.0:
             held = False
-    smallest, stale = math.inf, 0
-    for iteration in range(iterations):
-        if held and missing <= tolerance * size and iteration >= least:
+    smallest, stale, energy = math.inf, 0, math.inf
+    last, last_but_one = missing, missing
+    for iteration in range(accuracy.iterations):
+        ready = held and (missing <= tolerance * size or energy <= accuracy.energy)
+        if ready and iteration >= accuracy.least:
             return CONVERGED, iteration, factorisations, assemblies, missing / size
         if fresh:
-            if not factorise(plan, fronts):
+            if not at_once:
+                assemblies += 1
+                assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, True, blend, tangents, inner, outer)
+            if not factorise(plan, equations, fixed):
                 return SINGULAR, iteration, factorisations, assemblies, missing / size
             factorisations += 1
-        solve_factorised(plan, fronts, r)
-        for i in range(dofs):
-            best[i] = du[i]
-        step = 1.0
+        rest[:] = r
+        solve_factorised(plan, equations, r)
+        work = _product(r, rest)
+        best[:] = du
         before = missing
-        for halving in range(_HALVINGS + 1):
+        length = 1.0
+        for trial in range(_TRIALS):
             for i in range(dofs):
-                du[i] = best[i] + step * r[i]
+                du[i] = best[i] + length * r[i]
             assemblies += 1
-            # A kept factorisation must survive the assembly.
             status = assemble(
-                body, x, du, log_time, old, new, dead, edge_loads, fixed, not modified, plan, fronts, inner, outer
+                body, x, du, log_time, old, new, dead, edge_loads, fixed, at_once, blend, tangents, inner, outer
             )
             if status < 0:
-                missing, size = _residual(inner, outer, fixed, target, du, floor, rest)
-                if not held or missing <= tolerance * size or missing < before * (1.0 - 1.0e-3 * step):
+                missing, size = _residual(inner, outer, fixed, target, du, accuracy.floor, rest)
+                allowed = before * (1.0 - _DECREASE * length)
+                if accuracy.bold:
+                    allowed = _GROWTH * max(before, last, last_but_one)
+                if not held or missing <= max(tolerance * size, allowed):
                     break
-            if halving == _HALVINGS:
+            if trial == _TRIALS - 1:
                 if status >= 0:
                     return status, iteration + 1, factorisations, assemblies, math.inf
                 break
-            step *= 0.5
-        for i in range(dofs):
-            r[i] = rest[i]
-        if step == 1.0:
-            held = True
-        fresh = not modified
-        if modified and missing > keep_ratio * before and missing > tolerance * size:
-            assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, True, plan, fronts, inner, outer)
-            fresh = True
+            length *= 0.5
         if not missing < math.inf:
             return NOT_CONVERGED, iteration + 1, factorisations, assemblies, math.inf
+        held = held or length == 1.0
+        last, last_but_one = before, last
+        ready = held and missing <= tolerance * size
+        if held and not ready:
+            # The work of what is left on its own correction, by how much smaller the residual has become.
+            done = _product(du, inner) - _product(du, step.carried)
+            energy = math.sqrt(abs(work / done)) * missing / before if done != 0.0 else math.inf
+            ready = energy <= accuracy.energy
+        r[:] = rest
+        if accuracy.bold:
+            if missing > before:
+                blend = min(2.0 * blend, _LARGEST_BLEND)
+            elif missing < 0.5 * before:
+                blend = max(0.5 * blend, least_blend)
+            blend = min(blend, _BLEND_BY_RESIDUAL * missing / size)
+        fresh = not accuracy.modified or missing > accuracy.keep_ratio * before
         stale += 1
         if missing < 0.5 * smallest:
             smallest, stale = missing, 0
-        elif stale >= _STALE and missing > tolerance * size:
+        elif stale >= _STALE and not ready:
             return NOT_CONVERGED, iteration + 1, factorisations, assemblies, missing / size
-    if held and missing <= tolerance * size:
-        return CONVERGED, iterations, factorisations, assemblies, missing / size
-    return NOT_CONVERGED, iterations, factorisations, assemblies, missing / size
+    if ready:
+        return CONVERGED, accuracy.iterations, factorisations, assemblies, missing / size
+    return NOT_CONVERGED, accuracy.iterations, factorisations, assemblies, missing / size

@@ -1,8 +1,8 @@
 """The order of elimination: nested dissection of the elements, and the tree of frontal matrices that follows from it.
 
-The elements are halved at the median of their centres, again and again. The nodes that two halves share separate them:
-they are eliminated after both. Every set of nodes that is eliminated together has a front, a dense matrix over these
-nodes (pivots) and over the later ones that they are coupled with (rest).
+The elements are halved near the median of their centres, where the halves share the fewest nodes, again and again.
+These nodes separate the halves: they are eliminated after both. Every set of nodes that is eliminated together has a
+front, a dense matrix over these nodes (pivots) and over the later ones that they are coupled with (rest).
 """
 
 from __future__ import annotations
@@ -19,31 +19,34 @@ __all__ = ["Fronts", "plan_fronts"]
 _LEAF: Final = 8
 """Elements that are not halved any more."""
 
+_NEAR: Final = 0.1
+_CUTS: Final = 8
+_SQUARE: Final = 0.5
+"""Cuts that are tried: the widest gaps between centres, up to this share of the elements from the median, across the
+longer direction and, if it is at least this share of the longer one, across the shorter."""
+
 
 class Fronts(NamedTuple):
-    """Static structure of the frontal matrices, in the order of their elimination; row-major in one buffer.
+    """Static structure of the frontal matrices; every subtree is complete before the next one begins.
 
-    ``offset`` (f,) place in the buffer, ``size`` (f,) rows, ``pivots`` (f,) rows that are eliminated here, ``start``
-    (f + 1,) into ``rows``, the dofs of each front; ``parent`` (f,), -1 at a root; ``place``, parallel to ``rows``, row
-    of the parent for those that are not eliminated here. ``element_front`` (e,) and ``element_node`` (e, 6): front of
-    an element and the numbers of its nodes there; ``diagonal`` (dofs,) place of each pivot in the buffer.
+    ``size`` (f,) rows, ``pivots`` (f,) rows that are eliminated here, ``start`` (f + 1,) into ``rows``, the dofs of
+    each front; ``parent`` (f,), -1 at a root; ``place``, parallel to ``rows``, row of the parent for those that are
+    not eliminated here; ``first_element`` (f + 1,) into ``elements``, those that are assembled here, and
+    ``element_node`` (e, 6) the numbers of an element's nodes there; ``room`` (f,) place in the workspace, which the
+    fronts of one level of the tree share; ``factor`` (f + 1,) place in the buffer of factors.
     """
 
-    offset: IntArray
     size: IntArray
     pivots: IntArray
     start: IntArray
     rows: IntArray
     parent: IntArray
     place: IntArray
-    element_front: IntArray
+    first_element: IntArray
+    elements: IntArray
     element_node: IntArray
-    diagonal: IntArray
-
-    @property
-    def length(self) -> int:
-        """Numbers in the buffer."""
-        return int(self.offset[-1] + self.size[-1] ** 2)
+    room: IntArray
+    factor: IntArray
 
 
 def plan_fronts(elements: IndexArray, centres: FloatArray, nodes: int) -> Fronts:
@@ -94,23 +97,24 @@ def plan_fronts(elements: IndexArray, centres: FloatArray, nodes: int) -> Fronts
         pairs[1::2] += 1
         places.append(pairs)
     size = np.array(sizes, dtype=np.int64)
-    offset = np.concatenate([[0], np.cumsum(size**2)[:-1]])
     eliminated = np.array([2 * own.size for own in pivots], dtype=np.int64)
-    diagonal = np.empty(2 * nodes, dtype=np.int64)
-    for front in range(count):
-        own_rows = np.arange(eliminated[front])
-        diagonal[rows[front][: eliminated[front]]] = offset[front] + own_rows * (size[front] + 1)
+    level = np.zeros(count, dtype=np.int64)
+    for front in range(count - 1, -1, -1):
+        level[front] = level[parent[front]] + 1 if parent[front] >= 0 else 0
+    largest = np.zeros(level.max() + 1, dtype=np.int64)
+    np.maximum.at(largest, level, size)
     return Fronts(
-        offset,
         size,
         eliminated,
         np.concatenate([[0], np.cumsum(size)]),
         np.concatenate(rows),
         np.array(parent, dtype=np.int64),
         np.concatenate(places),
-        element_front,
+        bounds,
+        by_front,
         element_node,
-        diagonal,
+        np.concatenate([[0], np.cumsum(largest**2)])[level],
+        np.concatenate([[0], np.cumsum(2 * eliminated * size)]),
     )
 
 
@@ -121,6 +125,30 @@ def _dissect(elements: IndexArray, centres: FloatArray, nodes: int) -> tuple[lis
     done = np.zeros(nodes, dtype=np.bool_)
     mark = np.zeros(nodes, dtype=np.bool_)
 
+    def between(left: IntArray, right: IntArray) -> IntArray:
+        """Nodes that two parts share and that are not eliminated yet."""
+        beyond = elements[right].ravel()
+        mark[beyond] = True
+        inside = elements[left].ravel()
+        shared = inside[mark[inside] & ~done[inside]]
+        mark[beyond] = False
+        return np.unique(shared)
+
+    def halved(part: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+        """Two parts of about equal size and the nodes between them: the fewest of some cuts."""
+        points = centres[part]
+        extent = np.ptp(points, axis=0)
+        cuts: list[tuple[float, IntArray, IntArray, IntArray]] = []
+        for axis in np.flatnonzero(extent >= _SQUARE * extent.max()):
+            order = np.argsort(points[:, axis], kind="stable")
+            near = np.arange(int((0.5 - _NEAR) * part.size), int((0.5 + _NEAR) * part.size)) + 1
+            gaps = np.diff(points[order, axis])[near - 1]
+            for cut in sorted({part.size // 2, *near[np.argsort(-gaps, kind="stable")[:_CUTS]].tolist()}):
+                left, right = part[order[:cut]], part[order[cut:]]
+                shared = between(left, right)
+                cuts.append((shared.size * (1.0 + abs(cut / part.size - 0.5)), left, right, shared))
+        return min(cuts, key=lambda one: one[0])[1:]
+
     def divide(part: IntArray) -> list[int]:
         """Eliminate what belongs to these elements alone; the fronts that have no parent yet."""
         inside = elements[part]
@@ -128,15 +156,7 @@ def _dissect(elements: IndexArray, centres: FloatArray, nodes: int) -> tuple[lis
             own = np.unique(inside)
             own = own[~done[own]]
             return [_append(own)] if own.size else []
-        points = centres[part]
-        across = np.argmax(np.ptp(points, axis=0))
-        order = np.argsort(points[:, across], kind="stable")
-        left, right = part[order[: part.size // 2]], part[order[part.size // 2 :]]
-        beyond = elements[right].ravel()
-        mark[beyond] = True
-        shared = np.unique(elements[left])
-        shared = shared[mark[shared] & ~done[shared]]
-        mark[beyond] = False
+        left, right, shared = halved(part)
         done[shared] = True
         roots = divide(left) + divide(right)
         if not shared.size:
@@ -146,7 +166,7 @@ def _dissect(elements: IndexArray, centres: FloatArray, nodes: int) -> tuple[lis
             parent[root] = front
         return [front]
 
-    def _append(own: IndexArray) -> int:
+    def _append(own: IndexArray | IntArray) -> int:
         done[own] = True
         pivots.append(own.astype(np.int64))
         parent.append(-1)

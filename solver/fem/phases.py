@@ -133,7 +133,8 @@ class Control:
     tolerance
         Out-of-balance force over the size of the forces at which a step has converged.
     load_tolerance
-        The same for the load steps before the last of a phase, over the change of the forces in the phase.
+        What load steps may leave out of balance on their way, the next one carries it: root of its work over the work
+        of the step. The end of a phase is in balance to ``tolerance`` whatever this is.
     iterations
         Most Newton iterations a step.
     modified
@@ -153,7 +154,7 @@ class Control:
     """
 
     tolerance: float = 1.0e-6
-    load_tolerance: float = 1.0e-3
+    load_tolerance: float = 0.03
     iterations: int = 25
     modified: bool = False
     keep_ratio: float = 0.2

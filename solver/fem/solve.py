@@ -12,6 +12,7 @@ from solver.fem.body import Body, State
 from solver.fem.initial import creep_scale, point_coordinates, preconsolidation, stress_at_rest
 from solver.fem.materials import CONSTANTS, ELASTIC, InterfaceMaterial, Material, SoftSoilCreepMaterial
 from solver.fem.mesh.mesh import Mesh
+from solver.fem.multifrontal import equations_of
 from solver.fem.newton import assemble
 from solver.fem.phases import Control, Fixity, Geometry, Phase, Traction
 from solver.fem.results import History, PhaseResult
@@ -92,7 +93,7 @@ class Calculation:
             [mesh.points[one] if isinstance(one, str) else one for one in observe], dtype=np.int64
         )
         self._plan = fronts_of(mesh)
-        self._fronts = np.zeros(self._plan.length)
+        self._equations = equations_of(self._plan)
         self._materials: dict[str, Material | InterfaceMaterial] = {}
         self._active = frozenset([*mesh.region_names, *mesh.interface_names])
         self._fixities: tuple[Fixity, ...] = ()
@@ -195,7 +196,6 @@ class Calculation:
             tables.interface_constants,
             edges,
             owner,
-            0.0,
             places,
         )
         fixed, target = fixed_dofs(self.mesh, self._fixities, tables.material, phase.fixities is not None)
@@ -213,7 +213,7 @@ class Calculation:
             self.control,
             body,
             self._plan,
-            self._fronts,
+            self._equations,
             self.positions,
             self._state,
             _copied(self._state),
@@ -253,8 +253,8 @@ class Calculation:
             loads,
             fixed,
             False,
-            self._plan,
-            self._fronts,
+            0.0,
+            self._equations.tangents,
             inner,
             outer,
         )

@@ -12,7 +12,8 @@ import numpy as np
 from solver.arrays import BoolArray, FloatArray
 from solver.errors import DivergedError
 from solver.fem.body import Body, State
-from solver.fem.newton import CONVERGED, SINGULAR, newton_step
+from solver.fem.multifrontal import Equations
+from solver.fem.newton import CONVERGED, SINGULAR, Accuracy, Step, newton_step
 from solver.fem.ordering import Fronts
 from solver.fem.phases import Control, Phase
 
@@ -24,9 +25,15 @@ Recorder: TypeAlias = Callable[[float, FloatArray], None]
 _EASY: Final = 6
 """Iterations up to which the next step may be longer."""
 
-_BLEND: Final = 0.1
+_BLEND: Final = 0.08
+"""Share of the elastic stiffness at plastic points that load steps begin with."""
+
+_LAST_BLEND: Final = 0.1
 _PATIENCE: Final = 6
-"""The last attempt at a step: share of elastic stiffness at plastic points, and how many times the iterations."""
+"""The last attempt at a step: its share, and how many times the iterations."""
+
+_RUNGS: Final = 4
+"""How often a phase that does not find its last balance at once takes less on the way to it."""
 
 _FIRST_CREEP: Final = 0.01
 _SMALLEST_CREEP: Final = 1.0e-8
@@ -57,7 +64,7 @@ class PhaseSteps:
     control: Control
     body: Body
     plan: Fronts
-    fronts: FloatArray
+    equations: Equations
     positions: FloatArray
     state: State
     spare: State
@@ -76,11 +83,18 @@ class PhaseSteps:
     _increment: FloatArray = field(init=False)
     _last: FloatArray = field(init=False)
     _last_length: float = field(default=0.0, init=False)
+    _carried: FloatArray = field(init=False)
+    """(2 n,): internal forces at the beginning of the step."""
+    _inner: FloatArray = field(init=False)
+    _left: float = field(default=math.inf, init=False)
+    """Out of balance after the last step, over the forces."""
 
     def __post_init__(self) -> None:
         self.moved = np.zeros(self.fixed.shape[0])
         self._increment = np.zeros(self.fixed.shape[0])
         self._last = np.zeros(self.fixed.shape[0])
+        self._carried = self.start_forces.copy()
+        self._inner = np.zeros(self.fixed.shape[0])
 
     def load(self) -> None:
         """Apply loads, weight and prescribed displacements without time.
@@ -91,12 +105,10 @@ class PhaseSteps:
             No equilibrium; says how far it came and why.
         """
         done, size = 0.0, min(self.phase.load_step, self.phase.largest_load_step)
-        on_the_way = self._on_the_way()
         while done < 1.0:
             self._check_work(f"{done:.4g} of its load")
             end = 1.0 if done + size > 1.0 - 1.0e-9 else done + size
-            tolerance = self.control.tolerance if end == 1.0 else on_the_way
-            iterations = self._try(end - done, -math.inf, end, (end - done) * self.target, tolerance)
+            iterations = self._try(end - done, -math.inf, end, (end - done) * self.target, self.control.load_tolerance)
             if iterations < 0:
                 size = 0.5 * (end - done)
                 if size < self.control.smallest_step:
@@ -107,14 +119,26 @@ class PhaseSteps:
             self.record(done, self.moved)
             if iterations <= _EASY:
                 size = min(2.0 * size, self.phase.largest_load_step)
-        self._last_length = 0.0
+        self._balance()
 
-    def _on_the_way(self) -> float:
-        """Tolerance of the steps before the last: what they leave out of balance is part of the next one's load."""
-        free = ~self.fixed
-        change = float(np.linalg.norm((self.end_forces - self.start_forces)[free]))
-        size = max(float(np.linalg.norm(self.end_forces[free])), change, self.floor)
-        return max(self.control.tolerance, self.control.load_tolerance * change / size)
+    def _balance(self) -> None:
+        """Find the balance under the whole load, which the last step of a load has left out in part."""
+        self._last_length = 0.0
+        for rung in range(_RUNGS):
+            if self._left <= self.control.tolerance or self._settle(0.0):
+                return
+            if not self._settle(0.3 ** (rung + 1) * self.control.load_tolerance):
+                break
+        self._give_up("its whole load", self._trouble)
+
+    def _settle(self, energy: float) -> bool:
+        """Take a step without any change of load; what has yielded before it counts as yielded."""
+        yielded = self.state.plastic
+        if self._try(0.0, -math.inf, 1.0, 0.0 * self.target, energy) < 0:
+            return False
+        self._accept(0.0)
+        self.state.plastic[:] |= yielded
+        return True
 
     def creep(self, log_scale: float, ramp: bool, times: FloatArray) -> None:
         """Let time pass.
@@ -152,7 +176,7 @@ class PhaseSteps:
                 log_time = math.log(end - now) if cut else log_age + length + math.log(-math.expm1(-length))
                 load = end / duration if ramp else 1.0
                 share = (end - now) / duration if ramp else 0.0
-                iterations = self._try(length, log_time, load, share * self.target, self.control.tolerance)
+                iterations = self._try(length, log_time, load, share * self.target, 0.0)
                 factor = 0.25
                 accepted = iterations >= 0
                 if accepted:
@@ -179,53 +203,60 @@ class PhaseSteps:
         size = max(float(np.abs(self.moved + self._increment).max()), _NOISE * self.known)
         return error / (self.control.time_tolerance * size) if size > 0.0 and self._last_length > 0.0 else 0.0
 
-    def _try(self, length: float, log_time: float, load: float, target: FloatArray, tolerance: float) -> int:
+    def _try(self, length: float, log_time: float, load: float, target: FloatArray, energy: float) -> int:
         """Try a step, from the extrapolation of the last one or from rest; its iterations, -1 when it failed."""
         dead = self.start_forces + load * (self.end_forces - self.start_forces)
-        edge_loads = load * self.edge_loads
+        step = Step(log_time, dead, load * self.edge_loads, self.fixed, target, self._carried)
         self._trouble = ""
+        timeless = log_time == -math.inf
         rest = np.zeros(self.fixed.shape[0])
-        attempts = [(rest, 0.0, 1)]
+        guesses = [rest]
         if self._last_length > 0.0:
-            attempts.insert(0, (self._last * (length / self._last_length), 0.0, 1))
+            guesses.insert(0, self._last * (length / self._last_length))
+        attempts = [(guess, _BLEND, True, 1) for guess in guesses if timeless]
+        attempts += [(guess, 0.0, False, 1) for guess in (guesses[-1:] if timeless else guesses)]
         if length <= self.control.blend_below:
-            attempts.append((rest, _BLEND, _PATIENCE))
-        # Rounding in the balance must not look like a change of the rate of creep.
-        least = 1 if log_time > -math.inf else 0
-        for guess, blend, patience in attempts:
+            attempts.append((rest, _LAST_BLEND, False, _PATIENCE))
+        for guess, blend, bold, patience in attempts:
             if self.work.assemblies >= self.control.largest_assemblies:
                 break
             self._increment = guess.copy()
-            status, iterations, factorisations, assemblies, residual = newton_step(
-                self.body._replace(blend=blend),
-                self.positions,
-                self._increment,
-                log_time,
-                self.state,
-                self.spare,
-                dead,
-                edge_loads,
-                self.fixed,
-                target,
-                self.plan,
-                self.fronts,
+            accuracy = Accuracy(
                 self.floor,
-                tolerance,
+                self.control.tolerance,
+                energy,
+                # Rounding in the balance must not look like a change of the rate of creep.
+                0 if timeless else 1,
                 min(patience * self.control.iterations, self.control.largest_assemblies - self.work.assemblies),
                 self.control.modified,
                 self.control.keep_ratio,
-                least,
+                blend,
+                bold,
+            )
+            status, iterations, factorisations, assemblies, residual = newton_step(
+                self.body,
+                self.positions,
+                self._increment,
+                self.state,
+                self.spare,
+                step,
+                accuracy,
+                self.plan,
+                self.equations,
+                self._inner,
             )
             self.work.iterations += iterations
             self.work.factorisations += factorisations
             self.work.assemblies += assemblies
             if status == CONVERGED:
+                self._left = residual
                 return int(iterations)
             self._trouble = self._words(status, residual)
         return -1
 
     def _accept(self, length: float) -> None:
         self.state, self.spare = self.spare, self.state
+        self._carried, self._inner = self._inner, self._carried
         self.moved = self.moved + self._increment
         if self.body.updated:
             self.positions = self.positions + self._increment.reshape(-1, 2)

@@ -20,7 +20,6 @@ from solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
 from solver.constitutive.soft_soil_creep import SoftSoilCreep
 from solver.fem.body import Body, State
 from solver.fem.materials import ELASTIC, MOHR_COULOMB
-from solver.fem.ordering import Fronts
 from solver.jit import kernel
 
 __all__ = ["POINTS", "SHAPES", "SLOPES", "WEIGHT", "assemble_triangles", "shape_functions"]
@@ -150,11 +149,11 @@ def assemble_triangles(
     new: State,
     fixed: BoolArray,
     tangent: bool,
-    plan: Fronts,
-    fronts: FloatArray,
+    blend: float,
+    tangents: FloatArray,
     force: FloatArray,
 ) -> int:
-    """Add internal forces of all active triangles, and the tangent into the fronts.
+    """Add internal forces of all active triangles, and fill their tangents.
 
     Parameters
     ----------
@@ -165,9 +164,9 @@ def assemble_triangles(
     old, new
         States before and after; ``new`` is filled.
     fixed
-        (2 n,): rows left out of the tangent.
-    tangent
-        Whether to assemble it.
+        (2 n,): dofs whose rows of the tangents are zero.
+    tangent, blend, tangents
+        Whether to fill ``tangents`` (e, 12, 12), and with which share of the elastic stiffness at plastic points.
     force
         (2 n,): added to.
 
@@ -181,11 +180,14 @@ def assemble_triangles(
     start, mid, end, moved = np.empty((6, 2)), np.empty((6, 2)), np.empty((6, 2)), np.empty((6, 2))
     gm, g = np.empty((2, 6)), np.empty((2, 6))
     stress, strain, sigma, C = np.empty(4), np.empty(4), np.empty(4), np.empty((4, 4))
-    E, S, K = np.empty((4, 12)), np.empty((4, 12)), np.empty((12, 12))
+    E, S = np.empty((4, 12)), np.empty((4, 12))
     spin, f, hoop = np.zeros(12), np.empty(12), np.zeros(6)
     updated, axisymmetric = body.updated, body.axisymmetric
 
     for e in range(count):
+        K = tangents[e]
+        if tangent:
+            K[:, :] = 0.0
         if body.material[e] < 0:
             continue
         constants = body.constants[body.material[e]]
@@ -197,7 +199,6 @@ def assemble_triangles(
                 moved[n, i] = du[2 * node + i]
                 mid[n, i] = start[n, i] + (0.5 * moved[n, i] if updated else 0.0)
                 end[n, i] = start[n, i] + (moved[n, i] if updated else 0.0)
-        K[:, :] = 0.0
         f[:] = 0.0
         for point in range(3):
             slopes, shapes = SLOPES[point], SHAPES[point]
@@ -225,7 +226,7 @@ def assemble_triangles(
                 s = half_spin * c
                 _turn(stress, c, s)
             new_pp, limit = _point_update(
-                constants, soil, stress, strain, log_time, old.log_pp[e, point], body.blend, sigma, C
+                constants, soil, stress, strain, log_time, old.log_pp[e, point], blend, sigma, C
             )
             if limit < 0:
                 return e + count
@@ -309,15 +310,8 @@ def assemble_triangles(
             force[2 * node] += f[2 * n]
             force[2 * node + 1] += f[2 * n + 1]
         if tangent:
-            front = plan.element_front[e]
-            size, offset = plan.size[front], plan.offset[front]
-            for a in range(6):
+            for n in range(6):
                 for i in range(2):
-                    if fixed[2 * body.triangles[e, a] + i]:
-                        continue
-                    row = offset + (2 * plan.element_node[e, a] + i) * size
-                    for b in range(6):
-                        at = row + 2 * plan.element_node[e, b]
-                        fronts[at] += K[2 * a + i, 2 * b]
-                        fronts[at + 1] += K[2 * a + i, 2 * b + 1]
+                    if fixed[2 * body.triangles[e, n] + i]:
+                        K[2 * n + i, :] = 0.0
     return -1

@@ -22,10 +22,10 @@ class ControlSection(BaseModel):
 
     tolerance: float = Field(1.0e-6, gt=0.0, le=1.0e-2, description="Out-of-balance forces over the forces.")
     load_tolerance: float = Field(
-        1.0e-3,
+        0.03,
         ge=0.0,
-        le=5.0e-3,
-        description="The same for load steps before the last of a phase, over the change of the load in the phase.",
+        le=0.1,
+        description="What load steps may leave to the next one: root of the work left over the work of the step.",
     )
     time_tolerance: float = Field(
         1.0e-3, gt=0.0, le=0.1, description="Error of a time step of creep over the displacement of its phase."

@@ -7,45 +7,61 @@ import pytest
 
 from solver.arrays import FloatArray
 from solver.fem.mesh.mesh import Mesh
-from solver.fem.multifrontal import factorise, solve_factorised
-from solver.fem.ordering import Fronts
+from solver.fem.multifrontal import equations_of, factorise, solve_factorised
 from solver.fem.setup import elements_of, fronts_of
 from tests.verification.fem.bodies import block, graded, moved, stacked
 
 
-def _assembled(mesh: Mesh, plan: Fronts) -> tuple[FloatArray, FloatArray]:
-    """A non-symmetric matrix as dense array and as fronts."""
+def _assembled(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    """A non-symmetric matrix as dense array and element by element (e, 12, 12)."""
     random = np.random.default_rng(5)
-    dense, fronts = np.zeros((mesh.nodes.size, mesh.nodes.size)), np.zeros(plan.length)
-    for e, nodes in enumerate(elements_of(mesh)):
+    elements = elements_of(mesh)
+    dense, tangents = np.zeros((mesh.nodes.size, mesh.nodes.size)), np.zeros((elements.shape[0], 12, 12))
+    for e, nodes in enumerate(elements):
         part = random.standard_normal((12, 12))
-        part = part @ part.T + 0.3 * random.standard_normal((12, 12)) + np.eye(12)
+        tangents[e] = part @ part.T + 0.3 * random.standard_normal((12, 12)) + np.eye(12)
         dofs = (2 * nodes[:, np.newaxis] + [0, 1]).ravel()
-        dense[np.ix_(dofs, dofs)] += part
-        front = plan.element_front[e]
-        size = plan.size[front]
-        own = (2 * plan.element_node[e][:, np.newaxis] + [0, 1]).ravel()
-        view = fronts[plan.offset[front] : plan.offset[front] + size**2].reshape(size, size)
-        view[np.ix_(own, own)] += part
-    return dense, fronts
+        dense[np.ix_(dofs, dofs)] += tangents[e]
+    return dense, tangents
 
 
 def _meshes() -> list[Mesh]:
     base = block(graded(0.0, 5.0, 7), graded(0.0, 1.0, 4), distortion=0.2)
     top = moved(block(graded(0.0, 5.0, 7), graded(0.0, 1.0, 3), name="top"), lambda x: x + np.array([0.0, 1.0]))
-    return [block(np.array([0.0, 1.0]), np.array([0.0, 1.0])), base, stacked(base, top)]
+    fine = block(graded(0.0, 9.0, 40), graded(0.0, 1.0, 32), distortion=0.2)
+    return [block(np.array([0.0, 1.0]), np.array([0.0, 1.0])), base, stacked(base, top), fine]
 
 
-@pytest.mark.parametrize("number", [0, 1, 2])
+@pytest.mark.parametrize("number", [0, 1, 2, 3])
 def test_the_solution_is_that_of_the_dense_matrix(number: int) -> None:
     mesh = _meshes()[number]
     plan = fronts_of(mesh)
-    dense, fronts = _assembled(mesh, plan)
+    equations = equations_of(plan)
+    dense, equations.tangents[:] = _assembled(mesh)
     right = np.random.default_rng(6).standard_normal(mesh.nodes.size)
+    for _ in range(2):  # buffers are used again
+        x = right.copy()
+        assert factorise(plan, equations, np.zeros(right.size, dtype=np.bool_))
+        solve_factorised(plan, equations, x)
+        assert dense @ x == pytest.approx(right, abs=1.0e-10)
+
+
+def test_prescribed_dofs_have_the_rows_of_the_identity() -> None:
+    mesh = _meshes()[1]
+    plan = fronts_of(mesh)
+    equations = equations_of(plan)
+    dense, equations.tangents[:] = _assembled(mesh)
+    fixed = np.zeros(mesh.nodes.size, dtype=np.bool_)
+    fixed[::7] = True
+    dense[fixed] = np.eye(fixed.size)[fixed]
+    for e, nodes in enumerate(elements_of(mesh)):
+        equations.tangents[e][fixed[(2 * nodes[:, np.newaxis] + [0, 1]).ravel()]] = 0.0
+    right = np.random.default_rng(6).standard_normal(fixed.size)
     x = right.copy()
-    assert factorise(plan, fronts)
-    solve_factorised(plan, fronts, x)
+    assert factorise(plan, equations, fixed)
+    solve_factorised(plan, equations, x)
     assert dense @ x == pytest.approx(right, abs=1.0e-11)
+    assert np.array_equal(x[fixed], right[fixed])
 
 
 def test_every_dof_is_eliminated_once_and_after_its_children() -> None:
@@ -60,7 +76,7 @@ def test_every_dof_is_eliminated_once_and_after_its_children() -> None:
 def test_a_zero_pivot_is_reported() -> None:
     mesh = _meshes()[1]
     plan = fronts_of(mesh)
-    assert not factorise(plan, np.zeros(plan.length))
+    assert not factorise(plan, equations_of(plan), np.zeros(mesh.nodes.size, dtype=np.bool_))
 
 
 def test_meshes_of_one_topology_share_their_plan() -> None:
