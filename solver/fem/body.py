@@ -7,7 +7,7 @@ from typing import NamedTuple
 from solver.arrays import BoolArray, FloatArray, IntArray
 from solver.fem.mesh.mesh import IndexArray
 
-__all__ = ["Body", "State"]
+__all__ = ["Body", "State", "copied"]
 
 
 class Body(NamedTuple):
@@ -40,3 +40,9 @@ class State(NamedTuple):
     plastic: BoolArray
     traction: FloatArray
     gap: FloatArray
+
+
+def copied(state: State) -> State:
+    """A state of its own arrays."""
+    stress, log_pp, plastic, traction, gap = state
+    return State(stress.copy(), log_pp.copy(), plastic.copy(), traction.copy(), gap.copy())

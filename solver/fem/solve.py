@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.fem.body import Body, State
+from solver.fem.body import Body, State, copied
 from solver.fem.initial import creep_scale, point_coordinates, preconsolidation, stress_at_rest
 from solver.fem.materials import CONSTANTS, ELASTIC, InterfaceMaterial, Material, SoftSoilCreepMaterial
 from solver.fem.mesh.mesh import Mesh
@@ -216,7 +216,7 @@ class Calculation:
             self._equations,
             self.positions,
             self._state,
-            _copied(self._state),
+            copied(self._state),
             self._balanced_forces(body, fixed),
             end_forces,
             edge_loads,
@@ -241,7 +241,7 @@ class Calculation:
         dofs = self.mesh.nodes.size
         inner, outer, zero = np.zeros(dofs), np.zeros(dofs), np.zeros(dofs)
         loads = np.zeros((body.edges.shape[0], 7))
-        spare = _copied(self._state)
+        spare = copied(self._state)
         assemble(
             bare,
             self.positions,
@@ -318,11 +318,6 @@ class Calculation:
             steps.work.iterations,
             steps.work.factorisations,
         )
-
-
-def _copied(state: State) -> State:
-    stress, log_pp, plastic, traction, gap = state
-    return State(stress.copy(), log_pp.copy(), plastic.copy(), traction.copy(), gap.copy())
 
 
 def _ignore(time: float, moved: FloatArray) -> None:

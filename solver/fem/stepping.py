@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.arrays import BoolArray, FloatArray
 from solver.errors import DivergedError
-from solver.fem.body import Body, State
+from solver.fem.body import Body, State, copied
 from solver.fem.multifrontal import Equations
 from solver.fem.newton import CONVERGED, SINGULAR, Accuracy, Step, newton_step
 from solver.fem.ordering import Fronts
@@ -32,8 +32,8 @@ _LAST_BLEND: Final = 0.1
 _PATIENCE: Final = 6
 """The last attempt at a step: its share, and how many times the iterations."""
 
-_RUNGS: Final = 4
-"""How often a phase that does not find its last balance at once takes less on the way to it."""
+_STRICTER: Final = 0.1
+"""Share of the tolerance on the way with which a load is approached again."""
 
 _FIRST_CREEP: Final = 0.01
 _SMALLEST_CREEP: Final = 1.0e-8
@@ -99,46 +99,53 @@ class PhaseSteps:
     def load(self) -> None:
         """Apply loads, weight and prescribed displacements without time.
 
+        Where steps on the way that were left out of balance lead to none at the end, a second approach is stricter.
+
         Raises
         ------
         DivergedError
             No equilibrium; says how far it came and why.
         """
+        begin = (copied(self.state), self.positions, self.moved, self._carried.copy())
+        where, recorded = self._approach(self.control.load_tolerance)
+        if where and recorded and self.control.load_tolerance > 0.0:
+            self.state, self.positions, self.moved, self._carried = begin
+            self._last_length = 0.0
+            where, recorded = self._approach(_STRICTER * self.control.load_tolerance)
+        if where:
+            self._give_up(where, self._trouble)
+        for done, moved in recorded:
+            self.record(done, moved)
+        self._last_length = 0.0
+
+    def _approach(self, energy: float) -> tuple[str, list[tuple[float, FloatArray]]]:
+        """Steps up to the whole load and its balance; where they end without one, and what is to be recorded."""
         done, size = 0.0, min(self.phase.load_step, self.phase.largest_load_step)
+        recorded: list[tuple[float, FloatArray]] = []
         while done < 1.0:
             self._check_work(f"{done:.4g} of its load")
             end = 1.0 if done + size > 1.0 - 1.0e-9 else done + size
-            iterations = self._try(end - done, -math.inf, end, (end - done) * self.target, self.control.load_tolerance)
+            iterations = self._try(end - done, -math.inf, end, (end - done) * self.target, energy)
             if iterations < 0:
                 size = 0.5 * (end - done)
                 if size < self.control.smallest_step:
-                    self._give_up(f"{done:.4g} of its load", self._trouble)
+                    return f"{done:.4g} of its load", recorded
                 continue
             self._accept(end - done)
             done = end
-            self.record(done, self.moved)
+            recorded.append((done, self.moved))
             if iterations <= _EASY:
                 size = min(2.0 * size, self.phase.largest_load_step)
-        self._balance()
-
-    def _balance(self) -> None:
-        """Find the balance under the whole load, which the last step of a load has left out in part."""
-        self._last_length = 0.0
-        for rung in range(_RUNGS):
-            if self._left <= self.control.tolerance or self._settle(0.0):
-                return
-            if not self._settle(0.3 ** (rung + 1) * self.control.load_tolerance):
-                break
-        self._give_up("its whole load", self._trouble)
-
-    def _settle(self, energy: float) -> bool:
-        """Take a step without any change of load; what has yielded before it counts as yielded."""
-        yielded = self.state.plastic
-        if self._try(0.0, -math.inf, 1.0, 0.0 * self.target, energy) < 0:
-            return False
-        self._accept(0.0)
-        self.state.plastic[:] |= yielded
-        return True
+        if self._left > self.control.tolerance:
+            self._last_length = 0.0
+            if self._try(0.0, -math.inf, 1.0, 0.0 * self.target, 0.0) < 0:
+                return "its whole load", recorded
+            yielded = self.state.plastic
+            self._accept(0.0)
+            # What has yielded in the last step of the load has yielded in it, balanced or not.
+            self.state.plastic[:] |= yielded
+            recorded[-1] = (done, self.moved)
+        return "", recorded
 
     def creep(self, log_scale: float, ramp: bool, times: FloatArray) -> None:
         """Let time pass.
