@@ -82,3 +82,9 @@ def test_a_zero_pivot_is_reported() -> None:
 def test_meshes_of_one_topology_share_their_plan() -> None:
     mesh = _meshes()[1]
     assert fronts_of(moved(mesh, lambda x: 2.0 * x)) is fronts_of(mesh)
+
+
+def test_cuts_do_not_run_zigzag_through_a_column_of_triangles() -> None:
+    plan = fronts_of(block(graded(0.0, 9.0, 39), graded(0.0, 1.0, 32)))  # the median is inside the middle column
+    assert plan.parent[-1] == -1
+    assert plan.pivots[-1] == 2 * (2 * 32 + 1)

@@ -14,7 +14,7 @@ from solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb, 
 from solver.fem.mesh.mesh import Mesh
 from solver.fem.phases import Control, Fixity, Phase, Traction
 from solver.fem.solve import Calculation, solve_phases
-from tests.verification.fem.bodies import block, graded, moved, node_at, stacked
+from tests.verification.fem.bodies import block, embankment, graded, moved, node_at, stacked
 
 SOIL = LinearElastic(1.0e4, 0.3, 20.0)
 BOX = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))
@@ -134,6 +134,17 @@ def test_modified_newton_finds_the_same_solution() -> None:
     assert full.plastic.any()
     assert modified.displacements == pytest.approx(full.displacements, abs=1.0e-8)
     assert modified.factorisations < modified.iterations
+
+
+def test_a_load_without_balance_at_its_end_is_approached_again_more_strictly() -> None:
+    mesh = embankment(12.0, 20, 10)  # carries its weight with its strength reduced by up to 1.38
+    soil = MohrCoulomb(1.0e5, 0.3, 10.0 / 1.37, 14.8782, tension_cutoff=None, unit_weight=20.0)
+    phase = Phase("weight", "gravity", {"soil": soil}, fixities=BOX[::2], load_step=0.2)
+    loose = solve_phases(mesh, [phase], control=Control(tolerance=1.0e-4))[0]
+    strict = solve_phases(mesh, [phase], control=Control(tolerance=1.0e-4, load_tolerance=0.003))[0]
+    assert loose.steps > strict.steps
+    assert loose.displacements == pytest.approx(strict.displacements, abs=1.0e-12)
+    assert np.array_equal(loose.history.times, strict.history.times)
 
 
 def test_too_much_load_says_which_phase_how_far_and_why() -> None:
