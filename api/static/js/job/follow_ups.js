@@ -9,9 +9,11 @@ const NAMES = { sensitivity: "Sensitivities at the optimum", profile: "Profile o
 export function followUps(view) {
   const place = document.getElementById("follow-ups"), pictures = document.getElementById("figures"), shares = document.getElementById("shares");
 
+  let lacking = false; // the best evaluation, when last looked: the generation that brings it is told, too
   const list = paced(async () => {
-    for (const item of document.querySelectorAll("[data-needs-best]")) item.hidden = view.job.objective === null;
-    if (view.job.objective === null) {
+    lacking = view.job.objective === null;
+    for (const item of document.querySelectorAll("[data-needs-best]")) item.hidden = lacking;
+    if (lacking) {
       place.replaceChildren(empty("They begin at the best evaluation; there is none yet."));
       return;
     }
@@ -43,5 +45,5 @@ export function followUps(view) {
         element("td", { class: "bar-cell" }, element("meter", { min: 0, max: 1, value: one.share, "aria-label": `share of ${one.series}` }), ` ${(100 * one.share).toFixed(0)} %`)))))));
   }
   place.replaceChildren(element("p", { class: "help" }, "Reading …"));
-  return { job: list, fit: share };
+  return { job: list, generation: () => { if (lacking) list(); }, fit: share };
 }
