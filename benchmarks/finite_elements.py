@@ -20,6 +20,7 @@ from solver.fem.materials import MohrCoulomb, SoftSoilCreepMaterial
 from solver.fem.mesh.mesh import Mesh
 from solver.fem.multifrontal import equations_of, factorise, solve_factorised
 from solver.fem.phases import Fixity, Phase, Traction
+from solver.fem.results import PhaseResult
 from solver.fem.setup import elements_of, fronts_of
 from solver.fem.solve import solve_phases
 from tests.verification.fem.bodies import block, slope
@@ -78,9 +79,9 @@ def solvers(mesh: Mesh) -> None:
 def weight(mesh: Mesh) -> tuple[float, int, float]:
     """Processor time, ms, iterations and largest displacement of the plastic slope under its weight in 20 steps."""
     phase = Phase("weight", "gravity", {"soil": SOIL}, fixities=HELD, load_step=0.05, largest_load_step=0.05)
-    result = solve_phases(mesh, [phase])[0]
-    spent = least_ms(lambda: solve_phases(mesh, [phase]), 3)
-    return spent, result.iterations, float(np.hypot(*result.displacements.T).max())
+    results: list[PhaseResult] = []
+    spent = least_ms(lambda: results.extend(solve_phases(mesh, [phase])), 3)
+    return spent, results[-1].iterations, float(np.hypot(*results[-1].displacements.T).max())
 
 
 def growth() -> None:

@@ -20,7 +20,7 @@ from solver.arrays import BoolArray, FloatArray
 from solver.fem.ordering import Fronts
 from solver.jit import kernel
 
-__all__ = ["Equations", "equations_of", "factorise", "solve_factorised"]
+__all__ = ["Equations", "equations_of", "factorise", "product", "solve_factorised"]
 
 _BLOCK: Final = 32
 """Pivots whose update of the remaining rows and columns waits for the others of the block."""
@@ -171,7 +171,7 @@ def _eliminate(F: FloatArray, pivots: int) -> bool:
 
 
 @kernel
-def _product(a: FloatArray, b: FloatArray) -> float:
+def product(a: FloatArray, b: FloatArray) -> float:
     """Sum of products in eight independent sums, so that none waits for another."""
     s0, s1, s2, s3, s4, s5, s6, s7 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     n = a.shape[0]
@@ -293,5 +293,5 @@ def solve_factorised(plan: Fronts, equations: Equations, x: FloatArray) -> None:
             z[i] = x[rows[i]]
         for step in range(p):
             i = p - 1 - step
-            z[i] = (z[i] - _product(U[i, i + 1 :], z[i + 1 :])) / U[i, i]
+            z[i] = (z[i] - product(U[i, i + 1 :], z[i + 1 :])) / U[i, i]
             x[rows[i]] = z[i]

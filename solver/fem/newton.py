@@ -17,7 +17,7 @@ from solver.fem.body import Body, State
 from solver.fem.edges import assemble_edges, edge_forces
 from solver.fem.interface import assemble_interfaces
 from solver.fem.materials import MOHR_COULOMB
-from solver.fem.multifrontal import Equations, factorise, solve_factorised
+from solver.fem.multifrontal import Equations, factorise, product, solve_factorised
 from solver.fem.ordering import Fronts
 from solver.fem.triangle import assemble_triangles
 from solver.jit import kernel
@@ -144,14 +144,6 @@ def _residual(
 
 
 @kernel
-def _product(a: FloatArray, b: FloatArray) -> float:
-    total = 0.0
-    for i in range(a.shape[0]):
-        total += a[i] * b[i]
-    return total
-
-
-@kernel
 def _blended(body: Body) -> bool:
     """Whether a material has a tangent that is blended."""
     blended = False
@@ -201,20 +193,20 @@ def newton_step(
     least_blend = accuracy.blend if _blended(body) else 0.0
     blend = least_blend
     # Where a blend follows the residual, or a factorisation is kept, tangents wait until they are wanted.
-    at_once = not (accuracy.modified or blend > 0.0)
+    at_once = not (accuracy.modified or (accuracy.bold and blend > 0.0))
     status = assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, at_once, blend, tangents, inner, outer)
     if status >= 0:
         return status, 0, 0, 1, math.inf
     missing, size = _residual(inner, outer, fixed, target, du, accuracy.floor, r)
     factorisations, assemblies = 0, 1
-    fresh, held, ready = True, True, False
+    fresh, held = True, True
     for i in range(dofs):
         if fixed[i] and r[i] != 0.0:
             held = False
-    smallest, stale, energy = math.inf, 0, math.inf
+    smallest, stale = math.inf, 0
     last, last_but_one = missing, missing
+    ready = held and missing <= tolerance * size
     for iteration in range(accuracy.iterations):
-        ready = held and (missing <= tolerance * size or energy <= accuracy.energy)
         if ready and iteration >= accuracy.least:
             return CONVERGED, iteration, factorisations, assemblies, missing / size
         if fresh:
@@ -226,7 +218,7 @@ def newton_step(
             factorisations += 1
         rest[:] = r
         solve_factorised(plan, equations, r)
-        work = _product(r, rest)
+        work = product(r, rest)
         best[:] = du
         before = missing
         length = 1.0
@@ -256,7 +248,7 @@ def newton_step(
         ready = held and missing <= tolerance * size
         if held and not ready:
             # The work of what is left on its own correction, by how much smaller the residual has become.
-            done = _product(du, inner) - _product(du, step.carried)
+            done = product(du, inner) - product(du, step.carried)
             energy = math.sqrt(abs(work / done)) * missing / before if done != 0.0 else math.inf
             ready = energy <= accuracy.energy
         r[:] = rest
