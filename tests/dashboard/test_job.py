@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from solver.problem import parse_problem
 from tests.api.conftest import line_problem, wait_for_end
@@ -62,6 +62,16 @@ def counted(page: Page) -> int:
     return int(re.sub(r"\D", "", page.locator("[data-field=evaluations]").inner_text().split("/")[0]))
 
 
+def look_until(page: Page, place: str, wanted: Locator) -> None:
+    """Keep a place on the screen, as parts above may grow and push it away, until something is seen there."""
+    for _ in range(150):
+        page.locator(place).scroll_into_view_if_needed()
+        page.wait_for_timeout(200)
+        if wanted.is_visible():
+            return
+    expect(wanted).to_be_visible()
+
+
 def test_a_job_is_watched_to_its_end(site: Site, visit: Visit, submit: Callable[..., str]) -> None:
     job_id = submit(name="watched", stopping={"max_evaluations": 240})
     page, _ = opened(site, visit, f"/jobs/{job_id}")
@@ -76,8 +86,8 @@ def test_a_job_is_watched_to_its_end(site: Site, visit: Visit, submit: Callable[
         figure.scroll_into_view_if_needed()
         expect(figure.locator(".main-svg").first).to_be_visible()
     expect(page.locator("#shares meter")).to_have_count(1)
-    page.locator("#downloads-title").scroll_into_view_if_needed()
-    expect(page.get_by_role("link", name="convergence as PNG")).to_be_visible()
+    look_until(page, "#downloads-title", page.get_by_role("link", name="convergence as PNG"))
+    expect(page.locator("#connection")).to_be_hidden()
     check_accessibility(page)
     report = page.context.request.get(f"/api/v1/jobs/{job_id}/report.pdf")
     assert report.body().startswith(b"%PDF")

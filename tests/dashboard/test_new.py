@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from solver.examples import example_file
 from solver.problem import load_problem, parse_problem
@@ -239,10 +240,16 @@ def test_it_begins_with_an_earlier_job(embedded: Site, visit: Visit) -> None:
     assert "seed" not in area.input_value()
 
 
+def answer_late(route: Route) -> None:
+    time.sleep(0.5)
+    route.continue_()
+
+
 def test_a_draft_outlives_a_reload_and_can_be_thrown_away(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new")
+    page.route("**/examples/formula", answer_late)
     page.get_by_label("Begin with an example").select_option("formula")
-    page.locator('[data-path="name"]').fill("mine")
+    page.locator('[data-path="name"]').fill("mine")  # not before the example is there, which would overwrite it
     expect(page.get_by_label("The problem as YAML")).to_have_value(re.compile("^name: mine\n"))
     page.reload()
     expect(page.locator('[data-path="name"]')).to_have_value("mine")

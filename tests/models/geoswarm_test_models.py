@@ -11,8 +11,9 @@ import signal
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NoReturn
 
 import numpy as np
 
@@ -20,7 +21,9 @@ from solver.arrays import FloatArray
 from solver.errors import DivergedError
 from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 
-Behaviour = Literal["sleep", "compute", "for_ever", "fork", "eat", "exit", "leave", "crash", "diverge", "chatter"]
+Behaviour = Literal[
+    "sleep", "compute", "for_ever", "for_ever_once", "fork", "eat", "exit", "leave", "crash", "diverge", "chatter"
+]
 
 
 class MisbehavingSpec(ForwardModelSpec):
@@ -70,9 +73,11 @@ class MisbehavingModel:
             case "compute":
                 self._compute()
             case "for_ever":
-                self._note(os.getpid())
-                while True:
-                    time.sleep(1.0)
+                self._hang()
+            case "for_ever_once":
+                with suppress(FileExistsError):  # of several at once the first one only
+                    Path(self.spec.cured).touch(exist_ok=False)
+                    self._hang()
             case "fork":
                 self._run_away()
             case "eat":
@@ -111,9 +116,10 @@ class MisbehavingModel:
                     os.setsid()
                 if leave and os.fork() != 0:
                     os._exit(0)
-                self._note(os.getpid())
-                while True:
-                    time.sleep(1.0)
+                self._hang()
+        self._hang()
+
+    def _hang(self) -> NoReturn:
         self._note(os.getpid())
         while True:
             time.sleep(1.0)

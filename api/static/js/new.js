@@ -69,13 +69,20 @@ function form(context, kinds, beginnings, strict, judged) {
   checkSection(context, places.check, judged);
   return element("div", { class: "new-job" },
     element("div", { class: "steps" },
-      beginnings, name,
-      section("model", "1. Forward model", places.model),
-      section("measurements", "2. Measurements", places.measurements),
-      section("parameters", "3. Parameters", places.parameters),
-      section("method", "4. Method and stopping", places.method),
-      section("go", "5. Check and start", places.check, errorPlace([]))),
-    element("aside", { id: "yaml-panel", "aria-label": "YAML of the problem" }, places.yaml));
+      beginnings,
+      element("fieldset", { class: "held" },
+        name,
+        section("model", "1. Forward model", places.model),
+        section("measurements", "2. Measurements", places.measurements),
+        section("parameters", "3. Parameters", places.parameters),
+        section("method", "4. Method and stopping", places.method),
+        section("go", "5. Check and start", places.check, errorPlace([])))),
+    element("aside", { id: "yaml-panel", "aria-label": "YAML of the problem" }, element("fieldset", { class: "held" }, places.yaml)));
+}
+
+/** While an example is on its way nothing can be written: it would be overwritten. */
+function hold(on) {
+  for (const held of content.querySelectorAll(".held")) held.disabled = on;
 }
 
 /** Examples and earlier jobs to begin with, and an empty form. */
@@ -84,17 +91,28 @@ function starting(draft, examples, jobs) {
   const about = element("p", { class: "help", id: "example-help" }, "Examples come with their data and can be started as they are.");
   const place = element("div", {});
   pick.addEventListener("change", async () => {
-    if (!pick.value) return;
+    const chosen = pick.value;
+    hold(Boolean(chosen)); // what is typed meanwhile would be lost
+    if (!chosen) return;
     try {
-      const example = await get(`/examples/${encodeURIComponent(pick.value)}`);
+      const example = await get(`/examples/${encodeURIComponent(chosen)}`);
+      if (pick.value !== chosen) return; // another choice since
       about.textContent = example.description;
       place.replaceChildren();
       draft.replace(example.problem);
     } catch (error) {
-      place.replaceChildren(failure(error));
+      if (pick.value === chosen) place.replaceChildren(failure(error));
+    } finally {
+      if (pick.value === chosen) hold(false);
     }
   });
-  const anew = element("button", { type: "button", class: "quiet", onclick: () => { forget(); pick.value = ""; draft.replace(structuredClone(EMPTY)); } }, "Start anew");
+  const startAnew = () => {
+    forget();
+    pick.value = "";
+    hold(false);
+    draft.replace(structuredClone(EMPTY));
+  };
+  const anew = element("button", { type: "button", class: "quiet", onclick: startAnew }, "Start anew");
   const earlier = element("select", { id: "earlier" }, element("option", { value: "" }, "choose …"), jobs.map((one) => element("option", { value: one.id, selected: one.id === main.dataset.from }, `${one.name} (${one.state}, ${age(one.created_at)})`)));
   earlier.addEventListener("change", () => { if (earlier.value) location.assign(`/new?from=${earlier.value}`); });
   return element("div", { class: "beginning" },

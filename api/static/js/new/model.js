@@ -26,9 +26,11 @@ export function modelSection(context, place, kinds) {
   }
 
   async function useExample() {
+    const { changes } = draft;
     try {
       const { example } = await get(`/forward-models/${encodeURIComponent(kind())}`);
       if (!example) return announce("This forward model has no example.");
+      if (draft.changes !== changes) return announce("The form has changed meanwhile, so the example was left out.");
       draft.write(["forward_model"], clone(example));
       draw();
     } catch (error) {
