@@ -23,6 +23,7 @@ _BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fit
 _RANDOM_STARTS, _STARTS = 64, 14
 _CENTRES, _APART = 4, 0.08
 _SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
+_NEAR_STARTS, _NEAR_APART = 6, 0.1
 _TRIES, _ASKED, _STEP_DRAWS = 60, 20, 200
 _CONTRACTION, _SHORTEST_PROBE = 0.3, 1e-5
 
@@ -111,7 +112,8 @@ class Arms:
     def take(self, arm: str) -> FloatArray | None:
         """Return the next point of an arm; d is the number of parameters, e the number of its centre, best first.
 
-        ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without;
+        ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without,
+        ``around:e:reach`` the lowest one in a box around a centre;
         ``gauss_newton:e:reach``, ``alike:e:reach`` (slopes from like responses), ``quadratic:e:reach`` of the local
         models; ``scalar_surface`` of log f; ``covariance``; ``near`` one of the best; ``far`` from everything; ``step``
         to another value of an integer parameter; ``levenberg:damping`` a step, and ``probe`` a point for better slopes,
@@ -121,6 +123,9 @@ class Arms:
         point: FloatArray | None
         if kind == "surface":
             point = self._surface_minimum(None if detail == "plain" else float(detail))
+        elif kind == "around":
+            number, _, reach = detail.partition(":")
+            point = self._around(int(number), float(reach))
         elif kind in ("gauss_newton", "alike", "quadratic"):
             number, _, reach = detail.partition(":")
             point = self._local(kind, int(number), float(reach))
@@ -195,6 +200,18 @@ class Arms:
             order = np.argsort(values, kind="stable")
             self._minima[compression] = ends[order], values[order]
         return self._first_new(self._minima[compression][0], _SURFACE_APART)
+
+    def _around(self, number: int, reach: float) -> FloatArray | None:
+        """The lowest new minimum of the surface in the box that reaches so far to all sides of a centre."""
+        known = self.knowledge
+        if number >= len(self._centres):
+            return None
+        centre = known.points[self._centres[number]]
+        lower, upper = np.maximum(centre - reach, 0.0), np.minimum(centre + reach, 1.0)
+        inside = known.points[(np.abs(known.points - centre) <= reach).all(axis=1)][:_NEAR_STARTS]
+        drawn = lower + (upper - lower) * self.random.random((_NEAR_STARTS, centre.size))
+        ends, values = minimise(self._surface(None), np.concatenate([inside, drawn]), lower, upper)
+        return self._first_new(ends[np.argsort(values, kind="stable")], _NEAR_APART * reach)
 
     def _local(self, kind: str, number: int, reach: float) -> FloatArray | None:
         known = self.knowledge

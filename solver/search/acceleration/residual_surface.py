@@ -141,16 +141,22 @@ class ResidualSurface:
         return total
 
 
-def minimise(surface: ResidualSurface, starts: FloatArray, iterations: int = 20) -> tuple[FloatArray, FloatArray]:
-    """Levenberg-Marquardt from all starts at once in the unit box; returns end points (s, d) and their f (s,)."""
-    at = np.clip(starts, 0.0, 1.0)
+def minimise(
+    surface: ResidualSurface,
+    starts: FloatArray,
+    lower: FloatArray | float = 0.0,
+    upper: FloatArray | float = 1.0,
+    iterations: int = 20,
+) -> tuple[FloatArray, FloatArray]:
+    """Levenberg-Marquardt from all starts at once in a box; returns end points (s, d) and their f (s,)."""
+    at = np.clip(starts, lower, upper)
     d = at.shape[1]
     damping = np.full(len(at), 1e-2)
     residuals, slopes = surface.residuals(at)
     best = (residuals**2).sum(axis=1)
     for _ in range(iterations):
         gradient = np.einsum("skd,sk->sd", slopes, residuals)
-        free = ~(((at <= 0.0) & (gradient > 0.0)) | ((at >= 1.0) & (gradient < 0.0)))
+        free = ~(((at <= lower) & (gradient > 0.0)) | ((at >= upper) & (gradient < 0.0)))
         hessian = slopes.transpose(0, 2, 1) @ slopes
         hessian = hessian * (free[:, :, None] & free[:, None, :])
         diagonal = np.einsum("sdd->sd", hessian)
@@ -158,7 +164,7 @@ def minimise(surface: ResidualSurface, starts: FloatArray, iterations: int = 20)
         extra = damping[:, None] * np.maximum(diagonal, floor) + floor + ~free
         system = hessian + extra[:, :, None] * np.eye(d)
         step = -np.linalg.solve(system, (gradient * free)[:, :, None])[:, :, 0]
-        trial = np.clip(at + np.clip(step, -0.3, 0.3), 0.0, 1.0)
+        trial = np.clip(at + np.clip(step, -0.3, 0.3), lower, upper)
         trial_residuals, trial_slopes = surface.residuals(trial)
         found = (trial_residuals**2).sum(axis=1)
         better = found < best

@@ -109,22 +109,39 @@ def test_any_dimension_and_number_of_particles(dimension: int, particles: int) -
     assert max(nearest) < 0.05  # linear residuals are solved at once, up to the compression
 
 
+def waves(frequency: float) -> Callable[[FloatArray], FloatArray]:
+    """Residuals that a surface predicts well (0.1) or not at all (60)."""
+    x = np.linspace(0.0, 1.0, 12)
+    return lambda at: np.asarray(np.sin(frequency * at.sum(axis=1)[:, None] * x) - 0.5)
+
+
+def arms_of(space: SearchSpace, known: Runs) -> tuple[ProposerState, dict[str, FloatArray]]:
+    """The state after one generation of ten, and its aimed points (natural values) by arm."""
+    proposer, moved = Proposer(space, 1), np.array([space.draw(particle_generator(5, 1, i)) for i in range(10)])
+    aimed = proposer.propose(1, moved, np.arange(10), known)
+    return proposer.state, {arm: space.to_natural(aimed[particle]) for particle, arm in proposer.state.aimed.items()}
+
+
 @pytest.mark.parametrize(("frequency", "misled"), [(0.1, False), (60.0, True)])
 def test_probes_go_out_where_the_surface_predicts_worse_than_the_mean(frequency: float, misled: bool) -> None:
-    space, x = box(3, 0.0, 1.0), np.linspace(0.0, 1.0, 12)
+    space, wave = box(3, 0.0, 1.0), waves(frequency)
+    state, arms = arms_of(space, runs(space, 30, wave))
+    assert state.hold_out is not None
+    assert (state.hold_out > 1.0) == misled
+    assert ("probe" in arms) == any(arm.startswith("alike") for arm in arms) == misled
+    assert "probe" not in arms_of(space, runs(space, 12, wave))[1]  # too few runs tell nothing
 
-    def wave(at: FloatArray) -> FloatArray:
-        return np.asarray(np.sin(frequency * at.sum(axis=1)[:, None] * x) - 0.5)
 
-    proposer, moved = Proposer(space, 1), np.array([space.draw(particle_generator(5, 1, i)) for i in range(10)])
-    proposer.propose(1, moved, np.arange(10), runs(space, 30, wave))
-    arms = {arm.partition(":")[0] for arm in proposer.state.aimed.values()}
-    hold_out = proposer.state.hold_out
-    assert hold_out is not None
-    assert (hold_out > 1.0) == misled
-    assert ("probe" in arms) == ("alike" in arms) == misled
-    proposer.propose(1, moved, np.arange(10), runs(space, 12, wave))  # too few runs tell nothing
-    assert "probe" not in proposer.state.aimed.values()
+@pytest.mark.parametrize(("frequency", "lost"), [(0.1, False), (60.0, True)])
+def test_a_surface_that_misses_much_after_many_runs_is_searched_around_the_best(frequency: float, lost: bool) -> None:
+    space = box(3, 0.0, 1.0)
+    known = runs(space, 60, waves(frequency))
+    best = known.positions[int(np.argmin(known.objectives))]
+    _, arms = arms_of(space, known)
+    reaches = {float(arm.split(":")[2]): at for arm, at in arms.items() if arm.startswith("around:0")}
+    assert bool(reaches) == lost
+    for reach, at in reaches.items():
+        assert 0.0 < np.abs(at - best).max() <= reach + 1e-12
 
 
 def test_state_survives_json_bit_for_bit() -> None:

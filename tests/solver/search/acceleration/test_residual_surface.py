@@ -93,6 +93,16 @@ def test_minima_are_those_of_the_function(compression: float | None) -> None:
     assert np.all((ends >= 0.0) & (ends <= 1.0))
 
 
+def test_minima_in_a_box_are_the_lowest_there() -> None:
+    known, residuals = best_first(60)
+    surface = ResidualSurface(known, Components.of(residuals, 2), 0.1, None)
+    lower, upper = np.array([0.55, 0.1]), np.array([0.9, 0.45])  # the minimum of all lies outside
+    ends, values = minimise(surface, points(6, 2), lower, upper)
+    assert np.all((ends >= lower) & (ends <= upper))
+    everywhere = lower + (upper - lower) * np.random.default_rng(4).random((4000, 2))
+    assert values.min() <= surface.objective(everywhere).min()
+
+
 def test_the_unexplained_share_tells_smooth_from_random() -> None:
     known, residuals = best_first(60)
     random = np.random.default_rng(5).normal(size=(60, 3))
