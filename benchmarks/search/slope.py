@@ -16,7 +16,7 @@ from benchmarks.search.problems import example
 from solver.local import calibrate
 from solver.problem import parse_problem
 
-BEST_KNOWN = 4.934e-5  # m2, the least of some 6000 runs of searches and Levenberg-Marquardt descents
+BEST_KNOWN = 4.934e-5  # m2, the least of several thousand runs
 FIRST_SEED = 9301  # none of these was used while the method was made
 
 
