@@ -14,7 +14,7 @@ from workers.tracing import span
 
 __all__ = ["Observer", "RequestMetrics"]
 
-disable_created_metrics()  # type: ignore[no-untyped-call]  # times of the first increment, which nobody reads
+disable_created_metrics()  # type: ignore[no-untyped-call]  # untyped library; drops times that nobody reads
 logger = logging.getLogger("geoswarm.access")
 
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})

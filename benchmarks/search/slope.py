@@ -44,9 +44,9 @@ def one(seed: int, runs: int, target: float) -> tuple[int, int, float, float]:
     stopping = {"max_evaluations": runs, "target_objective": target}
     began = time.perf_counter()
     result = calibrate(parse_problem(example("slope", seed=seed, stopping=stopping)))
-    objectives = [r.evaluation.objective for r in result.history]
-    least = min(f for f in objectives if f is not None)
-    first = next((i for i, f in enumerate(objectives) if f is not None and f <= target), len(objectives) - 1)
+    least = np.inf if result.objective is None else result.objective
+    objectives = [np.inf if r.evaluation.objective is None else r.evaluation.objective for r in result.history]
+    first = int(np.argmax(np.array(objectives) <= target)) if least <= target else len(objectives) - 1
     return seed, first + 1, least, time.perf_counter() - began
 
 

@@ -260,6 +260,19 @@ def test_a_draft_outlives_a_reload_and_can_be_thrown_away(embedded: Site, visit:
     assert page.locator(".observation").count() == 0
 
 
+def test_an_example_that_comes_too_late_is_left_out(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new")
+    held: list[Route] = []
+    page.route("**/examples/formula", lambda route: held.append(route))
+    page.get_by_label("Begin with an example").select_option("formula")
+    expect(page.locator('[data-path="name"]')).to_be_disabled()
+    page.get_by_role("button", name="Start anew").click()
+    with page.expect_response("**/examples/formula"):
+        held[0].continue_()
+    page.locator('[data-path="name"]').fill("mine")
+    expect(page.get_by_label("The problem as YAML")).to_have_value(re.compile("^name: mine\nmethod"))
+
+
 def test_a_check_that_fails_says_why(embedded: Site, visit: Visit) -> None:
     page, guard = visit(embedded, "/new?example=formula")
     page.locator('[data-path="forward_model.series.settlement.expression"]').fill("s_end * x / (t_half - t_half)")

@@ -123,10 +123,7 @@ class Arms:
         point: FloatArray | None
         if kind == "surface":
             point = self._surface_minimum(None if detail == "plain" else float(detail))
-        elif kind == "around":
-            number, _, reach = detail.partition(":")
-            point = self._around(int(number), float(reach))
-        elif kind in ("gauss_newton", "alike", "quadratic"):
+        elif kind in ("around", "gauss_newton", "alike", "quadratic"):
             number, _, reach = detail.partition(":")
             point = self._local(kind, int(number), float(reach))
         elif kind == "scalar_surface":
@@ -201,22 +198,12 @@ class Arms:
             self._minima[compression] = ends[order], values[order]
         return self._first_new(self._minima[compression][0], _SURFACE_APART)
 
-    def _around(self, number: int, reach: float) -> FloatArray | None:
-        """The lowest new minimum of the surface in the box that reaches so far to all sides of a centre."""
-        known = self.knowledge
-        if number >= len(self._centres):
-            return None
-        centre = known.points[self._centres[number]]
-        lower, upper = np.maximum(centre - reach, 0.0), np.minimum(centre + reach, 1.0)
-        inside = known.points[(np.abs(known.points - centre) <= reach).all(axis=1)][:_NEAR_STARTS]
-        drawn = lower + (upper - lower) * self.random.random((_NEAR_STARTS, centre.size))
-        ends, values = minimise(self._surface(None), np.concatenate([inside, drawn]), lower, upper)
-        return self._first_new(ends[np.argsort(values, kind="stable")], _NEAR_APART * reach)
-
     def _local(self, kind: str, number: int, reach: float) -> FloatArray | None:
         known = self.knowledge
         if number >= len(self._centres):
             return None
+        if kind == "around":
+            return self._around(self._centres[number], reach)
         points, rows, centre = self._like(self._centres[number])
         if kind != "quadratic":
             values = self._components.values[rows]
@@ -227,6 +214,16 @@ class Arms:
                 return None
             point = found
         return self._new(point, _LOCAL_APART)
+
+    def _around(self, run: int, reach: float) -> FloatArray | None:
+        """The lowest new minimum of the surface in the box that reaches so far to all sides of a run."""
+        known = self.knowledge
+        middle = known.points[run]
+        lower, upper = np.maximum(middle - reach, 0.0), np.minimum(middle + reach, 1.0)
+        inside = known.points[(np.abs(known.points - middle) <= reach).all(axis=1)][:_NEAR_STARTS]
+        drawn = lower + (upper - lower) * self.random.random((_NEAR_STARTS, middle.size))
+        ends, values = minimise(self._surface(None), np.concatenate([inside, drawn]), lower, upper)
+        return self._first_new(ends[np.argsort(values, kind="stable")], _NEAR_APART * reach)
 
     def _scalar_surface(self) -> FloatArray | None:
         """The best of many random points around the elite, by a surface of log f and by distance to known points."""
