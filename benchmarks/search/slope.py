@@ -16,8 +16,8 @@ from benchmarks.search.problems import example
 from solver.local import calibrate
 from solver.problem import parse_problem
 
-BEST_KNOWN = 4.934e-5  # m2, the least of several thousand runs
-FIRST_SEED = 9301  # none of these was used while the method was made
+BEST_KNOWN = 4.915e-5  # m2, the least of several thousand runs
+FIRST_SEED = 9431  # none of these was used while the method was made
 
 
 @click.command()

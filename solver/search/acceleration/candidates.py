@@ -21,9 +21,10 @@ __all__ = ["Arms", "Knowledge", "selection"]
 
 _BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fitted to
 _RANDOM_STARTS, _STARTS = 64, 14
-_CENTRES, _APART = 4, 0.08
+_CENTRES, _APART, _SCALAR_APART = 4, 0.25, 0.08
 _SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
 _NEAR_STARTS, _NEAR_APART = 6, 0.1
+_DESCENTS, _DESCENT_STEPS, _FLOOR, _GOOD = 40, 8, 1.5, 4.0  # of a valley; the last two: times the best objective
 _TRIES, _ASKED, _STEP_DRAWS = 60, 20, 200
 _CONTRACTION, _SHORTEST_PROBE = 0.3, 1e-5
 
@@ -113,7 +114,7 @@ class Arms:
         """Return the next point of an arm; d is the number of parameters, e the number of its centre, best first.
 
         ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without,
-        ``around:e:reach`` the lowest one in a box around a centre;
+        ``around:e:reach`` the lowest one in a box around a centre, ``valley`` a low point far from all good runs;
         ``gauss_newton:e:reach``, ``alike:e:reach`` (slopes from like responses), ``quadratic:e:reach`` of the local
         models; ``scalar_surface`` of log f; ``covariance``; ``near`` one of the best; ``far`` from everything; ``step``
         to another value of an integer parameter; ``levenberg:damping`` a step, and ``probe`` a point for better slopes,
@@ -123,6 +124,8 @@ class Arms:
         point: FloatArray | None
         if kind == "surface":
             point = self._surface_minimum(None if detail == "plain" else float(detail))
+        elif kind == "valley":
+            point = self._along_valley()
         elif kind in ("around", "gauss_newton", "alike", "quadratic"):
             number, _, reach = detail.partition(":")
             point = self._local(kind, int(number), float(reach))
@@ -167,10 +170,11 @@ class Arms:
         return known.points[rows], rows, int(np.nonzero(rows == run)[0][0])
 
     def _spread_out(self, best: np.ndarray) -> list[int]:
-        centres: list[int] = []
+        known, centres = self.knowledge, list[int]()
+        # models of an objective alone are good nearby only: with centres far apart more runs are needed
+        apart = _SCALAR_APART if known.residuals.shape[1] == 1 else _APART
         for i in best.tolist():
-            away = all(np.abs(self.knowledge.points[i] - self.knowledge.points[j]).max() > _APART for j in centres)
-            if away:
+            if all(np.abs(known.points[i] - known.points[j]).max() > apart for j in centres):
                 centres.append(i)
             if len(centres) == _CENTRES:
                 break
@@ -197,6 +201,21 @@ class Arms:
             order = np.argsort(values, kind="stable")
             self._minima[compression] = ends[order], values[order]
         return self._first_new(self._minima[compression][0], _SURFACE_APART)
+
+    def _along_valley(self) -> FloatArray | None:
+        """A low point of the surface that is far from all good runs.
+
+        Short descents from random points end on the floor of a valley before they come to its lowest point.
+        """
+        known = self.knowledge
+        ends, values = minimise(
+            self._surface(None), self.random.random((_DESCENTS, known.points.shape[1])), iterations=_DESCENT_STEPS
+        )
+        low = ends[values <= _FLOOR * max(float(known.objectives[0]), float(values.min()))]
+        good = known.points[known.objectives <= _GOOD * known.objectives[0]]
+        good = np.concatenate([good, *[p[None] for p in self.taken]])
+        nearest = np.abs(low[:, None, :] - good[None]).max(axis=2).min(axis=1)
+        return self._first_new(low[np.argsort(-nearest, kind="stable")], 0.0)
 
     def _local(self, kind: str, number: int, reach: float) -> FloatArray | None:
         known = self.knowledge

@@ -80,22 +80,23 @@ MISLED_PATTERN = (
     "far",
     "covariance",
 )
-NEAR_PATTERN = (
-    "around:0:0.1",
+LATE_PATTERN = (
     "around:0:0.03",
-    "surface:plain",
-    "around:0:0.2",
-    "around:1:0.1",
-    "gauss_newton:0:0.4",
-    "around:0:0.01",
     "surface:10",
+    "valley",
+    "around:1:0.1",
+    "around:0:0.1",
+    "around:1:0.03",
     "gauss_newton:0:1",
+    "surface:plain",
+    "gauss_newton:0:0.4",
+    "around:2:0.1",
 )
 FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
-CURVED, LOST, MISLEADING = 0.3, 0.4, 1.0  # unexplained share of a surface
-TELLING, LATE = 4, 8  # runs for each of its slopes before that tells much, and before it should have become little
+CURVED, MISLEADING = 0.3, 1.0  # unexplained share of a surface
+TELLING, LATE = 4, 6  # runs for each of its slopes before that tells much, and from which it is searched around runs
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -247,9 +248,9 @@ class Proposer:
         if polishing:
             pattern = polish_pattern(len(moved), scalar=scalar)
         else:
-            whole, told = self._space.integer.any(), order.size / (known.shape[1] + 1)
+            whole = self._space.integer.any()
             # responses jump between whole numbers, which says nothing of the slopes along the other parameters
-            error = 0.0 if whole else hold_out
+            error, told = (0.0, 0.0) if whole else (hold_out, order.size / (known.shape[1] + 1))
             pattern = (
                 SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, told)
             )
@@ -291,14 +292,14 @@ class Proposer:
     def _vector_pattern(basins: Basins, generation: int, hold_out: float, told: float) -> tuple[str, ...]:
         """Arms by what is known of the surface's error, and of the residuals; ``told``: runs for each of its slopes.
 
-        A surface that still misses much after many runs is right nowhere but around the best of them: it is searched
-        there, in boxes of several sizes. Before that, where the mean would predict better than the surface, probes
-        around the best take the place of some arms: they make its slopes known. Where the surface misses much, slopes
-        are fitted to runs with like responses. After a restart the residuals have misled once: every other generation
-        trusts the objective alone.
+        After many runs the surface is searched around the best few that lie apart, and along its valley: in a long one
+        what is far from there is known no better by then. Before that, where the mean would predict better than the
+        surface, probes around the best take the place of some arms: they make its slopes known. Where the surface
+        misses much, slopes are fitted to runs with like responses. After a restart the residuals have misled once:
+        every other generation trusts the objective alone.
         """
-        if told >= LATE and hold_out > LOST:
-            return NEAR_PATTERN
+        if told >= LATE:
+            return LATE_PATTERN
         pattern: tuple[str, ...] = VECTOR_PATTERN
         if told >= TELLING and hold_out > MISLEADING:
             pattern = MISLED_PATTERN

@@ -103,6 +103,32 @@ def test_minima_in_a_box_are_the_lowest_there() -> None:
     assert values.min() <= surface.objective(everywhere).min()
 
 
+def ridge(at: FloatArray) -> FloatArray:
+    """Two residuals that change fast along (2, -1, 2) and slowly along (1, 2, 0)."""
+    fast, slow = at @ [2.0, -1.0, 2.0], at @ [1.0, 2.0, 0.0]
+    return np.stack([np.sin(3.0 * fast) - 0.5, np.exp(0.5 * fast) - 1.0 + 0.05 * slow], axis=1)
+
+
+def test_directions_in_which_little_changes_cost_no_accuracy() -> None:
+    known, asked = points(60, 3), points(200, 3)
+    known = known[np.argsort((ridge(known) ** 2).sum(axis=1))]
+    components = Components.of(ridge(known), 3)
+    stretched, plain = ResidualSurface(known, components, 1.0, None), CubicSurface(known, components.values)
+    exact = (ridge(asked) ** 2).sum(axis=1)
+    errors = [float(np.abs(found - exact).mean()) for found in (stretched.objective(asked), (plain(asked) ** 2).sum(1))]
+    assert errors[0] < 0.1 * errors[1]
+
+
+@pytest.mark.parametrize("compression", [None, 1.0])
+def test_slopes_are_those_along_the_parameters(compression: float | None) -> None:
+    known = points(60, 3)
+    surface = ResidualSurface(known, Components.of(ridge(known), 3), 1.0, compression)
+    at, step = np.array([[0.4, 0.5, 0.3]]), 1e-5 * np.eye(3)
+    slopes = surface.residuals(at)[1][0]
+    differences = (surface.residuals(at + step)[0] - surface.residuals(at - step)[0]) / 2e-5
+    np.testing.assert_allclose(slopes, differences.T, rtol=1e-6, atol=1e-6)
+
+
 def test_the_unexplained_share_tells_smooth_from_random() -> None:
     known, residuals = best_first(60)
     random = np.random.default_rng(5).normal(size=(60, 3))
