@@ -63,7 +63,7 @@ def cells(rows: np.ndarray) -> list[str]:
 
 def profile(known: dict[str, list[list[float]]]) -> Figure:
     """Share of all runs that a method solves within a multiple of the best method's median (Dolan and More 2002)."""
-    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
+    figure = Figure(figsize=(8.4, 4.2), layout="constrained")
     axes = figure.subplots()
     best = {}
     for problem in PROBLEMS:
@@ -87,7 +87,7 @@ def profile(known: dict[str, list[list[float]]]) -> Figure:
         axes.step(ratios[inside], share[inside], where="post", label=method)
     axes.set(xscale="log", xlim=(0.3, LARGEST_RATIO), ylim=(0.0, 1.0))
     axes.set(xlabel="forward runs / median of the best method", ylabel="share of runs solved")
-    axes.legend(fontsize="small")
+    figure.legend(loc="outside right upper", fontsize="small")
     axes.grid(visible=True, alpha=0.3)
     return figure
 
