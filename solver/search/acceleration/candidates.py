@@ -214,8 +214,7 @@ class Arms:
         low = ends[values <= _FLOOR * max(float(known.objectives[0]), float(values.min()))]
         good = known.points[known.objectives <= _GOOD * known.objectives[0]]
         good = np.concatenate([good, *[p[None] for p in self.taken]])
-        nearest = np.abs(low[:, None, :] - good[None]).max(axis=2).min(axis=1)
-        return self._first_new(low[np.argsort(-nearest, kind="stable")], 0.0)
+        return self._first_new(low[np.argsort(-_away_from(good, low), kind="stable")], 0.0)
 
     def _local(self, kind: str, number: int, reach: float) -> FloatArray | None:
         known = self.knowledge
@@ -256,7 +255,7 @@ class Arms:
             drawn.append(around + width * random.standard_normal((150, d)))
         points = np.clip(np.concatenate(drawn), 0.0, 1.0)
         values = surface(points)[:, 0]
-        nearest = np.abs(points[:, None, :] - self._occupied()[None]).max(axis=2).min(axis=1)
+        nearest = _away_from(self._occupied(), points)
         weight = (0.95, 0.8, 0.5)[self._searched % 3]
         self._searched += 1
         score = weight * (values - values.min()) / max(float(np.ptp(values)), 1e-12)
@@ -324,3 +323,8 @@ class Arms:
     def _occupied(self) -> FloatArray:
         # the selected points suffice here: what matters is the distance to the known regions
         return np.concatenate([self.knowledge.points, *[p[None] for p in self.taken]])
+
+
+def _away_from(known: FloatArray, points: FloatArray) -> FloatArray:
+    """How far each point, shape (p, d), is from the nearest known one: the largest difference of a coordinate."""
+    return np.asarray(np.abs(points[:, None, :] - known[None]).max(axis=2).min(axis=1))

@@ -110,30 +110,32 @@ class ResidualSurface:
     surface itself: this is repeated as long as runs that are left out are predicted better.
     """
 
+    _surface: CubicSurface
+    _stretch: FloatArray
+
     def __init__(self, points: FloatArray, components: Components, scale: float, compression: float | None) -> None:
         self._scale = scale if compression is None else scale * compression
         self._compressed = compression is not None
         self._rest = components.rest
         scaled = components.values / self._scale
         self._values = np.arcsinh(scaled) if self._compressed else scaled
-        self._stretch = np.eye(points.shape[1])
-        self._surface = CubicSurface(points @ self._stretch, self._values)
+        self._lay_over(points, np.eye(points.shape[1]))
         for _ in range(_STRETCHES):
-            if not self._stretched_again(points):
+            surface, stretch, unexplained = self._surface, self._stretch, self.unexplained
+            self._lay_over(points, self._steepness(points[: max(2, len(points) // 2)]))
+            if self.unexplained >= unexplained:
+                self._surface, self._stretch = surface, stretch
                 break
 
-    def _stretched_again(self, points: FloatArray) -> bool:
-        before, surface, stretch = self.unexplained, self._surface, self._stretch
-        half = points[: max(2, len(points) // 2)]
-        slopes = surface.with_slopes(half @ stretch)[1] @ stretch.T
+    def _lay_over(self, points: FloatArray, stretch: FloatArray) -> None:
+        self._surface, self._stretch = CubicSurface(points @ stretch, self._values), stretch
+
+    def _steepness(self, points: FloatArray) -> FloatArray:
+        """Directions in which the components change at these points, times how fast they do, shape (d, d)."""
+        slopes = self._surface.with_slopes(points @ self._stretch)[1] @ self._stretch.T
         squares, directions = np.linalg.eigh(np.einsum("nkd,nke->de", slopes, slopes))
         steepness = np.sqrt(np.maximum(squares, 0.0) / max(float(squares[-1]), 1e-300))
-        self._stretch = directions * np.maximum(steepness, _FLATTEST)
-        self._surface = CubicSurface(points @ self._stretch, self._values)
-        if self.unexplained < before:
-            return True
-        self._surface, self._stretch = surface, stretch
-        return False
+        return np.asarray(directions * np.maximum(steepness, _FLATTEST))
 
     def residuals(self, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Scaled components r and their derivatives, shapes (p, k), (p, k, d)."""
