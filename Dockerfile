@@ -21,7 +21,7 @@ ENV PATH=/opt/geoswarm/bin:$PATH \
     MPLCONFIGDIR=/var/lib/geoswarm/matplotlib \
     OMP_NUM_THREADS=1 \
     OPENBLAS_NUM_THREADS=1
-RUN python -m solver.warm
+RUN python -m geoswarm.solver.warm
 EXPOSE 8765
 ENTRYPOINT ["geoswarm"]
 CMD ["--help"]

@@ -30,7 +30,7 @@ $(INSTALLED): pyproject.toml scripts/make_venv.sh scripts/find_python.sh
 
 # Numba compiles each kernel once and caches it beside its source: do it here, not in the first calibration.
 $(WARM): $(INSTALLED) $(KERNELS)
-	@$(BIN)/python -m solver.warm
+	@$(BIN)/python -m geoswarm.solver.warm
 	touch $@
 
 servers:

@@ -18,9 +18,12 @@
 
 from __future__ import annotations
 
-from api.app import create_app
-from api.errors import ApiError, PortInUseError
-from api.server import bind, serve
-from api.settings import ApiSettings
+if __name__ != "geoswarm.api":  # from a checkout Python would find the folder by its bare name, as a second copy
+    raise ImportError("import geoswarm.api: api is a part of geoswarm and has no name of its own")
+
+from geoswarm.api.app import create_app
+from geoswarm.api.errors import ApiError, PortInUseError
+from geoswarm.api.server import bind, serve
+from geoswarm.api.settings import ApiSettings
 
 __all__ = ["ApiError", "ApiSettings", "PortInUseError", "bind", "create_app", "serve"]

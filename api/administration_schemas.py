@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from api.schemas import Model
+from geoswarm.api.schemas import Model
 
 __all__ = ["Key", "KeyList", "NewKey", "NewKeyRequest", "Operations"]
 

@@ -9,18 +9,18 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
-from api.assets import Assets
-from api.authentication import SESSION_COOKIE, Authenticator
-from api.errors import ProblemDetail, install_error_handlers
-from api.feed import EventFeed
-from api.gate import SIGN_IN, Gate
-from api.observe import Observer, RequestMetrics
-from api.pages import error_page
-from api.pages import router as pages_router
-from api.routes import API_PREFIX, api_router, health_router, metrics_router
-from api.settings import ApiSettings
-from solver.problem import problem_schema
-from workers.service import JobService
+from geoswarm.api.assets import Assets
+from geoswarm.api.authentication import SESSION_COOKIE, Authenticator
+from geoswarm.api.errors import ProblemDetail, install_error_handlers
+from geoswarm.api.feed import EventFeed
+from geoswarm.api.gate import SIGN_IN, Gate
+from geoswarm.api.observe import Observer, RequestMetrics
+from geoswarm.api.pages import error_page
+from geoswarm.api.pages import router as pages_router
+from geoswarm.api.routes import API_PREFIX, api_router, health_router, metrics_router
+from geoswarm.api.settings import ApiSettings
+from geoswarm.solver.problem import problem_schema
+from geoswarm.workers.service import JobService
 
 __all__ = ["create_app"]
 

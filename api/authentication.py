@@ -11,13 +11,13 @@ from http.cookies import CookieError, SimpleCookie
 import anyio.to_thread
 from starlette.datastructures import Headers
 
-from api.errors import DetailError
-from api.limits import RateLimiter
-from api.settings import ApiSettings
-from workers.access import LOCAL, Principal
-from workers.keys import KeyRing
-from workers.service import JobService
-from workers.sessions import SessionBook, SessionView
+from geoswarm.api.errors import DetailError
+from geoswarm.api.limits import RateLimiter
+from geoswarm.api.settings import ApiSettings
+from geoswarm.workers.access import LOCAL, Principal
+from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.service import JobService
+from geoswarm.workers.sessions import SessionBook, SessionView
 
 __all__ = ["SESSION_COOKIE", "Authenticator", "Identity", "given_key", "given_token"]
 

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 from fastapi import Depends, Request
 from starlette.requests import ClientDisconnect
 
-from api.errors import DetailError
-from api.settings import ApiSettings
-from solver.errors import ProblemError
-from solver.problem import read_document
-from solver.problem.reading import Form
+from geoswarm.api.errors import DetailError
+from geoswarm.api.settings import ApiSettings
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import read_document
+from geoswarm.solver.problem.reading import Form
 
 __all__ = ["BODY_MEDIA_TYPES", "FileContent", "ProblemDocument", "ProblemText"]
 

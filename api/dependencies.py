@@ -8,11 +8,11 @@ from typing import Annotated, Any
 import anyio
 from fastapi import Depends, Path, Query, Request
 
-from api.errors import ProblemDetail
-from api.feed import EventFeed
-from workers.access import Principal
-from workers.errors import JobNotFoundError
-from workers.service import JobService
+from geoswarm.api.errors import ProblemDetail
+from geoswarm.api.feed import EventFeed
+from geoswarm.workers.access import Principal
+from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.service import JobService
 
 __all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "limiter", "problems_of"]
 

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
-from api.schemas import Model, Number, Parameter, Series
+from geoswarm.api.schemas import Model, Number, Parameter, Series
 
 __all__ = [
     "DraftIssue",

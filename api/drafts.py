@@ -6,11 +6,11 @@ import re
 from functools import cache
 from typing import Any
 
-from api.draft_schemas import DraftIssue, DraftObservation, Example, ProblemDraft
-from api.schemas import Parameter, Series
-from solver.examples import example_file, example_names
-from solver.problem import Draft, Problem, load_problem
-from solver.problem.units import convert
+from geoswarm.api.draft_schemas import DraftIssue, DraftObservation, Example, ProblemDraft
+from geoswarm.api.schemas import Parameter, Series
+from geoswarm.solver.examples import example_file, example_names
+from geoswarm.solver.problem import Draft, Problem, load_problem
+from geoswarm.solver.problem.units import convert
 
 __all__ = ["describe_draft", "find_examples"]
 
@@ -63,7 +63,7 @@ def find_examples() -> dict[str, Example]:
 
 
 def _example(name: str) -> Example:
-    from solver.problem.reading import read_problem_file
+    from geoswarm.solver.problem.reading import read_problem_file
 
     with example_file(name) as path:
         text = path.read_text(encoding="utf-8")

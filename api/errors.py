@@ -23,10 +23,10 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
-from api.headers import add_security_headers
-from solver.errors import InfeasibleSpaceError, Issue, ProblemError
-from solver.identifiability import StatisticsError
-from workers.errors import (
+from geoswarm.api.headers import add_security_headers
+from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError
+from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.workers.errors import (
     BrokerUnavailableError,
     EvaluationNotFoundError,
     IdempotencyConflictError,

@@ -20,10 +20,10 @@ from typing import TypeVar
 import anyio
 import anyio.to_thread
 
-from workers.errors import JobNotFoundError, StoreUnavailableError
-from workers.service import JobService
-from workers.store.event_bell import EventBell
-from workers.views import EventView
+from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
+from geoswarm.workers.service import JobService
+from geoswarm.workers.store.event_bell import EventBell
+from geoswarm.workers.views import EventView
 
 __all__ = ["ENDED_STATES", "EventFeed", "ends_job"]
 

@@ -8,11 +8,11 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from api.authentication import Authenticator, Identity, given_key
-from api.errors import DetailError, detail_response, translate
-from api.headers import add_security_headers
-from api.settings import LOOPBACK_HOSTS, ApiSettings
-from workers.errors import StoreUnavailableError
+from geoswarm.api.authentication import Authenticator, Identity, given_key
+from geoswarm.api.errors import DetailError, detail_response, translate
+from geoswarm.api.headers import add_security_headers
+from geoswarm.api.settings import LOOPBACK_HOSTS, ApiSettings
+from geoswarm.workers.errors import StoreUnavailableError
 
 __all__ = ["SIGN_IN", "Gate"]
 

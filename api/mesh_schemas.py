@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from api.schemas import Number
+from geoswarm.api.schemas import Number
 
 __all__ = ["MeshAnswer", "MeshFields"]
 

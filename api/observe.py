@@ -8,9 +8,9 @@ import time
 from prometheus_client import CollectorRegistry, Counter, Histogram, disable_created_metrics
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from api.routes import API_PREFIX
-from workers.access import Principal
-from workers.tracing import span
+from geoswarm.api.routes import API_PREFIX
+from geoswarm.workers.access import Principal
+from geoswarm.workers.tracing import span
 
 __all__ = ["Observer", "RequestMetrics"]
 

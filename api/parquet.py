@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from importlib.util import find_spec
 from typing import IO, Any
 
-from workers.views import EvaluationView
+from geoswarm.workers.views import EvaluationView
 
 __all__ = ["parquet_available", "parquet_pieces"]
 

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.identifiability import Samples
-from solver.problem import Problem
-from solver.report.jsonable import jsonable
-from solver.report.labels import parameter_labels
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability import Samples
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.report.labels import parameter_labels
 
 __all__ = ["MEDIA_TYPE", "compressed", "points_block"]
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
-from solver.problem import Stopping
+from geoswarm.solver.problem import Stopping
 
 __all__ = [
     "Attempt",

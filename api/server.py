@@ -12,12 +12,12 @@ from types import FrameType
 
 import uvicorn
 
-from api.app import create_app
-from api.assets import Assets
-from api.errors import PortInUseError
-from api.feed import EventFeed
-from api.settings import ApiSettings
-from workers.service import JobService
+from geoswarm.api.app import create_app
+from geoswarm.api.assets import Assets
+from geoswarm.api.errors import PortInUseError
+from geoswarm.api.feed import EventFeed
+from geoswarm.api.settings import ApiSettings
+from geoswarm.workers.service import JobService
 
 __all__ = ["DEFAULT_HOST", "DEFAULT_PORT", "Server", "bind", "serve"]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator
 
-from api.errors import ApiSettingsError
+from geoswarm.api.errors import ApiSettingsError
 
 __all__ = ["LOOPBACK_HOSTS", "ApiSettings"]
 

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from api.schemas import JobState, Number
+from geoswarm.api.schemas import JobState, Number
 
 __all__ = [
     "FigureList",

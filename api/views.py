@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Query
 
-from api.errors import DetailError
-from solver.errors import Issue
+from geoswarm.api.errors import DetailError
+from geoswarm.solver.errors import Issue
 
 __all__ = ["Noise", "View", "WantedView"]
 

@@ -115,7 +115,7 @@ def served(folder: Path) -> Iterator[tuple[str, int]]:
 
 def problem(**changes: Any) -> dict[str, Any]:
     """Return the published oedometer test as a document."""
-    from solver.problem import load_problem
+    from geoswarm.solver.problem import load_problem
 
     return load_problem(PROBLEM).document() | changes
 

@@ -14,10 +14,10 @@ from functools import partial
 
 import numpy as np
 
-from solver.constitutive.creep_update import creep_update
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.element_test.material_point import PointState, follow
-from solver.element_test.setups import confined_load
+from geoswarm.solver.constitutive.creep_update import creep_update
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.setups import confined_load
 from tests.solver.forward.staged_tests import (
     IDENTIFIED,
     ISOTROPIC_IDENTIFIED,

@@ -35,11 +35,11 @@ os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_N
 
 # Imported late: the number of threads must be set before the numerical libraries are loaded.
 from geoswarm import Client, GeoswarmError  # noqa: E402
-from solver.calibration import Calibration  # noqa: E402
-from solver.local import calibrate  # noqa: E402
-from solver.problem import load_problem, parse_problem  # noqa: E402
+from geoswarm.solver.calibration import Calibration  # noqa: E402
+from geoswarm.solver.local import calibrate  # noqa: E402
+from geoswarm.solver.problem import load_problem, parse_problem  # noqa: E402
+from geoswarm.workers.runner.processes import memory_below  # noqa: E402
 from tests.servers import PostgresServer, RedisServer, free_port  # noqa: E402
-from workers.runner.processes import memory_below  # noqa: E402
 
 WORKERS, PARTICLES, GENERATIONS, SECONDS = 2, 10, 10, 0.1
 OEDOMETER = ROOT / "examples" / "oedometer" / "problem.yaml"

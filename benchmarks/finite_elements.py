@@ -14,15 +14,15 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from solver.arrays import FloatArray
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.fem.materials import MohrCoulomb, SoftSoilCreepMaterial
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.multifrontal import equations_of, factorise, solve_factorised
-from solver.fem.phases import Fixity, Phase, Traction
-from solver.fem.results import PhaseResult
-from solver.fem.setup import elements_of, fronts_of
-from solver.fem.solve import solve_phases
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.fem.materials import MohrCoulomb, SoftSoilCreepMaterial
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.multifrontal import equations_of, factorise, solve_factorised
+from geoswarm.solver.fem.phases import Fixity, Phase, Traction
+from geoswarm.solver.fem.results import PhaseResult
+from geoswarm.solver.fem.setup import elements_of, fronts_of
+from geoswarm.solver.fem.solve import solve_phases
 from tests.verification.fem.bodies import block, slope
 
 HELD = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))

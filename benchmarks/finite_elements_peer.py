@@ -26,7 +26,7 @@ import meshio
 import numpy as np
 
 from benchmarks.finite_elements import weight
-from solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.mesh.mesh import Mesh
 from tests.verification.fem.bodies import slope
 
 STEPS = 20

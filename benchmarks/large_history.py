@@ -21,16 +21,16 @@ import httpx
 import numpy as np
 from sqlalchemy import event, insert, text, update
 
-from api import ApiSettings, create_app
-from api.feed import GATHER_SECONDS
-from solver.problem import parse_problem
-from workers.doorbell import MuteDoorbell
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.clock import database_now
-from workers.store.codec import pack_array, pack_json, pack_responses
-from workers.store.tables import evaluations, events, generations, jobs
+from geoswarm.api import ApiSettings, create_app
+from geoswarm.api.feed import GATHER_SECONDS
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.codec import pack_array, pack_json, pack_responses
+from geoswarm.workers.store.tables import evaluations, events, generations, jobs
 
 API = "/api/v1"
 PARTICLES = 10
@@ -226,7 +226,7 @@ def watched(service: JobService, watchers: int) -> bool:
     """Run a real server in a thread and watch as many jobs as there are watchers."""
     import threading
 
-    from api.server import base_url, bind, build_server
+    from geoswarm.api.server import base_url, bind, build_server
 
     ids = [service.submit(parse_problem(PROBLEM))[0].id for _ in range(watchers)]
     listener = bind("127.0.0.1", 0)
@@ -254,7 +254,7 @@ async def exported(service: JobService, job_id: str, count: int) -> bool:
     """Export over a real server, as the transport in this process keeps the whole answer."""
     import threading
 
-    from api.server import base_url, bind, build_server
+    from geoswarm.api.server import base_url, bind, build_server
 
     listener = bind("127.0.0.1", 0)
     started = threading.Event()

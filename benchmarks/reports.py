@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from solver.calibration import Calibration
-from solver.identifiability import Samples, analyse
-from solver.local import calibrate
-from solver.problem import Problem, load_problem, parse_problem
-from solver.report import Report, png_of, record_of_result, svg_of
-from solver.report.figures import FigureSet
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Samples, analyse
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.report import Report, png_of, record_of_result, svg_of
+from geoswarm.solver.report.figures import FigureSet
 
 ROOT = Path(__file__).resolve().parents[1]
 PROBLEM = ROOT / "examples" / "oedometer" / "problem.yaml"

@@ -19,10 +19,10 @@ HELP_LIMIT, WORKER_LIMIT = 0.4, 1.5
 # What an embedded worker process does: everything it imports, the problem from its document, one evaluation.
 WORKER = """
 import json, sys
-import workers.embedded_worker
-from workers.warm import warm_up
-from solver.calibration import Calibration
-from solver.problem import parse_problem
+import geoswarm.workers.embedded_worker
+from geoswarm.workers.warm import warm_up
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.problem import parse_problem
 warm_up()
 calibration = Calibration(parse_problem(json.loads(sys.stdin.read())), 2008)
 evaluation = calibration.evaluate(calibration.start().positions[0])
@@ -46,7 +46,7 @@ def main() -> int:
         [
             sys.executable,
             "-c",
-            "import json, sys; from pathlib import Path; from solver.problem import load_problem; "
+            "import json, sys; from pathlib import Path; from geoswarm.solver.problem import load_problem; "
             "print(json.dumps(load_problem(Path(sys.argv[1])).document()))",
             str(PROBLEM),
         ],

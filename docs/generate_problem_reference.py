@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from solver.problem.follow_ups import FOLLOW_UPS
+from geoswarm.solver.problem.follow_ups import FOLLOW_UPS
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "problem-file.md"
@@ -127,9 +127,9 @@ def main() -> None:
 
 def page() -> str:
     """The page as it follows from the models."""
-    from solver.expressions import FUNCTIONS, MAX_LENGTH
-    from solver.problem import MAX_BYTES, MAX_TABLE_BYTES, problem_schema
-    from solver.problem.feasibility import TRIED_POINTS
+    from geoswarm.solver.expressions import FUNCTIONS, MAX_LENGTH
+    from geoswarm.solver.problem import MAX_BYTES, MAX_TABLE_BYTES, problem_schema
+    from geoswarm.solver.problem.feasibility import TRIED_POINTS
 
     schema = problem_schema()
     definitions = schema["$defs"]
@@ -197,8 +197,8 @@ def page() -> str:
 
 def forward_model(kind: str, definitions: dict[str, Any]) -> str:
     """The part of the page about one kind of forward model."""
-    from solver.forward.registry import parse_spec
-    from solver.problem import read_document
+    from geoswarm.solver.forward.registry import parse_spec
+    from geoswarm.solver.problem import read_document
 
     schema = definitions[f"forward_model_{kind}"]
     parts = [f"### kind: {kind}", schema["description"].replace("``", "`"), fields(schema, definitions)]

@@ -17,13 +17,13 @@ sys.path.insert(0, str(ROOT))
 # Imported late: the servers and the browser of the tests lie beside the package.
 from playwright.sync_api import Page  # noqa: E402
 
-from api import ApiSettings  # noqa: E402
 from geoswarm import Client  # noqa: E402
-from solver.problem import load_problem  # noqa: E402
+from geoswarm.api import ApiSettings  # noqa: E402
+from geoswarm.solver.problem import load_problem  # noqa: E402
+from geoswarm.workers.engine import open_engine  # noqa: E402
+from geoswarm.workers.settings import Settings  # noqa: E402
 from tests.api.conftest import live_server  # noqa: E402
 from tests.dashboard.browser import chromium  # noqa: E402
-from workers.engine import open_engine  # noqa: E402
-from workers.settings import Settings  # noqa: E402
 
 PICTURES = ROOT / "docs" / "pictures"
 EXAMPLE = ROOT / "examples" / "oedometer" / "problem.yaml"

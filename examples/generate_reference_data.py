@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from solver.problem import parse_problem
-from solver.problem.reading import read_problem_file
-from solver.problem.units import convert
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.problem.reading import read_problem_file
+from geoswarm.solver.problem.units import convert
 
 __all__ = ["EXAMPLES", "Example", "generate", "main"]
 

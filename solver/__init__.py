@@ -16,3 +16,8 @@
 ``words``           numbers, durations and states as a reader sees them
 ==================  ==========================================================================
 """
+
+from __future__ import annotations
+
+if __name__ != "geoswarm.solver":  # from a checkout Python would find the folder by its bare name, as a second copy
+    raise ImportError("import geoswarm.solver: solver is a part of geoswarm and has no name of its own")

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import ForwardError
-from solver.follow_up import DESIGN_COMPLETED, FollowUp
-from solver.objective import LeastSquares, ObservedSeries
-from solver.offer import Offer
-from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem, Stopping
-from solver.search import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import ForwardError
+from geoswarm.solver.follow_up import DESIGN_COMPLETED, FollowUp
+from geoswarm.solver.objective import LeastSquares, ObservedSeries
+from geoswarm.solver.offer import Offer
+from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem, Stopping
+from geoswarm.solver.search import (
     MonteCarlo,
     MonteCarloSettings,
     ParticleSwarm,
@@ -29,8 +29,8 @@ from solver.search import (
     Snapshot,
     SwarmSettings,
 )
-from solver.space import search_space
-from solver.stopping import (
+from geoswarm.solver.space import search_space
+from geoswarm.solver.stopping import (
     MaxEvaluations,
     MaxSeconds,
     StagnationGenerations,
@@ -72,7 +72,7 @@ class Evaluation:
     misfits, responses
         f'_g and calculated values, shape (m_g,), of each observed series; empty when failed.
     reason, message
-        Kind of failure (:data:`solver.errors.FailureReason`) and what happened.
+        Kind of failure (:data:`geoswarm.solver.errors.FailureReason`) and what happened.
     seconds
         Wall time of the forward calculation [s].
     """

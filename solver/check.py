@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation, choose_seed
-from solver.problem import Problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
+from geoswarm.solver.problem import Problem
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
 

@@ -34,9 +34,4 @@ def example_file(name: str) -> Iterator[Path]:
 
 
 def _folder() -> Traversable:
-    """``geoswarm/examples`` in a wheel, where the build puts ``examples`` of the source tree.
-
-    A source tree that is used directly, or installed in editable mode, has them only at their first place.
-    """
-    packaged = files("geoswarm").joinpath("examples")
-    return packaged if packaged.is_dir() else Path(__file__).resolve().parents[1] / "examples"
+    return files("geoswarm").joinpath("examples")

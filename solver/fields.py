@@ -6,10 +6,10 @@ import time
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.errors import ForwardError
-from solver.forward.continuum.fields import body_of, displacement_fields
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.errors import ForwardError
+from geoswarm.solver.forward.continuum.fields import body_of, displacement_fields
 
 __all__ = ["evaluate_fields"]
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.problem import FollowUpMethod, ProfileMethod, SensitivityMethod
-from solver.search import Search, SearchSpace, Snapshot
-from solver.search.follow_ups import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.problem import FollowUpMethod, ProfileMethod, SensitivityMethod
+from geoswarm.solver.search import Search, SearchSpace, Snapshot
+from geoswarm.solver.search.follow_ups import (
     BLIND_STEP,
     DesignSearch,
     GlobalPoints,

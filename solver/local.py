@@ -14,13 +14,13 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
-from solver.errors import Issue, ProblemError, WorkerLostError
-from solver.notebook import result_html
-from solver.problem import Problem, parse_problem
-from solver.problem.running import fatal_message
-from solver.runlog import RunKey, RunLog
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
+from geoswarm.solver.errors import Issue, ProblemError, WorkerLostError
+from geoswarm.solver.notebook import result_html
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem.running import fatal_message
+from geoswarm.solver.runlog import RunKey, RunLog
 
 __all__ = [
     "CalibrationResult",

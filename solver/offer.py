@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = ["Offer"]
 

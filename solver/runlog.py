@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.calibration import Calibration
-from solver.search import Runs
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.search import Runs
 
 __all__ = ["Fetch", "RunKey", "RunLog"]
 

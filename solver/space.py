@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.problem import Problem
-from solver.search import SearchSpace
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.search import SearchSpace
 
 __all__ = ["search_space"]
 

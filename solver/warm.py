@@ -1,4 +1,4 @@
-"""Compile the numerical kernels ahead of the first calibration: ``python -m solver.warm``.
+"""Compile the numerical kernels ahead of the first calibration: ``python -m geoswarm.solver.warm``.
 
 Numba caches what it compiles beside the sources, or in the folder that ``NUMBA_CACHE_DIR`` names. So each installation
 pays once, at set-up or when its image is built, and every process after that starts warm.
@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
 
 __all__ = ["SAMPLES", "warm"]
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.calibration import Calibration, Offer
-from solver.problem import Problem
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.calibration import Calibration, Offer
+from geoswarm.solver.problem import Problem
 
 __all__ = ["MOST_OFFERED", "EarlierRuns", "best_of", "forward_model_hash", "offer_of"]
 

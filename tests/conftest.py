@@ -77,7 +77,7 @@ def free_port() -> int:
 @pytest.fixture
 def misbehaving_models(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The forward models of tests/models are installed, here and in processes that are started meanwhile."""
-    from solver.forward.registry import forget
+    from geoswarm.solver.forward.registry import forget
 
     folder = str(Path(__file__).parent / "models")
     monkeypatch.syspath_prepend(folder)

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 from sqlalchemy import Connection
 
-from solver.arrays import FloatArray
-from solver.fem.mesh.mesh import Mesh
-from solver.forward.continuum.fields import body_of, parts_with_body, shear_strain
-from solver.forward.continuum.model import BodyModel
-from solver.problem import Problem, parse_problem
-from workers.errors import JobNotFoundError, NoBodyError
-from workers.shelf import Shelf
-from workers.store import Store, jobs
-from workers.store.codec import unpack_array, unpack_problem, unpack_responses
-from workers.store.evaluations import get_evaluation
-from workers.trial import TrialBench
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.forward.continuum.fields import body_of, parts_with_body, shear_strain
+from geoswarm.solver.forward.continuum.model import BodyModel
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.workers.errors import JobNotFoundError, NoBodyError
+from geoswarm.workers.shelf import Shelf
+from geoswarm.workers.store import Store, jobs
+from geoswarm.workers.store.codec import unpack_array, unpack_problem, unpack_responses
+from geoswarm.workers.store.evaluations import get_evaluation
+from geoswarm.workers.trial import TrialBench
 
 __all__ = ["Body", "BodyDesk", "Fields", "Vector"]
 
@@ -98,7 +98,7 @@ class Fields:
 
 
 class BodyDesk:
-    """Shows bodies of jobs; see :class:`workers.statistics.StatisticsDesk` for ``find`` and ``shelf``."""
+    """Shows bodies of jobs; see :class:`geoswarm.workers.statistics.StatisticsDesk` for ``find`` and ``shelf``."""
 
     def __init__(self, store: Store, find: FindRow, shelf: Shelf, trials: TrialBench) -> None:
         self._store = store

@@ -16,8 +16,8 @@ from kombu.exceptions import OperationalError
 from redis.backoff import NoBackoff
 from redis.retry import Retry
 
-from workers.errors import BrokerUnavailableError, SettingsError
-from workers.settings import Settings, mask_url
+from geoswarm.workers.errors import BrokerUnavailableError, SettingsError
+from geoswarm.workers.settings import Settings, mask_url
 
 __all__ = ["QUEUE", "SERVE_TASK", "CeleryDoorbell", "create_celery", "queue_name", "run_celery_worker"]
 
@@ -40,7 +40,7 @@ def create_celery(settings: Settings) -> Celery:
         raise SettingsError("broker_url is not set; a Celery worker needs one, for example redis://localhost:6379/0")
     app = Celery("geoswarm", broker=settings.broker_url, set_as_current=False)
     app.conf.update(
-        include=["workers.tasks"],
+        include=["geoswarm.workers.tasks"],
         task_default_queue=QUEUE,
         task_ignore_result=True,
         task_serializer="json",
@@ -144,11 +144,11 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     SystemExit
         With Celery's exit code when it gave up.
     """
-    from workers.runner.runner import ONE_THREAD
-    from workers.store import Store
+    from geoswarm.workers.runner.runner import ONE_THREAD
+    from geoswarm.workers.store import Store
 
     os.environ.update(ONE_THREAD)
-    from solver.forward.registry import kinds
+    from geoswarm.solver.forward.registry import kinds
 
     doorbell = CeleryDoorbell(settings)
     doorbell.check()

@@ -7,8 +7,8 @@ import binascii
 import json
 from typing import Any
 
-from workers.errors import InvalidCursorError
-from workers.store.codec import pack_json
+from geoswarm.workers.errors import InvalidCursorError
+from geoswarm.workers.store.codec import pack_json
 
 __all__ = ["decode_cursor", "encode_cursor"]
 

@@ -16,15 +16,15 @@ import threading
 import time
 from dataclasses import dataclass
 
-from workers.coordinator.runtime import Runtime
-from workers.errors import StoreUnavailableError
-from workers.identity import Identity
-from workers.runner.runner import ONE_THREAD
-from workers.runner.wire import anonymous_file
-from workers.settings import Settings
-from workers.store.evaluations import overdue
-from workers.store.workers import forget_worker
-from workers.sweep import Sweeper
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.runner.runner import ONE_THREAD
+from geoswarm.workers.runner.wire import anonymous_file
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store.evaluations import overdue
+from geoswarm.workers.store.workers import forget_worker
+from geoswarm.workers.sweep import Sweeper
 
 __all__ = ["PipeDoorbell", "Supervisor"]
 
@@ -34,7 +34,7 @@ log = logging.getLogger(__name__)
 # comes over its standard input, which then stays open: its end tells that the parent has died.
 BOOTSTRAP = (
     "import json, sys; given = json.loads(sys.stdin.readline()); sys.path[:] = given['path'];"
-    "from workers.embedded_worker import main; main(given)"
+    "from geoswarm.workers.embedded_worker import main; main(given)"
 )
 WATCH_SECONDS = 0.05
 SHORT_LIFE_SECONDS = 10.0

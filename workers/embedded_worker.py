@@ -10,17 +10,17 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from workers.embedded import PipeDoorbell
-from workers.errors import StoreUnavailableError
-from workers.identity import Identity, this_machine
-from workers.logs import start_logging
-from workers.settings import Settings
-from workers.slots import Slots
-from workers.store import Store
-from workers.sweep import Sweeper, with_signals
-from workers.tracing import start_tracing
-from workers.warm import warm_up
-from workers.worker import Worker
+from geoswarm.workers.embedded import PipeDoorbell
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.identity import Identity, this_machine
+from geoswarm.workers.logs import start_logging
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.slots import Slots
+from geoswarm.workers.store import Store
+from geoswarm.workers.sweep import Sweeper, with_signals
+from geoswarm.workers.tracing import start_tracing
+from geoswarm.workers.warm import warm_up
+from geoswarm.workers.worker import Worker
 
 __all__ = ["main"]
 

@@ -6,13 +6,13 @@ from contextlib import ExitStack
 from types import TracebackType
 from typing import Self
 
-from workers.coordinator.runtime import Runtime
-from workers.doorbell import Doorbell
-from workers.embedded import PipeDoorbell, Supervisor
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.sweep import Sweeper
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.embedded import PipeDoorbell, Supervisor
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.sweep import Sweeper
 
 __all__ = ["Engine", "open_engine"]
 
@@ -62,7 +62,7 @@ class Engine:
 def _open_doorbell(settings: Settings) -> Doorbell:
     if settings.broker_url is None:
         return PipeDoorbell(settings.workers)
-    from workers.celery_app import CeleryDoorbell
+    from geoswarm.workers.celery_app import CeleryDoorbell
 
     doorbell = CeleryDoorbell(settings)
     try:

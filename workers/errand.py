@@ -6,17 +6,17 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from workers.coordinator.ending import changed_criteria
-from workers.coordinator.machine import GenerationJoined, Job, apply
-from workers.coordinator.work import Claim, HandIn, Leap, Result, joined
-from workers.heart import Heart
-from workers.runner.evaluator import Evaluator, NeverMind, limits_of
-from workers.runner.runner import POLL_SECONDS
-from workers.settings import Settings
-from workers.tally import tally
-from workers.tracing import record_span
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.workers.coordinator.ending import changed_criteria
+from geoswarm.workers.coordinator.machine import GenerationJoined, Job, apply
+from geoswarm.workers.coordinator.work import Claim, HandIn, Leap, Result, joined
+from geoswarm.workers.heart import Heart
+from geoswarm.workers.runner.evaluator import Evaluator, NeverMind, limits_of
+from geoswarm.workers.runner.runner import POLL_SECONDS
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.tally import tally
+from geoswarm.workers.tracing import record_span
 
 __all__ = ["Early", "Errand"]
 

@@ -9,12 +9,12 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
-from solver.problem.units import convert
-from solver.report.curves import SeriesShare, load_times, objective_unit, series_shares
-from solver.report.labels import parameter_labels
-from workers.service import JobService
-from workers.views import EvaluationView
+from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
+from geoswarm.solver.problem.units import convert
+from geoswarm.solver.report.curves import SeriesShare, load_times, objective_unit, series_shares
+from geoswarm.solver.report.labels import parameter_labels
+from geoswarm.workers.service import JobService
+from geoswarm.workers.views import EvaluationView
 
 __all__ = ["FitCurve", "FitParameter", "FitSeries", "FitView", "fit_of"]
 

@@ -7,13 +7,18 @@ from typing import Literal
 
 import numpy as np
 
-from solver.identifiability import StatisticsError
-from solver.identifiability.follow_ups import follow_up_of, global_problem, profile_problem, sensitivity_problem
-from solver.problem import Problem
-from workers.errors import NoOptimumError
-from workers.service import JobService
-from workers.statistics import StoredJob
-from workers.views import JobView
+from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.solver.identifiability.follow_ups import (
+    follow_up_of,
+    global_problem,
+    profile_problem,
+    sensitivity_problem,
+)
+from geoswarm.solver.problem import Problem
+from geoswarm.workers.errors import NoOptimumError
+from geoswarm.workers.service import JobService
+from geoswarm.workers.statistics import StoredJob
+from geoswarm.workers.views import JobView
 
 __all__ = ["submit_global_sensitivity", "submit_profile", "submit_sensitivity"]
 

@@ -1,4 +1,4 @@
-"""``python -m workers.healthcheck [--worker]``: for supervisors of containers; exit code 0: well, 1: not.
+"""``python -m geoswarm.workers.healthcheck [--worker]``: for supervisors of containers; exit code 0: well, 1: not.
 
 Database and broker must answer; with ``--worker`` also a worker process of this machine must have been heard of within
 its lease.
@@ -11,10 +11,10 @@ import socket
 import sys
 from collections.abc import Sequence
 
-from workers.errors import WorkersError
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.workers import list_workers
+from geoswarm.workers.errors import WorkersError
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.workers import list_workers
 
 __all__ = ["main", "what_is_wrong"]
 
@@ -30,7 +30,7 @@ def what_is_wrong(settings: Settings, *, worker: bool) -> str | None:
         finally:
             store.close()
         if settings.broker_url is not None:
-            from workers.celery_app import CeleryDoorbell
+            from geoswarm.workers.celery_app import CeleryDoorbell
 
             doorbell = CeleryDoorbell(settings)
             try:

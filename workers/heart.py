@@ -6,15 +6,15 @@ import logging
 import threading
 import time
 
-from workers.coordinator.runtime import Runtime
-from workers.coordinator.work import Claim
-from workers.errors import StoreUnavailableError
-from workers.identity import Identity
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.evaluations import still_wanted
-from workers.store.workers import see_worker
-from workers.tally import tally
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.coordinator.work import Claim
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.evaluations import still_wanted
+from geoswarm.workers.store.workers import see_worker
+from geoswarm.workers.tally import tally
 
 __all__ = ["Heart"]
 

@@ -14,11 +14,11 @@ from datetime import datetime
 
 from sqlalchemy import Connection
 
-from workers.access import ROLES, Principal, Role
-from workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
-from workers.store import Store, api_keys
-from workers.store.codec import to_datetime, to_optional_datetime
-from workers.store.database import Record
+from geoswarm.workers.access import ROLES, Principal, Role
+from geoswarm.workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
+from geoswarm.workers.store import Store, api_keys
+from geoswarm.workers.store.codec import to_datetime, to_optional_datetime
+from geoswarm.workers.store.database import Record
 
 __all__ = ["KEY_PATTERN", "KeyRing", "KeyView"]
 

@@ -11,7 +11,7 @@ import os
 from datetime import UTC, datetime
 from typing import Literal, TypeAlias
 
-from workers.secrets import redact
+from geoswarm.workers.secrets import redact
 
 __all__ = ["CONTEXT", "JsonFormatter", "LogFormat", "TextFormatter", "start_logging"]
 

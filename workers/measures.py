@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from sqlalchemy import Connection, and_, func, select
 
-from workers.store.clock import database_now
-from workers.store.tables import evaluations, jobs
-from workers.store.workers import busy_workers, list_workers
-from workers.tally import read_counters
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.tables import evaluations, jobs
+from geoswarm.workers.store.workers import busy_workers, list_workers
+from geoswarm.workers.tally import read_counters
 
 __all__ = ["Measures", "measure"]
 
@@ -30,7 +30,7 @@ class Measures:
     workers
         Number by state: idle, busy, lost.
     counters
-        Sums by name and label, see :mod:`workers.tally`.
+        Sums by name and label, see :mod:`geoswarm.workers.tally`.
     """
 
     jobs: Mapping[str, int]

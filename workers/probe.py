@@ -7,10 +7,10 @@ import time
 
 from sqlalchemy import Connection, insert, update
 
-from workers.errors import StoreUnavailableError
-from workers.store import Store
-from workers.store.clock import database_now
-from workers.store.tables import counters
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.tables import counters
 
 __all__ = ["Probe"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from sqlalchemy import Connection, case, func, select, text
 
-from workers.coordinator.machine import ENDED_STATES
-from workers.errors import QuotaExceededError
-from workers.settings import Settings
-from workers.store.tables import jobs
+from geoswarm.workers.coordinator.machine import ENDED_STATES
+from geoswarm.workers.errors import QuotaExceededError
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store.tables import jobs
 
 __all__ = ["check_quotas"]
 

@@ -9,15 +9,15 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from workers.cursors import decode_cursor, encode_cursor
-from workers.errors import EvaluationNotFoundError
-from workers.store import Store, jobs
-from workers.store.diversity import diversities
-from workers.store.evaluations import get_evaluation, list_attempts
-from workers.store.listing import Filters, list_evaluations
-from workers.store.selection import spaced
-from workers.store.views import attempt_views, evaluation_view, event_view, generation_view
-from workers.views import AttemptView, EvaluationView, EventView, GenerationView, Page
+from geoswarm.workers.cursors import decode_cursor, encode_cursor
+from geoswarm.workers.errors import EvaluationNotFoundError
+from geoswarm.workers.store import Store, jobs
+from geoswarm.workers.store.diversity import diversities
+from geoswarm.workers.store.evaluations import get_evaluation, list_attempts
+from geoswarm.workers.store.listing import Filters, list_evaluations
+from geoswarm.workers.store.selection import spaced
+from geoswarm.workers.store.views import attempt_views, evaluation_view, event_view, generation_view
+from geoswarm.workers.views import AttemptView, EvaluationView, EventView, GenerationView, Page
 
 __all__ = ["JobRecords", "clip"]
 

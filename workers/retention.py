@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from sqlalchemy import Connection
 
-from workers.coordinator.machine import ENDED_STATES
-from workers.errors import InvalidTransitionError, JobNotFoundError
-from workers.store import Store, jobs
+from geoswarm.workers.coordinator.machine import ENDED_STATES
+from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError
+from geoswarm.workers.store import Store, jobs
 
 __all__ = ["Pruned", "delete_job", "prune"]
 

@@ -9,8 +9,8 @@ import re
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
-from workers.errors import SettingsError
-from workers.settings import Settings
+from geoswarm.workers.errors import SettingsError
+from geoswarm.workers.settings import Settings
 
 __all__ = ["DEVELOPMENT", "is_loopback", "redact", "refuse_known_secrets", "refuse_weak_key"]
 

@@ -14,37 +14,37 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
-from solver.calibration import choose_seed
-from solver.check import CheckReport
-from solver.errors import ProblemError
-from solver.problem import Problem, Stopping, parse_problem
-from workers.access import LOCAL, Principal
-from workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
-from workers.coordinator.runtime import Runtime
-from workers.doorbell import Doorbell
-from workers.errors import (
+from geoswarm.solver.calibration import choose_seed
+from geoswarm.solver.check import CheckReport
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.workers.access import LOCAL, Principal
+from geoswarm.workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.errors import (
     IdempotencyConflictError,
     JobNotFoundError,
 )
-from workers.measures import Measures, measure
-from workers.probe import Probe
-from workers.quotas import check_quotas
-from workers.records import JobRecords, clip
-from workers.retention import delete_job
-from workers.settings import Settings
-from workers.shelf import Shelf
-from workers.store import Store, jobs
-from workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
-from workers.store.job_list import JobFilters, list_jobs, list_trends
-from workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
-from workers.store.views import event_view, job_view, worker_view
-from workers.store.workers import current_work, list_workers
-from workers.trial import TrialBench
-from workers.views import EventView, JobView, Page, WorkerView
+from geoswarm.workers.measures import Measures, measure
+from geoswarm.workers.probe import Probe
+from geoswarm.workers.quotas import check_quotas
+from geoswarm.workers.records import JobRecords, clip
+from geoswarm.workers.retention import delete_job
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.shelf import Shelf
+from geoswarm.workers.store import Store, jobs
+from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
+from geoswarm.workers.store.job_list import JobFilters, list_jobs, list_trends
+from geoswarm.workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
+from geoswarm.workers.store.views import event_view, job_view, worker_view
+from geoswarm.workers.store.workers import current_work, list_workers
+from geoswarm.workers.trial import TrialBench
+from geoswarm.workers.views import EventView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
-    from workers.bodies import BodyDesk
-    from workers.statistics import StatisticsDesk
+    from geoswarm.workers.bodies import BodyDesk
+    from geoswarm.workers.statistics import StatisticsDesk
 
 __all__ = ["JobService"]
 
@@ -54,9 +54,9 @@ ID_PATTERN = re.compile("[0-9a-f]{16}")  # what ``submit`` makes; nothing else n
 class JobService(JobRecords):
     """Submits, shows and steers jobs. Safe to use from several threads.
 
-    Every method may raise :class:`workers.errors.StoreUnavailableError`, those with a ``job_id``
-    :class:`workers.errors.JobNotFoundError`: also for a job that :attr:`principal` may not see. That is decided in
-    :meth:`_row` and :meth:`_frame`, through which every method reaches its job.
+    Every method may raise :class:`geoswarm.workers.errors.StoreUnavailableError`, those with a ``job_id``
+    :class:`geoswarm.workers.errors.JobNotFoundError`: also for a job that :attr:`principal` may not see. That is
+    decided in :meth:`_row` and :meth:`_frame`, through which every method reaches its job.
     """
 
     def __init__(self, store: Store, doorbell: Doorbell, settings: Settings | None = None) -> None:
@@ -72,14 +72,14 @@ class JobService(JobRecords):
     @property
     def statistics(self) -> StatisticsDesk:
         """Reports and statistics of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
-        from workers.statistics import StatisticsDesk
+        from geoswarm.workers.statistics import StatisticsDesk
 
         return StatisticsDesk(self.store, self._row, self._shelf)
 
     @property
     def bodies(self) -> BodyDesk:
         """Meshes and fields of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
-        from workers.bodies import BodyDesk
+        from geoswarm.workers.bodies import BodyDesk
 
         return BodyDesk(self.store, self._row, self._shelf, self._trials)
 
@@ -95,7 +95,7 @@ class JobService(JobRecords):
         Raises
         ------
         InfeasibleSpaceError, ProblemError
-            See :func:`solver.check.check_problem`.
+            See :func:`geoswarm.solver.check.check_problem`.
         """
         return self._trials.check(problem)
 
@@ -249,7 +249,7 @@ class JobService(JobRecords):
     def retry_failed(self, job_id: str) -> tuple[JobView, int]:
         """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
 
-        What the search was told stays as it was; see :mod:`workers.coordinator.retry`.
+        What the search was told stays as it was; see :mod:`geoswarm.workers.coordinator.retry`.
 
         Raises
         ------

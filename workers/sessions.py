@@ -15,9 +15,9 @@ from datetime import datetime
 
 from sqlalchemy import Connection
 
-from workers.access import Principal
-from workers.store import Store, api_keys, sessions
-from workers.store.codec import to_datetime
+from geoswarm.workers.access import Principal
+from geoswarm.workers.store import Store, api_keys, sessions
+from geoswarm.workers.store.codec import to_datetime
 
 __all__ = ["SESSION_SECONDS", "SessionBook", "SessionView"]
 

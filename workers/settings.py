@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
-from workers.errors import SettingsError
+from geoswarm.workers.errors import SettingsError
 
 __all__ = ["Settings", "mask_url"]
 

@@ -10,20 +10,32 @@ from typing import Any, TypeAlias
 import numpy as np
 from sqlalchemy import Connection
 
-from solver.calibration import Calibration
-from solver.identifiability import Linearisation, Samples, reweight
-from solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
-from solver.identifiability.posterior import Posterior, sample_posterior
-from solver.identifiability.weighting import Weighting
-from solver.problem import MonteCarloMethod, Problem, parse_problem
-from solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
-from workers.errors import JobNotFoundError
-from workers.shelf import Shelf
-from workers.store import Store, jobs
-from workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_problem, unpack_responses
-from workers.store.evaluations import get_evaluation
-from workers.store.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
-from workers.store.selection import MOST_READ, chosen_generations, counted_failures, read_evaluations, read_records
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Linearisation, Samples, reweight
+from geoswarm.solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
+from geoswarm.solver.identifiability.posterior import Posterior, sample_posterior
+from geoswarm.solver.identifiability.weighting import Weighting
+from geoswarm.solver.problem import MonteCarloMethod, Problem, parse_problem
+from geoswarm.solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
+from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.shelf import Shelf
+from geoswarm.workers.store import Store, jobs
+from geoswarm.workers.store.codec import (
+    to_optional_datetime,
+    unpack_array,
+    unpack_json,
+    unpack_problem,
+    unpack_responses,
+)
+from geoswarm.workers.store.evaluations import get_evaluation
+from geoswarm.workers.store.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
+from geoswarm.workers.store.selection import (
+    MOST_READ,
+    chosen_generations,
+    counted_failures,
+    read_evaluations,
+    read_records,
+)
 
 __all__ = ["StatisticsDesk", "StoredJob"]
 
@@ -52,8 +64,8 @@ class StatisticsDesk:
     store
         Where the evaluations are.
     find
-        Returns the row of a job, or raises :class:`workers.errors.JobNotFoundError`, also for a job that the one who
-        asks may not see. It is asked before anything is taken from the shelf.
+        Returns the row of a job, or raises :class:`geoswarm.workers.errors.JobNotFoundError`, also for a job that the
+        one who asks may not see. It is asked before anything is taken from the shelf.
     shelf
         What was made already, for everybody.
     """

@@ -10,17 +10,17 @@ from types import FrameType
 
 from sqlalchemy import Connection
 
-from workers.coordinator.runtime import Runtime
-from workers.doorbell import Doorbell
-from workers.errors import StoreUnavailableError
-from workers.identity import is_dead
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.database import Record
-from workers.store.evaluations import overdue
-from workers.store.jobs import account_running_time, clocks_overdue, get_job
-from workers.store.line import claimable_jobs, mark_rung
-from workers.store.workers import (
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.identity import is_dead
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.evaluations import overdue
+from geoswarm.workers.store.jobs import account_running_time, clocks_overdue, get_job
+from geoswarm.workers.store.line import claimable_jobs, mark_rung
+from geoswarm.workers.store.workers import (
     any_lost_before,
     busy_workers,
     count_live,
@@ -28,7 +28,7 @@ from workers.store.workers import (
     mark_lost,
     overdue_workers,
 )
-from workers.tally import tally
+from geoswarm.workers.tally import tally
 
 __all__ = ["Sweeper", "run_sweep"]
 
@@ -142,8 +142,8 @@ def run_sweep(settings: Settings) -> None:
     StoreUnavailableError
         When the database cannot be reached at the start.
     """
-    from workers.celery_app import CeleryDoorbell
-    from workers.doorbell import MuteDoorbell
+    from geoswarm.workers.celery_app import CeleryDoorbell
+    from geoswarm.workers.doorbell import MuteDoorbell
 
     store = Store(settings)
     doorbell: Doorbell = CeleryDoorbell(settings) if settings.broker_url else MuteDoorbell()

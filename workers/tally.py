@@ -14,9 +14,9 @@ from sqlalchemy import Connection, select
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
-from workers.errors import StoreUnavailableError
-from workers.store import Store
-from workers.store.tables import counters
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.tables import counters
 
 __all__ = ["BUCKETS", "Tally", "read_counters", "tally"]
 

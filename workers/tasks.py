@@ -13,17 +13,17 @@ from typing import Any
 from celery import current_app, shared_task
 from celery.signals import worker_init, worker_process_init, worker_process_shutdown, worker_shutting_down
 
-from workers.celery_app import SERVE_TASK, CeleryDoorbell
-from workers.errors import StoreUnavailableError
-from workers.identity import Identity
-from workers.runner.processes import kill_descendants
-from workers.runner.wire import anonymous_file
-from workers.settings import Settings
-from workers.slots import Slots
-from workers.store import Store
-from workers.sweep import Sweeper
-from workers.warm import warm_up
-from workers.worker import Worker
+from geoswarm.workers.celery_app import SERVE_TASK, CeleryDoorbell
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.runner.processes import kill_descendants
+from geoswarm.workers.runner.wire import anonymous_file
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.slots import Slots
+from geoswarm.workers.store import Store
+from geoswarm.workers.sweep import Sweeper
+from geoswarm.workers.warm import warm_up
+from geoswarm.workers.worker import Worker
 
 __all__ = ["serve"]
 

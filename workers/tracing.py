@@ -10,7 +10,7 @@ import time
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-from workers.errors import SettingsError
+from geoswarm.workers.errors import SettingsError
 
 __all__ = ["enabled", "record_span", "span", "start_tracing"]
 

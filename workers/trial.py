@@ -6,13 +6,13 @@ import threading
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.check import CheckReport, check_problem
-from solver.problem import Problem
-from workers.runner.evaluator import Evaluator, InlineEvaluator, limits_of
-from workers.runner.runner import Runner
-from workers.settings import Settings
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.check import CheckReport, check_problem
+from geoswarm.solver.problem import Problem
+from geoswarm.workers.runner.evaluator import Evaluator, InlineEvaluator, limits_of
+from geoswarm.workers.runner.runner import Runner
+from geoswarm.workers.settings import Settings
 
 __all__ = ["TrialBench"]
 
@@ -30,13 +30,13 @@ class TrialBench:
         self._number = 0
 
     def check(self, problem: Problem) -> CheckReport:
-        """Make a test run and estimate the cost of a problem; see :func:`solver.check.check_problem`."""
+        """Make a test run and estimate the cost of a problem; see :func:`geoswarm.solver.check.check_problem`."""
         with self._lock:
             self._number += 1
             return check_problem(problem, self._evaluate)
 
     def fields(self, problem: Problem, parameters: FloatArray, part: str) -> Evaluation:
-        """Run a forward calculation for the fields of a body, see :func:`solver.fields.evaluate_fields`."""
+        """Run a forward calculation for the fields of a body, see :func:`geoswarm.solver.fields.evaluate_fields`."""
         with self._lock:
             self._number += 1
             return self._evaluate(Calibration(problem, 0), parameters, part)

@@ -141,7 +141,7 @@ class AttemptView:
 @dataclass(frozen=True, slots=True)
 class GenerationView:
     """One finished generation; ``evaluations`` and ``failed`` are totals so far, ``objective`` and ``parameters`` the
-    best so far; ``diversity``, see :mod:`solver.search.diversity`, where it was asked for."""
+    best so far; ``diversity``, see :mod:`geoswarm.solver.search.diversity`, where it was asked for."""
 
     number: int
     evaluations: int

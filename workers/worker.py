@@ -7,29 +7,29 @@ import time
 from collections import OrderedDict
 from functools import partial
 
-from solver.calibration import Calibration, Progress
-from solver.errors import InfeasibleSpaceError
-from solver.problem import parse_problem
-from workers.coordinator.runtime import Runtime
-from workers.coordinator.work import Claim, Exchange, HandIn
-from workers.doorbell import Doorbell
-from workers.errand import Errand
-from workers.errors import StoreUnavailableError, WorkersError
-from workers.heart import Heart
-from workers.identity import Identity
-from workers.runner.evaluator import Evaluator, InlineEvaluator
-from workers.runner.runner import Runner
-from workers.settings import Settings
-from workers.slots import Slots
-from workers.store import Store
-from workers.store.codec import unpack_problem
-from workers.store.database import Record
-from workers.store.jobs import current_generation, get_problem
-from workers.store.line import claimable_jobs
-from workers.store.offers import read_offer
-from workers.store.workers import busy_workers, count_live, forget_worker
-from workers.tally import tally
-from workers.tracing import span
+from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
+from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.errand import Errand
+from geoswarm.workers.errors import StoreUnavailableError, WorkersError
+from geoswarm.workers.heart import Heart
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.runner.evaluator import Evaluator, InlineEvaluator
+from geoswarm.workers.runner.runner import Runner
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.slots import Slots
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.codec import unpack_problem
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.jobs import current_generation, get_problem
+from geoswarm.workers.store.line import claimable_jobs
+from geoswarm.workers.store.offers import read_offer
+from geoswarm.workers.store.workers import busy_workers, count_live, forget_worker
+from geoswarm.workers.tally import tally
+from geoswarm.workers.tracing import span
 
 __all__ = ["Worker"]
 
@@ -217,7 +217,7 @@ class Worker:
     def _early(
         self, job_id: str, calibration: Calibration, turn: _Turn, hand_in: HandIn, want: bool
     ) -> tuple[bool, Claim | None]:
-        """Hand in what is ready while an evaluation runs; see :data:`workers.errand.Early`."""
+        """Hand in what is ready while an evaluation runs; see :data:`geoswarm.workers.errand.Early`."""
         try:
             answer = self._ask(job_id, calibration, hand_in, turn, want=want)
             if answer.rings or (answer.left and not want):

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from api.pages import compare, job, jobs, mesh, new, sign_in, statistics, workers
-from api.pages.shell import error_page
+from geoswarm.api.pages import compare, job, jobs, mesh, new, sign_in, statistics, workers
+from geoswarm.api.pages.shell import error_page
 
 __all__ = ["error_page", "router"]
 

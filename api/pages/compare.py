@@ -7,8 +7,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 
-from api.dependencies import Service
-from api.pages.shell import render
+from geoswarm.api.dependencies import Service
+from geoswarm.api.pages.shell import render
 
 __all__ = ["router"]
 

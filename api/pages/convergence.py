@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from workers.views import GenerationView
+from geoswarm.workers.views import GenerationView
 
 __all__ = ["LEFT", "PLOT_WIDTH", "RIGHT", "Convergence", "convergence"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
-from api.dependencies import JobId, Service
-from api.pages.convergence import convergence
-from api.pages.shell import render
+from geoswarm.api.dependencies import JobId, Service
+from geoswarm.api.pages.convergence import convergence
+from geoswarm.api.pages.shell import render
 
 __all__ = ["router"]
 

@@ -7,11 +7,11 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 
-from api.dependencies import Service
-from api.pages.shell import render
-from api.pages.sparkline import sparkline
-from workers.coordinator.machine import JOB_STATES
-from workers.store.job_list import JobFilters, SortKey
+from geoswarm.api.dependencies import Service
+from geoswarm.api.pages.shell import render
+from geoswarm.api.pages.sparkline import sparkline
+from geoswarm.workers.coordinator.machine import JOB_STATES
+from geoswarm.workers.store.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
 

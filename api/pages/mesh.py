@@ -7,8 +7,8 @@ from typing import Any
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
-from api.dependencies import JobId, Service
-from api.pages.shell import render
+from geoswarm.api.dependencies import JobId, Service
+from geoswarm.api.pages.shell import render
 
 __all__ = ["router"]
 

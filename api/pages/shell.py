@@ -9,12 +9,12 @@ from fastapi import Request
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from api.assets import PLOTLY, Assets
-from api.authentication import Identity
-from api.errors import DetailError
-from api.feed import ENDED_STATES
-from api.headers import PLOT_POLICY
-from workers.views import JobView
+from geoswarm.api.assets import PLOTLY, Assets
+from geoswarm.api.authentication import Identity
+from geoswarm.api.errors import DetailError
+from geoswarm.api.feed import ENDED_STATES
+from geoswarm.api.headers import PLOT_POLICY
+from geoswarm.workers.views import JobView
 
 __all__ = ["error_page", "number", "progress", "render", "words"]
 

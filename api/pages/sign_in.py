@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 
-from api.pages.shell import render
+from geoswarm.api.pages.shell import render
 
 __all__ = ["own_address", "router"]
 

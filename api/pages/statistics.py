@@ -5,8 +5,8 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
-from api.dependencies import JobId, Service
-from api.pages.shell import render
+from geoswarm.api.dependencies import JobId, Service
+from geoswarm.api.pages.shell import render
 
 __all__ = ["router"]
 

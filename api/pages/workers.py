@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
-from api.pages.shell import render
+from geoswarm.api.pages.shell import render
 
 __all__ = ["router"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from api.routes import (
+from geoswarm.api.routes import (
     administration,
     events,
     examples,

@@ -6,13 +6,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Path
 
-from api.administration_schemas import Key, KeyList, NewKey, NewKeyRequest, Operations
-from api.dependencies import Feed, Service, problems_of
-from api.errors import DetailError
-from solver.errors import Issue
-from workers.errors import KeyNotFoundError, SettingsError
-from workers.keys import KeyRing
-from workers.service import JobService
+from geoswarm.api.administration_schemas import Key, KeyList, NewKey, NewKeyRequest, Operations
+from geoswarm.api.dependencies import Feed, Service, problems_of
+from geoswarm.api.errors import DetailError
+from geoswarm.solver.errors import Issue
+from geoswarm.workers.errors import KeyNotFoundError, SettingsError
+from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.service import JobService
 
 __all__ = ["router"]
 

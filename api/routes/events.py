@@ -11,10 +11,10 @@ import anyio.to_thread
 from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import StreamingResponse
 
-from api.dependencies import Feed, JobId, Service, problems_of
-from api.errors import DetailError
-from api.feed import EventFeed
-from workers.views import EventView
+from geoswarm.api.dependencies import Feed, JobId, Service, problems_of
+from geoswarm.api.errors import DetailError
+from geoswarm.api.feed import EventFeed
+from geoswarm.workers.views import EventView
 
 __all__ = ["encode_event", "router"]
 

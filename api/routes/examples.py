@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from api.dependencies import problems_of
-from api.draft_schemas import Example, ExampleList, ExampleSummary
-from api.drafts import find_examples
-from api.errors import DetailError
+from geoswarm.api.dependencies import problems_of
+from geoswarm.api.draft_schemas import Example, ExampleList, ExampleSummary
+from geoswarm.api.drafts import find_examples
+from geoswarm.api.errors import DetailError
 
 __all__ = ["router"]
 

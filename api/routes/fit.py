@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query
 from pydantic import Field
 
-from api.dependencies import JobId, Service, problems_of
-from api.errors import DetailError
-from api.schemas import Model, Number
-from workers.fit import fit_of
+from geoswarm.api.dependencies import JobId, Service, problems_of
+from geoswarm.api.errors import DetailError
+from geoswarm.api.schemas import Model, Number
+from geoswarm.workers.fit import fit_of
 
 __all__ = ["router"]
 

@@ -8,12 +8,12 @@ from typing import Any
 from fastapi import APIRouter
 from pydantic import ValidationError
 
-from api.dependencies import problems_of
-from api.errors import DetailError
-from api.schemas import ForwardModelDetail, ForwardModelList, ForwardModelSummary, Parameter, Series
-from solver.errors import BrokenForwardModelError, ExpressionError, ProblemError, UnknownForwardModelError
-from solver.forward.base import ForwardModel, ForwardModelSpec
-from solver.forward.registry import find_spec, kinds, parse_spec
+from geoswarm.api.dependencies import problems_of
+from geoswarm.api.errors import DetailError
+from geoswarm.api.schemas import ForwardModelDetail, ForwardModelList, ForwardModelSummary, Parameter, Series
+from geoswarm.solver.errors import BrokenForwardModelError, ExpressionError, ProblemError, UnknownForwardModelError
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.forward.registry import find_spec, kinds, parse_spec
 
 __all__ = ["EXAMPLES", "router"]
 

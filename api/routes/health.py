@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
-from api.dependencies import Service
-from api.schemas import Health, Liveness
+from geoswarm.api.dependencies import Service
+from geoswarm.api.schemas import Health, Liveness
 
 __all__ = ["router"]
 

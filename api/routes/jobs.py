@@ -6,11 +6,11 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Header, Query, Request, Response
 
-from api.bodies import ProblemDocument
-from api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from api.schemas import Job, JobChange, JobPage, JobState, Retry
-from solver.problem import parse_problem
-from workers.store.job_list import JobFilters, SortKey
+from geoswarm.api.bodies import ProblemDocument
+from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
+from geoswarm.api.schemas import Job, JobChange, JobPage, JobState, Retry
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.store.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
 

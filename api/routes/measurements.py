@@ -7,12 +7,12 @@ from typing import Annotated
 import anyio.to_thread
 from fastapi import APIRouter, Query, Request
 
-from api.bodies import FileContent
-from api.dependencies import limiter, problems_of
-from api.draft_schemas import MeasurementFile
-from api.errors import DetailError
-from solver.errors import Issue
-from solver.problem import TableError, read_measurements
+from geoswarm.api.bodies import FileContent
+from geoswarm.api.dependencies import limiter, problems_of
+from geoswarm.api.draft_schemas import MeasurementFile
+from geoswarm.api.errors import DetailError
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.problem import TableError, read_measurements
 
 __all__ = ["router"]
 

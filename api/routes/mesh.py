@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request
 
-from api.dependencies import JobId, Service, limiter, problems_of
-from api.errors import DetailError
-from api.mesh_schemas import MeshAnswer, MeshFields
-from solver.report.curves import objective_unit
-from solver.report.jsonable import jsonable
-from workers.errors import NoBodyError
-from workers.service import JobService
+from geoswarm.api.dependencies import JobId, Service, limiter, problems_of
+from geoswarm.api.errors import DetailError
+from geoswarm.api.mesh_schemas import MeshAnswer, MeshFields
+from geoswarm.solver.report.curves import objective_unit
+from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.workers.errors import NoBodyError
+from geoswarm.workers.service import JobService
 
 if TYPE_CHECKING:
-    from workers.bodies import Body
+    from geoswarm.workers.bodies import Body
 
 __all__ = ["router"]
 

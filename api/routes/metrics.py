@@ -14,9 +14,9 @@ from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
 from prometheus_client.registry import Collector
 
-from api.dependencies import Feed, Service, problems_of
-from workers.measures import Measures
-from workers.tally import BUCKETS
+from geoswarm.api.dependencies import Feed, Service, problems_of
+from geoswarm.workers.measures import Measures
+from geoswarm.workers.tally import BUCKETS
 
 __all__ = ["CONTENT_TYPE", "router"]
 

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from api.dependencies import JobId, Service, problems_of
-from api.points import MEDIA_TYPE, compressed, points_block
+from geoswarm.api.dependencies import JobId, Service, problems_of
+from geoswarm.api.points import MEDIA_TYPE, compressed, points_block
 
 __all__ = ["router"]
 

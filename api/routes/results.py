@@ -12,10 +12,10 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from api.errors import DetailError
-from api.parquet import parquet_available, parquet_pieces
-from api.schemas import (
+from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
+from geoswarm.api.errors import DetailError
+from geoswarm.api.parquet import parquet_available, parquet_pieces
+from geoswarm.api.schemas import (
     Attempt,
     AttemptList,
     Best,
@@ -25,9 +25,9 @@ from api.schemas import (
     Generation,
     GenerationList,
 )
-from api.schemas import Response as ResponseValues
-from solver.problem import parse_problem
-from workers.views import EvaluationView
+from geoswarm.api.schemas import Response as ResponseValues
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.views import EvaluationView
 
 __all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]
 

@@ -7,14 +7,14 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from api.dependencies import JobId, Service, problems_of
-from api.errors import DetailError
-from api.headers import DOCUMENT_POLICY
-from api.statistics_schemas import FigureList, ReweightAnswer, StatisticsAnswer
-from api.views import WantedView
-from solver.report import Report, figures_available, png_of, svg_of
-from solver.report.jsonable import jsonable
-from workers.service import JobService
+from geoswarm.api.dependencies import JobId, Service, problems_of
+from geoswarm.api.errors import DetailError
+from geoswarm.api.headers import DOCUMENT_POLICY
+from geoswarm.api.statistics_schemas import FigureList, ReweightAnswer, StatisticsAnswer
+from geoswarm.api.views import WantedView
+from geoswarm.solver.report import Report, figures_available, png_of, svg_of
+from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.workers.service import JobService
 
 __all__ = ["ReweightRequest", "router"]
 

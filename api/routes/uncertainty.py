@@ -7,19 +7,19 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Request, Response
 
-from api.dependencies import JobId, Service, problems_of
-from api.schemas import Job
-from api.statistics_schemas import (
+from geoswarm.api.dependencies import JobId, Service, problems_of
+from geoswarm.api.schemas import Job
+from geoswarm.api.statistics_schemas import (
     GlobalRequest,
     PosteriorAnswer,
     ProfileRequest,
     SensitivityRequest,
     UncertaintyAnswer,
 )
-from api.views import Noise
-from solver.report.jsonable import jsonable
-from workers.follow_ups import submit_global_sensitivity, submit_profile, submit_sensitivity
-from workers.views import JobView
+from geoswarm.api.views import Noise
+from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.workers.follow_ups import submit_global_sensitivity, submit_profile, submit_sensitivity
+from geoswarm.workers.views import JobView
 
 __all__ = ["router"]
 

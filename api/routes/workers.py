@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from api.dependencies import Service, problems_of
-from api.schemas import Worker, WorkerList
+from geoswarm.api.dependencies import Service, problems_of
+from geoswarm.api.schemas import Worker, WorkerList
 
 __all__ = ["router"]
 

@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 
 from benchmarks.search.problems import Task
-from solver.arrays import FloatArray
-from solver.search import ParticleSwarm, Runs, SwarmSettings
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search import ParticleSwarm, Runs, SwarmSettings
 
 __all__ = ["METHODS", "Outcome"]
 

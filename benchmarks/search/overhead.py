@@ -7,8 +7,8 @@ import time
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from solver.arrays import FloatArray, IntArray
-from solver.search import ParticleSwarm, Runs, SearchSpace, SwarmSettings
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.search import ParticleSwarm, Runs, SearchSpace, SwarmSettings
 
 __all__ = ["measure"]
 

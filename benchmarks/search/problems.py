@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.problem import load_problem, parse_problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.problem import load_problem, parse_problem
 
 __all__ = ["PROBLEMS", "Task"]
 

@@ -13,8 +13,8 @@ from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number
 
 if TYPE_CHECKING:
-    from solver.check import CheckReport
-    from solver.problem import Problem
+    from geoswarm.solver.check import CheckReport
+    from geoswarm.solver.problem import Problem
 
 __all__ = ["check_command"]
 
@@ -28,8 +28,8 @@ def check_command(problem: Path, as_json: bool) -> None:
     Every mistake in the file is listed with its path. The test run uses the 'initial' values of the free parameters
     and the middle of the bounds of those without. Exit code 1 when the test run fails, 2 when the problem has mistakes.
     """
-    from solver.check import check_problem
-    from solver.problem import load_problem
+    from geoswarm.solver.check import check_problem
+    from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem)
     check = check_problem(loaded)
@@ -43,7 +43,7 @@ def check_command(problem: Path, as_json: bool) -> None:
 
 def _show(problem: Problem, check: CheckReport) -> None:
     from geoswarm.cli.labels import parameter_rows, with_unit
-    from solver.report import objective_unit
+    from geoswarm.solver.report import objective_unit
 
     run = check.test_run
     planned = check.planned_evaluations

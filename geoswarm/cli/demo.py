@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import socket
 
     from geoswarm.client import Job
-    from workers.service import JobService
+    from geoswarm.workers.service import JobService
 
 __all__ = ["LABORATORY", "PUBLISHED", "demo_command"]
 
@@ -49,8 +49,8 @@ def demo_command(port: int, workers: int, no_wait: bool) -> None:
     one job, and a page to look at. The reference data are synthetic: the model at the published identified parameters
     plus noise. On a terminal the service goes on until Ctrl-C, else the command ends after the search.
     """
-    from workers.engine import open_engine
-    from workers.settings import Settings
+    from geoswarm.workers.engine import open_engine
+    from geoswarm.workers.settings import Settings
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # stop the workers as on Ctrl-C
     with example_problem("oedometer") as problem, tempfile.TemporaryDirectory(prefix="geoswarm-demo-") as folder:
@@ -70,7 +70,7 @@ def demo_command(port: int, workers: int, no_wait: bool) -> None:
 
 
 def _listen(port: int) -> socket.socket:
-    from api import PortInUseError, bind
+    from geoswarm.api import PortInUseError, bind
 
     try:
         return bind("127.0.0.1", port)
@@ -81,8 +81,8 @@ def _listen(port: int) -> socket.socket:
 @contextmanager
 def _serving(service: JobService, listener: socket.socket) -> Iterator[str]:
     """Serve in a thread while the body runs; give the address."""
-    from api import ApiSettings
-    from api.server import base_url, build_server
+    from geoswarm.api import ApiSettings
+    from geoswarm.api.server import base_url, build_server
 
     started = threading.Event()
     server = build_server(service, listener, ApiSettings(), lambda _url: started.set())

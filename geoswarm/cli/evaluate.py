@@ -15,8 +15,8 @@ from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
 
 if TYPE_CHECKING:
-    from solver.calibration import Evaluation
-    from solver.problem import Problem
+    from geoswarm.solver.calibration import Evaluation
+    from geoswarm.solver.problem import Problem
 
 __all__ = ["evaluate_command"]
 
@@ -39,8 +39,8 @@ def evaluate_command(problem: Path, settings: tuple[str, ...], as_json: bool) ->
     bounds belong to the search. With --json all numbers are in base units (m, day, kPa), the tables without it are in
     the units of the observations.
     """
-    from solver.calibration import Calibration
-    from solver.problem import load_problem
+    from geoswarm.solver.calibration import Calibration
+    from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem)
     values = parameter_values(loaded, parse_settings(loaded, settings))
@@ -63,7 +63,7 @@ def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float
     BadInputError
         For a text of another form, an unknown or linked name, a name given twice, or a value that is no finite number.
     """
-    from solver.problem import LinkedParameter
+    from geoswarm.solver.problem import LinkedParameter
 
     given: dict[str, float] = {}
     for text in settings:
@@ -99,7 +99,7 @@ def parameter_values(problem: Problem, given: Mapping[str, float]) -> dict[str, 
     BadInputError
         When a free parameter has neither a given nor an initial value.
     """
-    from solver.problem import FixedParameter, LinkedParameter
+    from geoswarm.solver.problem import FixedParameter, LinkedParameter
 
     missing = [p.name for p in problem.free if p.name not in given and p.initial is None]
     if missing:
@@ -147,7 +147,7 @@ def _document(problem: Problem, values: Mapping[str, float], evaluation: Evaluat
 
 def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation) -> None:
     from geoswarm.cli.labels import parameter_rows, with_unit
-    from solver.report import objective_unit, series_curves, series_shares
+    from geoswarm.solver.report import objective_unit, series_curves, series_shares
 
     echo_facts(problem.name, {"objective": with_unit(number(evaluation.objective), objective_unit(problem))})
     echo_table(None, ("parameter", "", "value", "unit"), parameter_rows(problem, values), right=(2,))

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from geoswarm.cli.failures import BadInputError
-from solver.examples import example_file, example_names
+from geoswarm.solver.examples import example_file, example_names
 
 __all__ = ["example_problem"]
 

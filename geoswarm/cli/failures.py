@@ -88,7 +88,7 @@ def report(error: BaseException, session: Session) -> int:
 
 def explain(error: BaseException) -> tuple[str, int] | None:
     """Return message and exit code of an error that geoswarm raises on purpose; None for any other."""
-    from solver.errors import ForwardError, ProblemError, SolverError, WorkerLostError
+    from geoswarm.solver.errors import ForwardError, ProblemError, SolverError, WorkerLostError
 
     if isinstance(error, ProblemError):
         count = len(error.issues)
@@ -110,8 +110,8 @@ def _explain_service(error: BaseException) -> tuple[str, int] | None:
     bases = (
         ("geoswarm.client.errors", "JobFailedError", FAILED_RUN),
         ("geoswarm.client.errors", "GeoswarmError", BAD_INPUT),
-        ("workers.errors", "WorkersError", BAD_INPUT),
-        ("api.errors", "ApiError", BAD_INPUT),
+        ("geoswarm.workers.errors", "WorkersError", BAD_INPUT),
+        ("geoswarm.api.errors", "ApiError", BAD_INPUT),
     )
     for module, base, code in bases:
         loaded = sys.modules.get(module)

@@ -29,10 +29,10 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
     known = known_noise(noise)
     folder = as_folder(source)
     if folder is not None:
-        from solver.calibration import Calibration
-        from solver.identifiability.posterior import sample_posterior
-        from solver.report import run_of_folder
-        from solver.report.jsonable import jsonable
+        from geoswarm.solver.calibration import Calibration
+        from geoswarm.solver.identifiability.posterior import sample_posterior
+        from geoswarm.solver.report import run_of_folder
+        from geoswarm.solver.report.jsonable import jsonable
 
         stored = run_of_folder(folder)
         name, calibration = stored.problem.name, Calibration(stored.problem, stored.record.seed)

@@ -19,9 +19,9 @@ from geoswarm.cli.source import as_folder, known_noise, named_numbers, noise_opt
 
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
-    from solver.arrays import FloatArray
-    from solver.identifiability.follow_ups import Findings
-    from solver.problem import Problem
+    from geoswarm.solver.arrays import FloatArray
+    from geoswarm.solver.identifiability.follow_ups import Findings
+    from geoswarm.solver.problem import Problem
 
 __all__ = ["influence_command", "profile_command", "sensitivity_command"]
 
@@ -187,7 +187,7 @@ def _follow(client: Client, job: Job, as_json: bool, noise: Noise) -> None:
 
 
 def _tell(name: str, found: Findings, as_json: bool) -> None:
-    from solver.report.jsonable import jsonable
+    from geoswarm.solver.report.jsonable import jsonable
 
     document = jsonable(found.to_json())
     if as_json:
@@ -200,13 +200,13 @@ def _local(source: str, workers: int) -> _LocalRun | None:
     """What to do here: a folder of a run, or a problem file; None when it must be the id of a job."""
     path = Path(source)
     if path.is_file():
-        from solver.problem import load_problem
+        from geoswarm.solver.problem import load_problem
 
         return _LocalRun(load_problem(path), None, workers)
     folder = as_folder(source)
     if folder is None:
         return None
-    from solver.report import run_of_folder
+    from geoswarm.solver.report import run_of_folder
 
     return _LocalRun(run_of_folder(folder).problem, folder, workers)
 
@@ -228,14 +228,14 @@ class _LocalRun:
         return self.problem.seed or 0
 
     def sensitivity(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:
-        from solver.identifiability.follow_ups import sensitivity_problem
+        from geoswarm.solver.identifiability.follow_ups import sensitivity_problem
 
         problem = sensitivity_problem(self.problem, self._optimum(at), seed=self.seed, step=step, polish=polish)
         return self._run(problem, noise)
 
     def profile(self, at: dict[str, float] | None, parameters: list[str] | None, noise: Noise) -> Findings:
-        from solver.identifiability.follow_ups import profile_problem
-        from solver.report import findings_of_folder
+        from geoswarm.solver.identifiability.follow_ups import profile_problem
+        from geoswarm.solver.report import findings_of_folder
 
         found = None
         if self.folder is not None and at is None:
@@ -248,7 +248,7 @@ class _LocalRun:
         return self._run(profile_problem(self.problem, found, seed=self.seed, parameters=parameters), noise)
 
     def influence(self, kind: Literal["sobol", "morris"], samples: int | None) -> Findings:
-        from solver.identifiability.follow_ups import global_problem
+        from geoswarm.solver.identifiability.follow_ups import global_problem
 
         return self._run(global_problem(self.problem, seed=self.seed, kind=kind, samples=samples), None)
 
@@ -256,7 +256,7 @@ class _LocalRun:
         import numpy as np
 
         if at is None and self.folder is not None:
-            from solver.report import run_of_folder
+            from geoswarm.solver.report import run_of_folder
 
             samples = run_of_folder(self.folder).samples
             return np.asarray(samples.parameters[samples.best], dtype=np.float64)
@@ -272,9 +272,9 @@ class _LocalRun:
         return np.array([values[name] for name in names], dtype=np.float64)
 
     def _run(self, problem: Problem, noise: Noise) -> Findings:
-        from solver import report
-        from solver.identifiability.follow_ups import findings_of
-        from solver.local import calibrate
+        from geoswarm.solver import report
+        from geoswarm.solver.identifiability.follow_ups import findings_of
+        from geoswarm.solver.local import calibrate
 
         with progress_bar(problem.name, problem.planned_evaluations) as update:
             result = calibrate(

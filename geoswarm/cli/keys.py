@@ -14,8 +14,8 @@ from geoswarm.cli.spans import SPAN
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from workers.access import Role
-    from workers.store import Store
+    from geoswarm.workers.access import Role
+    from geoswarm.workers.store import Store
 
 __all__ = ["keys_command"]
 
@@ -44,7 +44,7 @@ def create_command(
     owner: str, role: Role, label: str, expires: float | None, as_json: bool, database: str | None
 ) -> None:
     """Make a key and print it, once: only its hash is kept."""
-    from workers.keys import KeyRing
+    from geoswarm.workers.keys import KeyRing
 
     store = _store(database)
     try:
@@ -63,7 +63,7 @@ def create_command(
 @database_option
 def list_keys_command(as_json: bool, database: str | None) -> None:
     """List the keys: everything but the keys themselves."""
-    from workers.keys import KeyRing
+    from geoswarm.workers.keys import KeyRing
 
     store = _store(database)
     try:
@@ -89,7 +89,7 @@ def list_keys_command(as_json: bool, database: str | None) -> None:
 @database_option
 def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
     """Make a key invalid, at once and for ever."""
-    from workers.keys import KEY_PATTERN, KeyRing
+    from geoswarm.workers.keys import KEY_PATTERN, KeyRing
 
     whole = KEY_PATTERN.fullmatch(key_id)
     store = _store(database)
@@ -104,8 +104,8 @@ def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
 
 
 def _store(database: str | None) -> Store:
-    from workers.settings import Settings
-    from workers.store import Store
+    from geoswarm.workers.settings import Settings
+    from geoswarm.workers.store import Store
 
     return Store(Settings.from_environment(database_url=database))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from geoswarm.cli.output import number
 
 if TYPE_CHECKING:
-    from solver.problem import Problem
+    from geoswarm.solver.problem import Problem
 
 __all__ = ["parameter_rows", "symbol_and_unit", "with_unit"]
 

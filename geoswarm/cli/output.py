@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from solver import words
+from geoswarm.solver import words
 
 if TYPE_CHECKING:
     from rich.console import Console

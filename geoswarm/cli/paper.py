@@ -73,8 +73,8 @@ def paper_command(
     measured values were never printed.
     """
     from geoswarm.paper import run_isotropic, run_oedometer, run_slope, write_page, write_study
-    from solver.problem import load_problem
-    from solver.report import figures_available
+    from geoswarm.solver.problem import load_problem
+    from geoswarm.solver.report import figures_available
 
     if not figures_available():
         raise BadInputError("reports need matplotlib: pip install 'geoswarm[plots]'")

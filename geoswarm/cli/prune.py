@@ -29,9 +29,9 @@ def prune_command(
     belongs to them; then the space is given back. Deleted data are overwritten in an SQLite file; backups are not
     touched.
     """
-    from workers.retention import prune
-    from workers.settings import Settings
-    from workers.store import Store
+    from geoswarm.workers.retention import prune
+    from geoswarm.workers.settings import Settings
+    from geoswarm.workers.store import Store
 
     store = Store(Settings.from_environment(database_url=database))
     try:

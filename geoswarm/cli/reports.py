@@ -70,7 +70,7 @@ def report_command(
 
 
 def _of_folder(folder: Path, target: Path, view: dict[str, Any], html: bool, pdf: bool, figures: bool) -> list[Path]:
-    from solver.report import figures_available, report_of_folder
+    from geoswarm.solver.report import figures_available, report_of_folder
 
     if not figures_available():
         raise BadInputError("reports need matplotlib: pip install 'geoswarm[plots]'")

@@ -72,9 +72,9 @@ def reweight_command(
 
 
 def _of_folder(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
-    from solver.identifiability import reweight
-    from solver.report import reweighted_document, run_of_folder
-    from solver.report.jsonable import jsonable
+    from geoswarm.solver.identifiability import reweight
+    from geoswarm.solver.report import reweighted_document, run_of_folder
+    from geoswarm.solver.report.jsonable import jsonable
 
     stored = run_of_folder(folder)
     if stored.samples.size == 0:

@@ -15,9 +15,9 @@ from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, not
 from geoswarm.cli.progress import progress_bar
 
 if TYPE_CHECKING:
-    from solver.calibration import Offer
-    from solver.local import CalibrationResult, GenerationRecord
-    from solver.problem import Problem
+    from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.local import CalibrationResult, GenerationRecord
+    from geoswarm.solver.problem import Problem
 
 __all__ = ["run_command"]
 
@@ -50,9 +50,9 @@ def run_command(
 
     The number of workers changes the time, never the result. Exit code 1 when no forward run succeeded.
     """
-    from solver.local import calibrate
-    from solver.problem import load_problem
-    from solver.problem.running import Limits
+    from geoswarm.solver.local import calibrate
+    from geoswarm.solver.problem import load_problem
+    from geoswarm.solver.problem.running import Limits
 
     loaded = load_problem(problem)
     if loaded.limits != Limits():
@@ -75,8 +75,8 @@ def run_command(
 
 def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
     """What earlier runs offer; a folder that offers nothing is an error."""
-    from solver.report.folder import FolderError, run_of_folder
-    from solver.warm_start import EarlierRuns, best_of, offer_of
+    from geoswarm.solver.report.folder import FolderError, run_of_folder
+    from geoswarm.solver.warm_start import EarlierRuns, best_of, offer_of
 
     offers = []
     for folder in folders:
@@ -145,7 +145,7 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
 
 def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> list[Path]:
     """Write all files of a result; without matplotlib the tables only, with a note on stderr."""
-    from solver import report
+    from geoswarm.solver import report
 
     names = ("result.json", "problem.json", "evaluations.csv", "generations.csv", "responses.npz")
     written = [folder / name for name in names]
@@ -163,7 +163,7 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> l
 def show_result(problem: Problem, result: CalibrationResult) -> None:
     """Write the tables of a finished calibration."""
     from geoswarm.cli.labels import with_unit
-    from solver.report import objective_unit, series_shares
+    from geoswarm.solver.report import objective_unit, series_shares
 
     if result.parameters is None or result.best is None:
         return
@@ -194,7 +194,7 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
 
 def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[str, ...]]:
     from geoswarm.cli.labels import symbol_and_unit
-    from solver.problem import FreeParameter, LinkedParameter
+    from geoswarm.solver.problem import FreeParameter, LinkedParameter
 
     rows: list[tuple[str, ...]] = []
     for name, parameter in problem.parameters.items():

@@ -12,7 +12,7 @@ from geoswarm.cli.options import api_key_option, broker_option, database_option
 from geoswarm.cli.output import note
 
 if TYPE_CHECKING:
-    from workers.settings import Settings
+    from geoswarm.workers.settings import Settings
 
 __all__ = ["refuse_open_door", "serve_command", "sweep_command", "worker_command"]
 
@@ -45,9 +45,9 @@ _format_option = click.option(
 
 def prepare(part: str, level: str, form: str, settings: Settings) -> None:
     """Begin with logs and traces, and refuse secrets that everybody knows."""
-    from workers.logs import start_logging
-    from workers.secrets import refuse_known_secrets
-    from workers.tracing import start_tracing
+    from geoswarm.workers.logs import start_logging
+    from geoswarm.workers.secrets import refuse_known_secrets
+    from geoswarm.workers.tracing import start_tracing
 
     start_logging(level, "json" if form == "json" else "text")
     refuse_known_secrets(settings)
@@ -80,7 +80,7 @@ def group_settings(kinds: str | None, slots: str | None) -> dict[str, Any]:
     BadInputError
         When a number of slots cannot be read, or a kind is not installed here.
     """
-    from solver.forward.registry import kinds as installed
+    from geoswarm.solver.forward.registry import kinds as installed
 
     chosen = None if kinds is None else tuple(kind.strip() for kind in kinds.split(",") if kind.strip())
     limits: dict[str, int] | None = None
@@ -132,10 +132,10 @@ def serve_command(
     On this machine alone and without a broker no API key is needed; otherwise make one with 'geoswarm keys create
     --owner NAME --role admin' on the same database, or give GEOSWARM_API_KEY.
     """
-    from api import ApiSettings, bind, serve
-    from workers.engine import open_engine
-    from workers.keys import KeyRing
-    from workers.settings import Settings
+    from geoswarm.api import ApiSettings, bind, serve
+    from geoswarm.workers.engine import open_engine
+    from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.settings import Settings
 
     group = group_settings(kinds, slots)
     settings = Settings.from_environment(database_url=database, broker_url=broker, workers=workers, **group)
@@ -171,9 +171,9 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
     SettingsError
         When the key could be guessed.
     """
-    from workers.keys import KeyRing
-    from workers.secrets import is_loopback, refuse_weak_key
-    from workers.store import Store
+    from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.secrets import is_loopback, refuse_weak_key
+    from geoswarm.workers.store import Store
 
     if api_key:
         refuse_weak_key(api_key)
@@ -215,8 +215,8 @@ def worker_command(
     Give the same database and broker as to 'geoswarm serve'. Ctrl-C or SIGTERM stops it; what it was calculating is
     given to other workers.
     """
-    from workers.celery_app import run_celery_worker
-    from workers.settings import Settings
+    from geoswarm.workers.celery_app import run_celery_worker
+    from geoswarm.workers.settings import Settings
 
     group = group_settings(kinds, slots)
     settings = Settings.from_environment(database_url=database, broker_url=broker, **group)
@@ -239,8 +239,8 @@ def sweep_command(database: str | None, broker: str | None, log_level: str, log_
 
     Every service and worker does this, too. A sweep of its own keeps jobs going while no service runs.
     """
-    from workers.settings import Settings
-    from workers.sweep import run_sweep
+    from geoswarm.workers.settings import Settings
+    from geoswarm.workers.sweep import run_sweep
 
     settings = Settings.from_environment(database_url=database, broker_url=broker)
     prepare("sweep", log_level, log_format, settings)

@@ -16,7 +16,7 @@ from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
 from geoswarm.cli.source import as_folder, known_noise, noise_option, threshold_check
 
 if TYPE_CHECKING:
-    from solver.problem import Problem
+    from geoswarm.solver.problem import Problem
 
 __all__ = ["statistics_command"]
 
@@ -59,8 +59,8 @@ def statistics_command(
     known = known_noise(noise)
     folder = as_folder(source)
     if folder is not None:
-        from solver.report import report_of_folder
-        from solver.report.jsonable import jsonable
+        from geoswarm.solver.report import report_of_folder
+        from geoswarm.solver.report.jsonable import jsonable
 
         report = report_of_folder(folder, threshold=threshold, noise=known)
         if report.statistics is None:
@@ -149,7 +149,7 @@ def _follow_up(
 
 
 def _checked(document: dict[str, Any]) -> Problem:
-    from solver.problem import parse_problem
+    from geoswarm.solver.problem import parse_problem
 
     return parse_problem(document)
 

@@ -183,11 +183,11 @@ def _problem_text(problem: Problem) -> str:
 
     Raises
     ------
-    solver.errors.ProblemError
+    geoswarm.solver.errors.ProblemError
         When the file, or one that it refers to, cannot be read or is wrong.
     """
     if isinstance(problem, str | Path):
-        from solver.problem import load_problem  # slow; only needed for files
+        from geoswarm.solver.problem import load_problem  # slow; only needed for files
 
         problem = load_problem(Path(problem)).document()
     return json.dumps(problem, default=plain)

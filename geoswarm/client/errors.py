@@ -13,7 +13,7 @@
         ├── InvalidProblemError     422: what was sent is wrong; ``issues`` lists every mistake
         └── ServerError             5xx: the service has a problem, ``detail`` says which
 
-Problem files that cannot be read raise :class:`solver.errors.ProblemError` before anything is sent.
+Problem files that cannot be read raise :class:`geoswarm.solver.errors.ProblemError` before anything is sent.
 """
 
 from __future__ import annotations

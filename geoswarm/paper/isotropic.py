@@ -23,10 +23,10 @@ from geoswarm.paper.study import (
     row,
     sample,
 )
-from solver.identifiability import FittedLine, fit_line
-from solver.local import CalibrationResult, calibrate
-from solver.problem import Problem, parse_problem
-from solver.report import report_of_result
+from geoswarm.solver.identifiability import FittedLine, fit_line
+from geoswarm.solver.local import CalibrationResult, calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.report import report_of_result
 
 __all__ = ["run_isotropic"]
 

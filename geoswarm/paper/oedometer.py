@@ -23,9 +23,9 @@ from geoswarm.paper.study import (
     row,
     sample,
 )
-from solver.local import CalibrationResult, calibrate
-from solver.problem import Problem, parse_problem
-from solver.report import report_of_result
+from geoswarm.solver.local import CalibrationResult, calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.report import report_of_result
 
 __all__ = ["run_oedometer"]
 

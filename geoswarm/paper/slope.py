@@ -23,13 +23,13 @@ from geoswarm.paper.study import (
     row,
     sample,
 )
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.forward.section import SectionModel
-from solver.identifiability import Samples
-from solver.local import CalibrationResult, calibrate
-from solver.problem import Problem, parse_problem
-from solver.report import Report, linearise_stored, record_of_result
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.forward.section import SectionModel
+from geoswarm.solver.identifiability import Samples
+from geoswarm.solver.local import CalibrationResult, calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.report import Report, linearise_stored, record_of_result
 
 __all__ = ["run_slope"]
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.identifiability import Samples, Statistics, analyse
-from solver.identifiability.correlations import Coordinates
-from solver.local import CalibrationResult, calibrate
-from solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
-from solver.report import Report, record_of_result
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Samples, Statistics, analyse
+from geoswarm.solver.identifiability.correlations import Coordinates
+from geoswarm.solver.local import CalibrationResult, calibrate
+from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
+from geoswarm.solver.report import Report, record_of_result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,6 +1,6 @@
 """One time step of soft soil creep for a general stress: stress, consistent tangent and new state from a strain step.
 
-Stress (6,) and strain (6,) as in :mod:`solver.constitutive.tensors`, compression positive. State is ln p_p.
+Stress (6,) and strain (6,) as in :mod:`geoswarm.solver.constitutive.tensors`, compression positive. State is ln p_p.
 
 Algorithm
 ---------
@@ -10,7 +10,7 @@ With the secant moduli K and G = ratio K of the exact elastic law between the me
    coaxial with T;
 2. on the axes of T the strain equation ``elastic + creep + plastic = given`` is solved for the three principal stresses
    and the multipliers of the active planes by Newton's method (creep implicit at the new stress, equation set in
-   :mod:`solver.constitutive.soft_soil_creep`);
+   :mod:`geoswarm.solver.constitutive.soft_soil_creep`);
 3. G depends on the new mean stress: axes and solution are repeated until both agree. An error in the axes changes
    principal values to second order only, so this converges quadratically; coaxial steps need it once.
 
@@ -25,11 +25,11 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
-from solver.constitutive.tensors import principal_axes, rotation_matrix, solve_dense
-from solver.jit import kernel
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
+from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix, solve_dense
+from geoswarm.solver.jit import kernel
 
 __all__ = ["creep_update"]
 
@@ -223,8 +223,8 @@ def creep_update(
     -------
     stress, tangent, log_pp, active
         New stress (6,), d stress/d strain increment of this algorithm (6, 6), new ln p_p, and the number of the active
-        planes in :data:`solver.constitutive.mohr_coulomb.ACTIVE_SETS` (0: none). Inputs stay as they are. ``active`` is
-        -1 when there is no solution: the step is too large, and the other values mean nothing.
+        planes in :data:`geoswarm.solver.constitutive.mohr_coulomb.ACTIVE_SETS` (0: none). Inputs stay as they are.
+        ``active`` is -1 when there is no solution: the step is too large, and the other values mean nothing.
     """
     p_old = (stress[0] + stress[1] + stress[2]) / 3.0
     half = 0.5 / soil.shear_ratio

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.jit import kernel
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.jit import kernel
 
 __all__ = ["isotropic_stiffness", "linear_elastic"]
 

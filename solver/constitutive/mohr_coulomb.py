@@ -18,8 +18,8 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.jit import kernel
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.jit import kernel
 
 __all__ = ["ACTIVE_SETS", "PLANES", "principal_planes"]
 

@@ -2,7 +2,8 @@
 
 Components xx, yy, zz, xy, compression positive; z is a principal axis. Where Mohr-Coulomb flow plays no part, the new
 deviator is a multiple of the trial deviator, so the step is two equations in mean stress p and deviatoric stress q. Its
-result is that of :func:`solver.constitutive.creep_update.creep_update`, which takes over where the limit is reached.
+result is that of :func:`geoswarm.solver.constitutive.creep_update.creep_update`, which takes over where the limit is
+reached.
 """
 
 from __future__ import annotations
@@ -12,10 +13,10 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.constitutive.creep_update import creep_update
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
-from solver.jit import kernel
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.creep_update import creep_update
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
+from geoswarm.solver.jit import kernel
 
 __all__ = ["planar_creep"]
 
@@ -130,7 +131,7 @@ def planar_creep(
     stress, strain_increment
         Shape (4,): kPa, and strain with engineering shear; they stay as they are.
     log_time, log_pp, soil
-        As for :func:`solver.constitutive.creep_update.creep_update`.
+        As for :func:`geoswarm.solver.constitutive.creep_update.creep_update`.
     new, tangent
         Filled: stress (4,) and d stress/d strain increment of this algorithm (4, 4).
 

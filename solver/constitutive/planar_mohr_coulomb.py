@@ -2,7 +2,7 @@
 
 Components xx, yy, zz, xy, compression positive; z is a principal axis (plane strain, axisymmetry). The elastic trial
 stress is returned to the limit on its own principal axes, exactly: planes, edges, apex and tension cut-off are the
-active sets of :mod:`solver.constitutive.mohr_coulomb`.
+active sets of :mod:`geoswarm.solver.constitutive.mohr_coulomb`.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
-from solver.constitutive.tensors import solve_dense
-from solver.jit import kernel
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
+from geoswarm.solver.constitutive.tensors import solve_dense
+from geoswarm.solver.jit import kernel
 
 __all__ = ["planar_mohr_coulomb"]
 

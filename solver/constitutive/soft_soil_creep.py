@@ -31,8 +31,8 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple, TypeAlias
 
-from solver.errors import InfeasibleError
-from solver.jit import kernel
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.jit import kernel
 
 __all__ = [
     "ALPHA_GUARD",

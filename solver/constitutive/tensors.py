@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.jit import kernel
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.jit import kernel
 
 __all__ = ["flip_sign", "principal_axes", "rotation_matrix", "solve_dense"]
 

@@ -2,14 +2,15 @@
 
 The principal axes never turn and the two lateral directions are equal, so a step is one scalar equation for the lateral
 stress (confined specimen) or none at all (lateral stress prescribed). The physics is that of
-:mod:`solver.constitutive.soft_soil_creep`; the general update gives the same result (tested). Compression positive.
+:mod:`geoswarm.solver.constitutive.soft_soil_creep`; the general update gives the same result (tested). Compression
+positive.
 """
 
 from __future__ import annotations
 
 import math
 
-from solver.constitutive.soft_soil_creep import (
+from geoswarm.solver.constitutive.soft_soil_creep import (
     ALPHA_GUARD,
     SoftSoilCreep,
     creep_increment,
@@ -17,7 +18,7 @@ from solver.constitutive.soft_soil_creep import (
     equivalent_pressure,
     secant_compliance,
 )
-from solver.jit import kernel
+from geoswarm.solver.jit import kernel
 
 __all__ = ["confined_load", "confined_step", "creep_direction", "lateral_limits", "strain_increment"]
 

@@ -1,11 +1,11 @@
 """A history of constant axial loads on a specimen, by error-controlled steps: the fast path of the laboratory tests.
 
-Each stage is an instantaneous load (exact, :func:`solver.element_test.axial.confined_load`) and a hold. A hold is
-stepped in the logarithmic time ``s = ln(1 + t/theta)``, theta = tau (p_eq/p_p)^-beta at the beginning of the step: in
-it creep at constant stress is a straight line, whatever the creep exponent beta. A step is taken as one, two and three
-implicit substeps of equal length in s, which are extrapolated to third order; the difference between the second and
-third order is the error. Between the ends of a step, strain is the cubic through both values and rates; its third-order
-part is kept below the tolerance as well. Compression positive; kPa, day, logarithmic strain.
+Each stage is an instantaneous load (exact, :func:`geoswarm.solver.element_test.axial.confined_load`) and a hold. A hold
+is stepped in the logarithmic time ``s = ln(1 + t/theta)``, theta = tau (p_eq/p_p)^-beta at the beginning of the step:
+in it creep at constant stress is a straight line, whatever the creep exponent beta. A step is taken as one, two and
+three implicit substeps of equal length in s, which are extrapolated to third order; the difference between the second
+and third order is the error. Between the ends of a step, strain is the cubic through both values and rates; its
+third-order part is kept below the tolerance as well. Compression positive; kPa, day, logarithmic strain.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from solver.element_test.axial import (
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.element_test.axial import (
     confined_load,
     confined_step,
     creep_direction,
     lateral_limits,
     strain_increment,
 )
-from solver.jit import kernel
+from geoswarm.solver.jit import kernel
 
 __all__ = ["DIVERGED", "FAILED_SOIL", "FINISHED", "constant_load_history"]
 

@@ -1,7 +1,8 @@
 """What is prescribed at a material point during a stage: six combinations of stress or strain components.
 
-Components as in :mod:`solver.constitutive.tensors` (xx, yy, zz, xy, yz, zx; engineering shear strains), compression
-positive, zz axial. Strain is logarithmic where axes do not turn; read as small strain, the equations are the same.
+Components as in :mod:`geoswarm.solver.constitutive.tensors` (xx, yy, zz, xy, yz, zx; engineering shear strains),
+compression positive, zz axial. Strain is logarithmic where axes do not turn; read as small strain, the equations are
+the same.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 
 __all__ = ["AXIAL", "COMPONENTS", "Control", "Stage", "strain_change", "stress_value"]
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from solver.element_test.controls import Stage
-from solver.element_test.mixed_step import follow_stage
-from solver.errors import DivergedError
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.element_test.mixed_step import follow_stage
+from geoswarm.solver.errors import DivergedError
 
 __all__ = ["History", "PointState", "follow"]
 

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.constitutive.creep_update import creep_update
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from solver.constitutive.tensors import solve_dense
-from solver.jit import kernel
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.constitutive.creep_update import creep_update
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.constitutive.tensors import solve_dense
+from geoswarm.solver.jit import kernel
 
 __all__ = ["follow_stage", "mixed_step"]
 
@@ -66,7 +66,7 @@ def mixed_step(
         Shapes (6, 6), (6,), (6,): combinations, whether they are of stress or of the strain increment, and their values
         at the end of the step.
     stress, log_time, log_pp, soil
-        As for :func:`solver.constitutive.creep_update.creep_update`.
+        As for :func:`geoswarm.solver.constitutive.creep_update.creep_update`.
     guess
         Shape (6,), strain increment to start from.
 
@@ -198,10 +198,9 @@ def follow_stage(
 ) -> tuple[bool, float, FloatArray, FloatArray, FloatArray]:
     """Follow one movement of the controls, or one hold, with error-controlled steps.
 
-    A hold is stepped in the logarithmic time of :mod:`solver.element_test.constant_load`. One, two and three implicit
-    substeps a step are extrapolated to third order; the difference between second and
-    third order, in strain (stress scaled by the elastic, ln p_p by the plastic compliance), is the error. Every
-    requested time ends a step.
+    A hold is stepped in the logarithmic time of :mod:`geoswarm.solver.element_test.constant_load`. One, two and three
+    implicit substeps a step are extrapolated to third order; the difference between second and third order, in strain
+    (stress scaled by the elastic, ln p_p by the plastic compliance), is the error. Every requested time ends a step.
 
     Parameters
     ----------

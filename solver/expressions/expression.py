@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.errors import ExpressionError
-from solver.expressions.nodes import Evaluator, Node, array_evaluator, is_truth, names_of, scalar_evaluator
-from solver.expressions.parser import parse_tree
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.errors import ExpressionError
+from geoswarm.solver.expressions.nodes import Evaluator, Node, array_evaluator, is_truth, names_of, scalar_evaluator
+from geoswarm.solver.expressions.parser import parse_tree
 
 __all__ = ["Expression", "parse_expression"]
 

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from solver.expressions.functions import FUNCTIONS
+from geoswarm.solver.expressions.functions import FUNCTIONS
 
 __all__ = [
     "Call",

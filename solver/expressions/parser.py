@@ -21,9 +21,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from solver.errors import ExpressionError
-from solver.expressions.functions import CONSTANTS, FUNCTIONS, HINTS
-from solver.expressions.nodes import (
+from geoswarm.solver.errors import ExpressionError
+from geoswarm.solver.expressions.functions import CONSTANTS, FUNCTIONS, HINTS
+from geoswarm.solver.expressions.nodes import (
     Call,
     Comparison,
     Constant,

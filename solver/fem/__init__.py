@@ -3,9 +3,9 @@
 Tension is positive here; stress and strain have the components xx, yy, zz, xy (engineering shear strain), with z the
 circumference in axisymmetry (x radius, y height). Units kN, m, day. A calculation is a mesh, phases, and one call::
 
-    from solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb, SoftSoilCreepMaterial
-    from solver.fem.phases import Control, Fixity, Phase, Traction
-    from solver.fem.solve import solve_phases
+    from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb, SoftSoilCreepMaterial
+    from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+    from geoswarm.solver.fem.solve import solve_phases
 
     fixed = (Fixity("bottom", x=0.0, y=0.0), Fixity("left", x=0.0), Fixity("right", x=0.0))
     results = solve_phases(
@@ -21,7 +21,7 @@ circumference in axisymmetry (x radius, y height). Units kN, m, day. A calculati
     results[-1].history.displacements      # (times, points, 2) of the observed points
     results[-1].displacements              # (nodes, 2) at the end; .stress, .log_pp, .interface_tractions, .positions
 
-It raises :class:`solver.errors.DivergedError` with the phase, how far it came and why, when it cannot go on.
+It raises :class:`geoswarm.solver.errors.DivergedError` with the phase, how far it came and why, when it cannot go on.
 
 ====================  =========================================================================
 ``mesh``              meshes: structured sections, meshes of other programs, output

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.fem.mesh.mesh import IndexArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.fem.mesh.mesh import IndexArray
 
 __all__ = ["Body", "State", "copied"]
 
@@ -13,8 +13,8 @@ __all__ = ["Body", "State", "copied"]
 class Body(NamedTuple):
     """Elements, materials and the way they deform; fixed during a phase.
 
-    ``constants`` (m, CONSTANTS) and ``interface_constants`` are those of :mod:`solver.fem.materials`; ``material`` (e,)
-    and ``interface_material`` (k,) index them, -1: inactive. ``edges`` (q, 3) carry follower loads.
+    ``constants`` (m, CONSTANTS) and ``interface_constants`` are those of :mod:`geoswarm.solver.fem.materials`;
+    ``material`` (e,) and ``interface_material`` (k,) index them, -1: inactive. ``edges`` (q, 3) carry follower loads.
     """
 
     axisymmetric: bool

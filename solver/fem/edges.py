@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.fem.body import Body
-from solver.fem.mesh.mesh import IndexArray
-from solver.jit import kernel
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.fem.body import Body
+from geoswarm.solver.fem.mesh.mesh import IndexArray
+from geoswarm.solver.jit import kernel
 
 __all__ = ["LOAD_NUMBERS", "assemble_edges", "edge_forces"]
 

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.fem.materials import SoftSoilCreepMaterial
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.triangle import SHAPES
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.fem.materials import SoftSoilCreepMaterial
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.triangle import SHAPES
 
 __all__ = ["creep_scale", "equivalent_pressures", "point_coordinates", "preconsolidation", "stress_at_rest"]
 

@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.fem.body import Body, State
-from solver.jit import kernel
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.fem.body import Body, State
+from geoswarm.solver.jit import kernel
 
 __all__ = ["assemble_interfaces", "interface_update"]
 

@@ -8,9 +8,9 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.constitutive.soft_soil_creep import SoftSoilCreep
-from solver.errors import InfeasibleError
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.errors import InfeasibleError
 
 __all__ = [
     "CONSTANTS",
@@ -138,7 +138,7 @@ class SoftSoilCreepMaterial:
     Parameters
     ----------
     soil
-        Constants, from :func:`solver.constitutive.soft_soil_creep.soft_soil_creep`.
+        Constants, from :func:`geoswarm.solver.constitutive.soft_soil_creep.soft_soil_creep`.
     unit_weight
         kN/m3.
     OCR, POP

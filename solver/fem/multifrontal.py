@@ -16,9 +16,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.fem.ordering import Fronts
-from solver.jit import kernel
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.fem.ordering import Fronts
+from geoswarm.solver.jit import kernel
 
 __all__ = ["Equations", "equations_of", "factorise", "product", "solve_factorised"]
 

@@ -12,15 +12,15 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.fem.body import Body, State
-from solver.fem.edges import assemble_edges, edge_forces
-from solver.fem.interface import assemble_interfaces
-from solver.fem.materials import MOHR_COULOMB
-from solver.fem.multifrontal import Equations, factorise, product, solve_factorised
-from solver.fem.ordering import Fronts
-from solver.fem.triangle import assemble_triangles
-from solver.jit import kernel
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.fem.body import Body, State
+from geoswarm.solver.fem.edges import assemble_edges, edge_forces
+from geoswarm.solver.fem.interface import assemble_interfaces
+from geoswarm.solver.fem.materials import MOHR_COULOMB
+from geoswarm.solver.fem.multifrontal import Equations, factorise, product, solve_factorised
+from geoswarm.solver.fem.ordering import Fronts
+from geoswarm.solver.fem.triangle import assemble_triangles
+from geoswarm.solver.jit import kernel
 
 __all__ = ["CONVERGED", "NOT_CONVERGED", "SINGULAR", "Accuracy", "Step", "assemble", "newton_step"]
 
@@ -68,7 +68,7 @@ class Accuracy(NamedTuple):
     of the forces; ``energy``: or root of the work of the residual over that of the step (0: never); ``least``:
     iterations that are done even if the guess is in balance; ``blend``: the first and smallest one; ``bold``: the
     residual may grow for a while and the blend follows it; otherwise it must fall and the blend stays. Others as in
-    :class:`solver.fem.phases.Control`.
+    :class:`geoswarm.solver.fem.phases.Control`.
     """
 
     floor: float

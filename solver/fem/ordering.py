@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.fem.mesh.mesh import IndexArray
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.fem.mesh.mesh import IndexArray
 
 __all__ = ["Fronts", "plan_fronts"]
 

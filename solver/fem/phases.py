@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from solver.arrays import FloatArray
-from solver.fem.materials import InterfaceMaterial, Material
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.fem.materials import InterfaceMaterial, Material
 
 __all__ = ["Control", "Fixity", "Geometry", "Phase", "PhaseKind", "Traction"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 
 __all__ = ["History", "PhaseResult"]
 

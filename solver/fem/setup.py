@@ -8,13 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.fem.edges import LOAD_NUMBERS, edge_forces
-from solver.fem.materials import CONSTANTS, INTERFACE_CONSTANTS, InterfaceMaterial, Material
-from solver.fem.mesh.mesh import IndexArray, Mesh
-from solver.fem.ordering import Fronts, plan_fronts
-from solver.fem.phases import Fixity, Traction
-from solver.fem.triangle import SHAPES, SLOPES, WEIGHT
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.fem.edges import LOAD_NUMBERS, edge_forces
+from geoswarm.solver.fem.materials import CONSTANTS, INTERFACE_CONSTANTS, InterfaceMaterial, Material
+from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
+from geoswarm.solver.fem.ordering import Fronts, plan_fronts
+from geoswarm.solver.fem.phases import Fixity, Traction
+from geoswarm.solver.fem.triangle import SHAPES, SLOPES, WEIGHT
 
 __all__ = [
     "MaterialTables",

@@ -7,16 +7,16 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.fem.body import Body, State, copied
-from solver.fem.initial import creep_scale, point_coordinates, preconsolidation, stress_at_rest
-from solver.fem.materials import CONSTANTS, ELASTIC, InterfaceMaterial, Material, SoftSoilCreepMaterial
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.multifrontal import equations_of
-from solver.fem.newton import assemble
-from solver.fem.phases import Control, Fixity, Geometry, Phase, Traction
-from solver.fem.results import History, PhaseResult
-from solver.fem.setup import (
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.fem.body import Body, State, copied
+from geoswarm.solver.fem.initial import creep_scale, point_coordinates, preconsolidation, stress_at_rest
+from geoswarm.solver.fem.materials import CONSTANTS, ELASTIC, InterfaceMaterial, Material, SoftSoilCreepMaterial
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.multifrontal import equations_of
+from geoswarm.solver.fem.newton import assemble
+from geoswarm.solver.fem.phases import Control, Fixity, Geometry, Phase, Traction
+from geoswarm.solver.fem.results import History, PhaseResult
+from geoswarm.solver.fem.setup import (
     MaterialTables,
     dead_loads,
     edge_owners,
@@ -26,7 +26,7 @@ from solver.fem.setup import (
     material_tables,
     weights,
 )
-from solver.fem.stepping import PhaseSteps, Recorder
+from geoswarm.solver.fem.stepping import PhaseSteps, Recorder
 
 __all__ = ["Calculation", "solve_phases"]
 

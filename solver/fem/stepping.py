@@ -9,13 +9,13 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.errors import DivergedError
-from solver.fem.body import Body, State, copied
-from solver.fem.multifrontal import Equations
-from solver.fem.newton import CONVERGED, SINGULAR, Accuracy, Step, newton_step
-from solver.fem.ordering import Fronts
-from solver.fem.phases import Control, Phase
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.errors import DivergedError
+from geoswarm.solver.fem.body import Body, State, copied
+from geoswarm.solver.fem.multifrontal import Equations
+from geoswarm.solver.fem.newton import CONVERGED, SINGULAR, Accuracy, Step, newton_step
+from geoswarm.solver.fem.ordering import Fronts
+from geoswarm.solver.fem.phases import Control, Phase
 
 __all__ = ["PhaseSteps", "Recorder", "Work"]
 

@@ -14,13 +14,13 @@ from typing import Final
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.constitutive.planar_creep import planar_creep
-from solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
-from solver.constitutive.soft_soil_creep import SoftSoilCreep
-from solver.fem.body import Body, State
-from solver.fem.materials import ELASTIC, MOHR_COULOMB
-from solver.jit import kernel
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.constitutive.planar_creep import planar_creep
+from geoswarm.solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.fem.body import Body, State
+from geoswarm.solver.fem.materials import ELASTIC, MOHR_COULOMB
+from geoswarm.solver.jit import kernel
 
 __all__ = ["POINTS", "SHAPES", "SLOPES", "WEIGHT", "assemble_triangles", "shape_functions"]
 

@@ -10,7 +10,7 @@ from typing import Protocol, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, JsonValue
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = ["ForwardModel", "ForwardModelSpec", "ForwardRun", "ParameterInfo", "SeriesInfo", "in_unit"]
 
@@ -86,7 +86,7 @@ class ForwardModel(Protocol):
         """Build the calculation of the given series at the given x, each of shape (m_g,), base units.
 
         The returned function takes values of all required parameters and returns one finite or non-finite array of
-        shape (m_g,) a series. It raises :class:`solver.errors.ForwardError` when the calculation fails.
+        shape (m_g,) a series. It raises :class:`geoswarm.solver.errors.ForwardError` when the calculation fails.
         """
 
 

@@ -22,10 +22,10 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from solver.arrays import FloatArray
-from solver.errors import Issue, ProblemError
-from solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
-from solver.forward.registry import AnyForwardModelSpec
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.forward.registry import AnyForwardModelSpec
 
 __all__ = ["CombinedModel", "CombinedSpec"]
 

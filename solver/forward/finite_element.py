@@ -10,13 +10,13 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from solver.errors import Issue, MeshError, ProblemError
-from solver.fem.mesh.mesh import Mesh
-from solver.forward.base import ForwardModelSpec
-from solver.forward.continuum.body import BodySections, check_names
-from solver.forward.continuum.geometry import Name
-from solver.forward.continuum.model import BodyModel
-from solver.forward.continuum.user_mesh import MeshSection
+from geoswarm.solver.errors import Issue, MeshError, ProblemError
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.forward.continuum.body import BodySections, check_names
+from geoswarm.solver.forward.continuum.geometry import Name
+from geoswarm.solver.forward.continuum.model import BodyModel
+from geoswarm.solver.forward.continuum.user_mesh import MeshSection
 
 __all__ = ["FiniteElementModel", "FiniteElementSpec"]
 

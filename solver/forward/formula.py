@@ -20,10 +20,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
-from solver.arrays import FloatArray
-from solver.errors import ExpressionError
-from solver.expressions import Expression, parse_expression
-from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import ExpressionError
+from geoswarm.solver.expressions import Expression, parse_expression
+from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 
 __all__ = ["FormulaModel", "FormulaSeries", "FormulaSpec"]
 

@@ -8,12 +8,12 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from solver.arrays import FloatArray
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from solver.element_test.axial import lateral_limits
-from solver.errors import InfeasibleError
-from solver.forward.base import in_unit
-from solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, StagedLoadModel, StagedLoadSpec
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.element_test.axial import lateral_limits
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, StagedLoadModel, StagedLoadSpec
 
 __all__ = ["OedometerModel", "OedometerSpec"]
 

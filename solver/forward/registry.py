@@ -1,8 +1,8 @@
 """Finds forward models by their kind: those of this package and those that other packages offer as entry points.
 
 A package offers one by an entry point of the group ``geoswarm.forward_models`` whose name is the kind and whose object
-is a subclass of :class:`solver.forward.base.ForwardModelSpec`. A kind is loaded only when it is used, so one that is
-broken never harms the others.
+is a subclass of :class:`geoswarm.solver.forward.base.ForwardModelSpec`. A kind is loaded only when it is used, so one
+that is broken never harms the others.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import Annotated, Any, LiteralString
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, WithJsonSchema
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from solver.errors import BrokenForwardModelError, UnknownForwardModelError
-from solver.forward.base import ForwardModelSpec
+from geoswarm.solver.errors import BrokenForwardModelError, UnknownForwardModelError
+from geoswarm.solver.forward.base import ForwardModelSpec
 
 __all__ = ["BUILT_IN", "GROUP", "AnyForwardModelSpec", "find_spec", "forget", "kinds", "parse_spec"]
 
@@ -27,12 +27,12 @@ GROUP = "geoswarm.forward_models"
 """Entry point group."""
 
 BUILT_IN = {
-    "formula": "solver.forward.formula:FormulaSpec",
-    "combined": "solver.forward.combined:CombinedSpec",
-    "oedometer": "solver.forward.oedometer:OedometerSpec",
-    "isotropic_compression": "solver.forward.isotropic_compression:IsotropicCompressionSpec",
-    "section": "solver.forward.section:SectionSpec",
-    "finite_element": "solver.forward.finite_element:FiniteElementSpec",
+    "formula": "geoswarm.solver.forward.formula:FormulaSpec",
+    "combined": "geoswarm.solver.forward.combined:CombinedSpec",
+    "oedometer": "geoswarm.solver.forward.oedometer:OedometerSpec",
+    "isotropic_compression": "geoswarm.solver.forward.isotropic_compression:IsotropicCompressionSpec",
+    "section": "geoswarm.solver.forward.section:SectionSpec",
+    "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",
 }
 """Forward models of this package, as pyproject.toml declares them.
 
@@ -82,7 +82,7 @@ def _load(entry: EntryPoint) -> type[ForwardModelSpec]:
     except (ImportError, AttributeError, SyntaxError, ValueError, TypeError, NameError, OSError) as error:
         raise BrokenForwardModelError(f"{source} cannot be loaded: {error}") from error
     if not (isinstance(found, type) and issubclass(found, ForwardModelSpec)):
-        raise BrokenForwardModelError(f"{source} is not a subclass of solver.forward.base.ForwardModelSpec")
+        raise BrokenForwardModelError(f"{source} is not a subclass of geoswarm.solver.forward.base.ForwardModelSpec")
     return found
 
 

@@ -23,15 +23,15 @@ from typing import Literal
 
 from pydantic import Field
 
-from solver.errors import InfeasibleError, Issue, MeshError, ProblemError
-from solver.fem.mesh.layered import LayeredMesh
-from solver.fem.mesh.mesh import Mesh
-from solver.forward.base import ForwardModelSpec
-from solver.forward.continuum.body import BodySections, check_names
-from solver.forward.continuum.geometry import GeometrySections, profile_of
-from solver.forward.continuum.model import BodyModel
-from solver.forward.continuum.phases import BoundaryName, Fixity
-from solver.forward.continuum.quantity import quantities_in
+from geoswarm.solver.errors import InfeasibleError, Issue, MeshError, ProblemError
+from geoswarm.solver.fem.mesh.layered import LayeredMesh
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.forward.continuum.body import BodySections, check_names
+from geoswarm.solver.forward.continuum.geometry import GeometrySections, profile_of
+from geoswarm.solver.forward.continuum.model import BodyModel
+from geoswarm.solver.forward.continuum.phases import BoundaryName, Fixity
+from geoswarm.solver.forward.continuum.quantity import quantities_in
 
 __all__ = ["SectionModel", "SectionSpec"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from solver.constitutive.soft_soil_creep import Formulation, SoftSoilCreep, friction_constant, soft_soil_creep
-from solver.errors import InfeasibleError
-from solver.forward.base import ParameterInfo
+from geoswarm.solver.constitutive.soft_soil_creep import Formulation, SoftSoilCreep, friction_constant, soft_soil_creep
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.forward.base import ParameterInfo
 
 __all__ = ["inadmissible_soil", "soil_from", "soil_parameters"]
 

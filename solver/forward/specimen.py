@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.constitutive.soft_soil_creep import SoftSoilCreep
-from solver.fem.materials import SoftSoilCreepMaterial
-from solver.fem.mesh.layered import LayeredMesh
-from solver.fem.mesh.mesh import IndexArray, Mesh
-from solver.fem.mesh.section import Layer, Profile, SectionGeometry
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.fem.solve import solve_phases
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.fem.materials import SoftSoilCreepMaterial
+from geoswarm.solver.fem.mesh.layered import LayeredMesh
+from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
+from geoswarm.solver.fem.mesh.section import Layer, Profile, SectionGeometry
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.solve import solve_phases
 
 __all__ = ["Specimen", "specimen_mesh"]
 

@@ -19,15 +19,15 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from solver.arrays import FloatArray, IntArray
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
-from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo, in_unit
-from solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
+from geoswarm.solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
+from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo, in_unit
+from geoswarm.solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
 
 if TYPE_CHECKING:
-    from solver.forward.specimen import Specimen
+    from geoswarm.solver.forward.specimen import Specimen
 
 __all__ = ["MAX_LENGTH", "MAX_STRESS", "LoadStage", "SpecimenMesh", "StagedLoadModel", "StagedLoadSpec"]
 
@@ -305,8 +305,8 @@ class StagedLoadModel(ABC):
     @cached_property
     def specimen(self) -> Specimen:
         """The specimen as a boundary value problem."""
-        from solver.fem.phases import Control
-        from solver.forward.specimen import Specimen, specimen_mesh
+        from geoswarm.solver.fem.phases import Control
+        from geoswarm.solver.forward.specimen import Specimen, specimen_mesh
 
         spec = self.spec
         mesh = spec.mesh or SpecimenMesh()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 
 __all__ = ["Combination", "Directions", "find_directions"]
 

@@ -10,8 +10,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy.special import ndtri
 
-from solver.arrays import FloatArray
-from solver.identifiability.samples import Samples
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability.samples import Samples
 
 __all__ = [
     "COORDINATES",

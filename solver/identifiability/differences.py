@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.identifiability.errors import StatisticsError, TooFewPointsError
-from solver.search.differences import DifferenceDesign, plan_differences
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability.errors import StatisticsError, TooFewPointsError
+from geoswarm.solver.search.differences import DifferenceDesign, plan_differences
 
 __all__ = ["DifferenceDesign", "Jacobian", "count_points", "design", "differentiate"]
 

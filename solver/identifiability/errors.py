@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from solver.errors import SolverError
+from geoswarm.solver.errors import SolverError
 
 __all__ = ["StatisticsError", "TooFewPointsError"]
 

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from scipy.special import fdtri
 
-from solver.identifiability.errors import StatisticsError
-from solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.samples import Samples
 
 __all__ = ["Filtered", "Threshold", "filter_samples", "propose_threshold"]
 

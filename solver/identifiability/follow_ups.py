@@ -12,15 +12,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.errors import SolverError
-from solver.follow_up import profile_search, sensitivity_search
-from solver.identifiability.errors import StatisticsError
-from solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
-from solver.identifiability.profiles import Profile, profile_settings, profiles_of
-from solver.identifiability.sensitivity import Linearisation, from_evaluations
-from solver.problem import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.follow_up import profile_search, sensitivity_search
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
+from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.identifiability.sensitivity import Linearisation, from_evaluations
+from geoswarm.solver.problem import (
     FollowUpMethod,
     MonteCarloMethod,
     ParticleSwarmMethod,
@@ -29,7 +29,7 @@ from solver.problem import (
     SensitivityMethod,
     parse_problem,
 )
-from solver.search import Runs
+from geoswarm.solver.search import Runs
 
 __all__ = [
     "NO_FINDINGS",

@@ -13,10 +13,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.identifiability.errors import StatisticsError
-from solver.search.follow_ups import GlobalPoints
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.search.follow_ups import GlobalPoints
 
 __all__ = ["GlobalIndex", "GlobalSensitivity", "analyse_design", "global_design", "outputs_of"]
 

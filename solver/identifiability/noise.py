@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.identifiability.errors import StatisticsError
-from solver.problem import Problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.problem import Problem
 
 __all__ = ["Noise", "estimate_noise", "known_noise", "noise_objective", "problem_noise"]
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.identifiability.errors import StatisticsError
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability.errors import StatisticsError
 
 __all__ = ["Polished", "polish"]
 

@@ -14,12 +14,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.calibration import Calibration
-from solver.identifiability.errors import StatisticsError
-from solver.identifiability.noise import Noise, known_noise, problem_noise
-from solver.identifiability.samples import Samples
-from solver.identifiability.surface import ResponseSurface, fit_surface
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.noise import Noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.surface import ResponseSurface, fit_surface
 
 _Likelihood: TypeAlias = Callable[[FloatArray], FloatArray]
 

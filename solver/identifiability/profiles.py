@@ -2,8 +2,8 @@
 
 For each parameter and side, a chain of values walks away from the optimum; at each, the other parameters are fitted by
 Levenberg-Marquardt steps. All chains advance together, generation by generation, as any search does
-(:class:`solver.search.follow_ups.ProfileSearch`): a job with ``method: {kind: profile}``, dispatched and resumed like
-every other. Here is what such a job needs, and what its evaluations tell.
+(:class:`geoswarm.solver.search.follow_ups.ProfileSearch`): a job with ``method: {kind: profile}``, dispatched and
+resumed like every other. Here is what such a job needs, and what its evaluations tell.
 
 An interval ends where the profile has risen by ``increase``: for one series and estimated noise by the factor
 1 + F_{1, n-d} / (n - d) (Bates and Watts 1988, section 6.1.2). Where the profile stays below it up to a bound, the
@@ -19,12 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.identifiability.errors import StatisticsError
-from solver.identifiability.sensitivity import Linearisation
-from solver.search.chains import ChainPoint
-from solver.search.follow_ups import BLIND_STEP, ProfileSearch, ProfileSettings
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.sensitivity import Linearisation
+from geoswarm.solver.search.chains import ChainPoint
+from geoswarm.solver.search.follow_ups import BLIND_STEP, ProfileSearch, ProfileSettings
 
 __all__ = ["Profile", "profile_settings", "profiles_of"]
 

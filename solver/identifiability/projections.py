@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.identifiability.samples import Samples
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.identifiability.samples import Samples
 
 __all__ = ["Projection", "project"]
 

@@ -12,9 +12,9 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.identifiability.projections import Projection
-from solver.identifiability.samples import Samples
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability.projections import Projection
+from geoswarm.solver.identifiability.samples import Samples
 
 __all__ = ["FittedLine", "Proposal", "ProposalKind", "apply_proposals", "fit_line", "propose"]
 

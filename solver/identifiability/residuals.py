@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from scipy.special import fdtrc, ndtr
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
 
 __all__ = ["LackOfFit", "SeriesResiduals", "durbin_watson", "examine_residuals", "runs_test"]
 

@@ -8,10 +8,10 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.identifiability.errors import StatisticsError
-from solver.local import CalibrationResult, EvaluationRecord
-from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.local import CalibrationResult, EvaluationRecord
+from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
 
 __all__ = ["Samples", "Source"]
 

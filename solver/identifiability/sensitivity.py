@@ -18,17 +18,17 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.identifiability.combinations import Combination, Directions, find_directions
-from solver.identifiability.differences import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability.combinations import Combination, Directions, find_directions
+from geoswarm.solver.identifiability.differences import (
     DifferenceDesign,
     Jacobian,
     check_points,
     design,
     differentiate,
 )
-from solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.identifiability.differences import Jacobian
-from solver.identifiability.errors import StatisticsError
-from solver.identifiability.samples import Samples
-from solver.identifiability.surface import ResponseSurface, fit_surface
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.differences import Jacobian
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.surface import ResponseSurface, fit_surface
 
 __all__ = ["jacobian_from_samples"]
 
@@ -28,7 +28,7 @@ def jacobian_from_samples(calibration: Calibration, samples: Samples) -> Jacobia
     StatisticsError
         When the evaluations are not dense enough: too few, the hold-out check of the surface is off by more than 5 % of
         f, or the halves differ by more than a tenth in a derivative. Evaluate the positions of
-        :func:`solver.identifiability.design` instead.
+        :func:`geoswarm.solver.identifiability.design` instead.
     """
     surface = fit_surface(calibration, samples)
     if surface.objective_error > _TRUSTED_OBJECTIVE:

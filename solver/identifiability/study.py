@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.identifiability.correlations import Correlations, correlate
-from solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
-from solver.identifiability.noise import known_noise, noise_objective, problem_noise
-from solver.identifiability.projections import Projection, project
-from solver.identifiability.residuals import SeriesResiduals, examine_residuals
-from solver.identifiability.samples import Samples
-from solver.identifiability.sensitivity import Linearisation
-from solver.identifiability.verdicts import Verdict, judge
-from solver.identifiability.weighting import SeriesWeight, shares
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.correlations import Correlations, correlate
+from geoswarm.solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
+from geoswarm.solver.identifiability.noise import known_noise, noise_objective, problem_noise
+from geoswarm.solver.identifiability.projections import Projection, project
+from geoswarm.solver.identifiability.residuals import SeriesResiduals, examine_residuals
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.sensitivity import Linearisation
+from geoswarm.solver.identifiability.verdicts import Verdict, judge
+from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
 
 __all__ = ["FOLLOW_UP_BIAS", "NOT_AT_OPTIMUM", "SWARM_BIAS", "TOO_FEW_POINTS", "Statistics", "analyse"]
 
@@ -138,7 +138,7 @@ def analyse(
         Known standard deviation of a reading, base units, one for all series or one each; that of the problem file when
         absent.
     linearisation
-        At the optimum, from :func:`solver.identifiability.from_evaluations`.
+        At the optimum, from :func:`geoswarm.solver.identifiability.from_evaluations`.
     at_optimum
         Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
     bins

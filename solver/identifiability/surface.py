@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import RBFInterpolator
 
-from solver.arrays import FloatArray, IntArray
-from solver.calibration import Calibration
-from solver.identifiability.errors import StatisticsError
-from solver.identifiability.samples import Samples
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.samples import Samples
 
 __all__ = ["ResponseSurface", "fit_surface"]
 

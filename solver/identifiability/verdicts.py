@@ -18,12 +18,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
-from solver.identifiability.correlations import COORDINATES, Correlation, correlate
-from solver.identifiability.filtering import Filtered
-from solver.identifiability.projections import Projection
-from solver.identifiability.proposals import Proposal, propose
-from solver.identifiability.samples import Samples
-from solver.identifiability.sensitivity import Linearisation
+from geoswarm.solver.identifiability.correlations import COORDINATES, Correlation, correlate
+from geoswarm.solver.identifiability.filtering import Filtered
+from geoswarm.solver.identifiability.projections import Projection
+from geoswarm.solver.identifiability.proposals import Proposal, propose
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.sensitivity import Linearisation
 
 __all__ = ["FEWEST_GOOD_FITS", "WIDTH_LIMIT", "Evidence", "Verdict", "VerdictKind", "judge"]
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from solver.identifiability.errors import StatisticsError
-from solver.identifiability.noise import known_noise, problem_noise
-from solver.identifiability.samples import Samples
-from solver.objective import LeastSquares, ObservedSeries
-from solver.problem import Problem, parse_problem
-from solver.problem.weighting import WEIGHTINGS, Weighting, scheme_factors
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.noise import known_noise, problem_noise
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.objective import LeastSquares, ObservedSeries
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem.weighting import WEIGHTINGS, Weighting, scheme_factors
 
 __all__ = ["Reweighted", "SeriesWeight", "Weighting", "reweight", "reweighted_problem", "scheme_weights", "shares"]
 
@@ -82,7 +82,7 @@ def scheme_weights(
 ) -> dict[str, float]:
     """Weights w_g that a scheme gives, scaled so that the largest is 1.
 
-    The schemes are those of the problem file, see :func:`solver.problem.weighting.scheme_factors`.
+    The schemes are those of the problem file, see :func:`geoswarm.solver.problem.weighting.scheme_factors`.
 
     Parameters
     ----------

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from solver.objective.least_squares import LeastSquares, ObservedSeries
+from geoswarm.solver.objective.least_squares import LeastSquares, ObservedSeries
 
 __all__ = ["LeastSquares", "ObservedSeries"]

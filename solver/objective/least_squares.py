@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import BadOutputError, NotFiniteError
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import BadOutputError, NotFiniteError
 
 __all__ = ["LeastSquares", "ObservedSeries"]
 

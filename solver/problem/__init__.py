@@ -1,8 +1,8 @@
 """What a user asks for: the problem file of YAML or JSON, checked and ready to be calibrated."""
 
-from solver.problem.assembly import load_problem, parse_problem
-from solver.problem.draft import Draft, LocatedIssue, draft_of_document, draft_of_text
-from solver.problem.follow_ups import (
+from geoswarm.solver.problem.assembly import load_problem, parse_problem
+from geoswarm.solver.problem.draft import Draft, LocatedIssue, draft_of_document, draft_of_text
+from geoswarm.solver.problem.follow_ups import (
     FollowUpMethod,
     GlobalMethod,
     MorrisMethod,
@@ -10,15 +10,15 @@ from solver.problem.follow_ups import (
     SensitivityMethod,
     SobolMethod,
 )
-from solver.problem.measurements import Measurements, read_measurements
-from solver.problem.observations import Observation, Points
-from solver.problem.parameters import FixedParameter, FreeParameter, LinkedParameter, Parameter
-from solver.problem.problem import Problem
-from solver.problem.reading import MAX_BYTES, read_document
-from solver.problem.schema import problem_schema
-from solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
-from solver.problem.tables import MAX_TABLE_BYTES, TableError
-from solver.problem.writing import problem_yaml
+from geoswarm.solver.problem.measurements import Measurements, read_measurements
+from geoswarm.solver.problem.observations import Observation, Points
+from geoswarm.solver.problem.parameters import FixedParameter, FreeParameter, LinkedParameter, Parameter
+from geoswarm.solver.problem.problem import Problem
+from geoswarm.solver.problem.reading import MAX_BYTES, read_document
+from geoswarm.solver.problem.schema import problem_schema
+from geoswarm.solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
+from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, TableError
+from geoswarm.solver.problem.writing import problem_yaml
 
 __all__ = [
     "MAX_BYTES",

@@ -10,15 +10,15 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from solver.errors import ExpressionError, Issue, ProblemError, SolverError
-from solver.expressions import Expression
-from solver.forward.base import ForwardModel, ForwardModelSpec
-from solver.forward.registry import find_spec, parse_spec
-from solver.problem.feasibility import estimates_in_conflict, infeasibility
-from solver.problem.follow_up_checks import follow_up_issues
-from solver.problem.issues import describe, did_you_mean, issues_of, validated
-from solver.problem.observations import Observation, Points, build_observations, read_points
-from solver.problem.parameters import (
+from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverError
+from geoswarm.solver.expressions import Expression
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.forward.registry import find_spec, parse_spec
+from geoswarm.solver.problem.feasibility import estimates_in_conflict, infeasibility
+from geoswarm.solver.problem.follow_up_checks import follow_up_issues
+from geoswarm.solver.problem.issues import describe, did_you_mean, issues_of, validated
+from geoswarm.solver.problem.observations import Observation, Points, build_observations, read_points
+from geoswarm.solver.problem.parameters import (
     FixedParameter,
     FreeParameter,
     LinkedParameter,
@@ -28,10 +28,10 @@ from solver.problem.parameters import (
     link_order,
     parse_known,
 )
-from solver.problem.problem import Problem
-from solver.problem.reading import plain_document, read_problem_file
-from solver.problem.running import Failures, Limits
-from solver.problem.sections import (
+from geoswarm.solver.problem.problem import Problem
+from geoswarm.solver.problem.reading import plain_document, read_problem_file
+from geoswarm.solver.problem.running import Failures, Limits
+from geoswarm.solver.problem.sections import (
     METHODS,
     PARAMETER_FORMS,
     Method,
@@ -43,7 +43,7 @@ from solver.problem.sections import (
     Stopping,
     WarmStart,
 )
-from solver.problem.weighting import scheme_factors
+from geoswarm.solver.problem.weighting import scheme_factors
 
 __all__ = ["load_problem", "parse_problem"]
 

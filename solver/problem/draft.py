@@ -11,14 +11,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from solver.errors import Issue, ProblemError, SolverError
-from solver.forward.base import ForwardModel
-from solver.forward.registry import parse_spec
-from solver.problem.assembly import parse_problem
-from solver.problem.lines import line_of, lines_of
-from solver.problem.problem import Problem
-from solver.problem.reading import plain_document, read_document
-from solver.problem.writing import problem_yaml
+from geoswarm.solver.errors import Issue, ProblemError, SolverError
+from geoswarm.solver.forward.base import ForwardModel
+from geoswarm.solver.forward.registry import parse_spec
+from geoswarm.solver.problem.assembly import parse_problem
+from geoswarm.solver.problem.lines import line_of, lines_of
+from geoswarm.solver.problem.problem import Problem
+from geoswarm.solver.problem.reading import plain_document, read_document
+from geoswarm.solver.problem.writing import problem_yaml
 
 __all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text"]
 

@@ -7,10 +7,10 @@ from itertools import product
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import Issue
-from solver.problem.parameters import FreeParameter, outside_limits
-from solver.problem.problem import Problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.problem.parameters import FreeParameter, outside_limits
+from geoswarm.solver.problem.problem import Problem
 
 __all__ = ["TRIED_POINTS", "estimates_in_conflict", "infeasibility"]
 

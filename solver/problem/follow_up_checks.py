@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from solver.errors import Issue
-from solver.problem.follow_ups import ProfileMethod, SensitivityMethod
-from solver.problem.problem import Problem
-from solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.problem.follow_ups import ProfileMethod, SensitivityMethod
+from geoswarm.solver.problem.problem import Problem
+from geoswarm.solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod
 
 __all__ = ["follow_up_issues"]
 

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from solver.problem.base import Section
+from geoswarm.solver.problem.base import Section
 
 __all__ = [
     "FOLLOW_UPS",

@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from solver.errors import Issue
-from solver.forward.registry import find_spec
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.forward.registry import find_spec
 
 __all__ = ["describe", "did_you_mean", "issues_of", "join_path", "number", "validated"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from solver.problem.issues import join_path
+from geoswarm.solver.problem.issues import join_path
 
 __all__ = ["line_of", "lines_of"]
 

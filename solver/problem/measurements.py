@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal
 
-from solver.problem.tables import MAX_TABLE_BYTES, TableError, cell_number, decoded, table_rows
-from solver.problem.units import UnitError, convert
-from solver.problem.workbooks import Cell, read_workbook
+from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, TableError, cell_number, decoded, table_rows
+from geoswarm.solver.problem.units import UnitError, convert
+from geoswarm.solver.problem.workbooks import Cell, read_workbook
 
 __all__ = ["Column", "Measurements", "guess_unit", "read_measurements"]
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import Issue
-from solver.forward.base import ForwardModel, SeriesInfo
-from solver.problem.issues import did_you_mean, number
-from solver.problem.sections import ObservationSection
-from solver.problem.tables import TableError, read_table
-from solver.problem.units import UnitError, convert
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.forward.base import ForwardModel, SeriesInfo
+from geoswarm.solver.problem.issues import did_you_mean, number
+from geoswarm.solver.problem.sections import ObservationSection
+from geoswarm.solver.problem.tables import TableError, read_table
+from geoswarm.solver.problem.units import UnitError, convert
 
 __all__ = ["Observation", "Points", "build_observations", "read_points"]
 

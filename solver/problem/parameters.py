@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import TypeAlias
 
-from solver.errors import ExpressionError, Issue
-from solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
-from solver.forward.base import ForwardModel, ParameterInfo
-from solver.forward.combined import CombinedModel
-from solver.problem.issues import did_you_mean, number
-from solver.problem.sections import FixedSection, FreeSection, LinkedSection, Scale
+from geoswarm.solver.errors import ExpressionError, Issue
+from geoswarm.solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
+from geoswarm.solver.forward.base import ForwardModel, ParameterInfo
+from geoswarm.solver.forward.combined import CombinedModel
+from geoswarm.solver.problem.issues import did_you_mean, number
+from geoswarm.solver.problem.sections import FixedSection, FreeSection, LinkedSection, Scale
 
 __all__ = [
     "FixedParameter",

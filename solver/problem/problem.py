@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from solver.expressions import Expression
-from solver.forward.base import ForwardModel, ForwardModelSpec, ParameterInfo
-from solver.problem.observations import Observation
-from solver.problem.parameters import (
+from geoswarm.solver.expressions import Expression
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ParameterInfo
+from geoswarm.solver.problem.observations import Observation
+from geoswarm.solver.problem.parameters import (
     FixedParameter,
     FreeParameter,
     LinkedParameter,
@@ -18,9 +18,9 @@ from solver.problem.parameters import (
     link_order,
     outside_limits,
 )
-from solver.problem.running import Failures, Limits
-from solver.problem.sections import Method, MonteCarloMethod, ParticleSwarmMethod, Stopping
-from solver.problem.weighting import Weighting
+from geoswarm.solver.problem.running import Failures, Limits
+from geoswarm.solver.problem.sections import Method, MonteCarloMethod, ParticleSwarmMethod, Stopping
+from geoswarm.solver.problem.weighting import Weighting
 
 __all__ = ["Problem"]
 
@@ -29,8 +29,8 @@ __all__ = ["Problem"]
 class Problem:
     """What to calculate, what to identify, what was measured, how to search and when to stop.
 
-    Made by :func:`solver.problem.parse_problem` and :func:`solver.problem.load_problem`, which check everything.
-    Two problems are equal when their documents are.
+    Made by :func:`geoswarm.solver.problem.parse_problem` and :func:`geoswarm.solver.problem.load_problem`, which check
+    everything. Two problems are equal when their documents are.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ class Problem:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Compiled expressions and models need not travel to other processes: the document says it all.
-        from solver.problem.assembly import parse_problem
+        from geoswarm.solver.problem.assembly import parse_problem
 
         return parse_problem, (self.document(),)
 

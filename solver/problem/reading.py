@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from solver.errors import Issue, ProblemError
+from geoswarm.solver.errors import Issue, ProblemError
 
 __all__ = ["MAX_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
 

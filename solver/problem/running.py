@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from solver.errors import FailureReason
+from geoswarm.solver.errors import FailureReason
 
 __all__ = ["DEFAULT_RETRIES", "Failures", "Limits", "Policy", "fatal_message"]
 

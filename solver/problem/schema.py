@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from solver.errors import BrokenForwardModelError
-from solver.forward.registry import find_spec, kinds
-from solver.problem.sections import ProblemFile
+from geoswarm.solver.errors import BrokenForwardModelError
+from geoswarm.solver.forward.registry import find_spec, kinds
+from geoswarm.solver.problem.sections import ProblemFile
 
 __all__ = ["problem_schema"]
 

@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from solver.forward.registry import AnyForwardModelSpec
-from solver.problem.base import Section
-from solver.problem.follow_ups import FOLLOW_UPS, FollowUpMethod
-from solver.problem.running import Failures, Limits
-from solver.problem.weighting import Weighting
+from geoswarm.solver.forward.registry import AnyForwardModelSpec
+from geoswarm.solver.problem.base import Section
+from geoswarm.solver.problem.follow_ups import FOLLOW_UPS, FollowUpMethod
+from geoswarm.solver.problem.running import Failures, Limits
+from geoswarm.solver.problem.weighting import Weighting
 
 __all__ = [
     "METHODS",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = ["UnitError", "convert", "same_unit"]
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from solver.problem.tables import TableError
+from geoswarm.solver.problem.tables import TableError
 
 __all__ = ["Cell", "read_workbook"]
 

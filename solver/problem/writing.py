@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from solver.problem.issues import number
+from geoswarm.solver.problem.issues import number
 
 __all__ = ["problem_yaml"]
 

@@ -17,8 +17,8 @@
 
 from __future__ import annotations
 
-from solver.report.build import Report, linearise_here, linearise_stored, report_of_result
-from solver.report.curves import (
+from geoswarm.solver.report.build import Report, linearise_here, linearise_stored, report_of_result
+from geoswarm.solver.report.curves import (
     SeriesCurve,
     SeriesShare,
     initial_values,
@@ -26,20 +26,20 @@ from solver.report.curves import (
     series_curves,
     series_shares,
 )
-from solver.report.figures import FigureSet
-from solver.report.folder import report_of_folder, run_of_folder
-from solver.report.folder_findings import findings_of_folder
-from solver.report.record import BestFit, RunRecord, record_of_result
-from solver.report.reweighted import reweighted_document
-from solver.report.style import figures_available, png_of, save_figure, svg_of
-from solver.report.tables import (
+from geoswarm.solver.report.figures import FigureSet
+from geoswarm.solver.report.folder import report_of_folder, run_of_folder
+from geoswarm.solver.report.folder_findings import findings_of_folder
+from geoswarm.solver.report.record import BestFit, RunRecord, record_of_result
+from geoswarm.solver.report.reweighted import reweighted_document
+from geoswarm.solver.report.style import figures_available, png_of, save_figure, svg_of
+from geoswarm.solver.report.tables import (
     write_evaluations,
     write_generations,
     write_problem,
     write_responses,
     write_result,
 )
-from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 
 __all__ = [
     "NOTHING_FURTHER",

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 
-from solver.calibration import Calibration
-from solver.errors import SolverError
-from solver.identifiability import (
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.identifiability import (
     Linearisation,
     Samples,
     Statistics,
@@ -17,17 +17,17 @@ from solver.identifiability import (
     from_evaluations,
     linearise,
 )
-from solver.identifiability.polish import polish
-from solver.identifiability.stored import jacobian_from_samples
-from solver.local import CalibrationResult
-from solver.problem import ParticleSwarmMethod, Problem
-from solver.report.content import Content, report_content
-from solver.report.figures import FigureSet
-from solver.report.html import html_fragment, html_report
-from solver.report.pdf import pdf_report
-from solver.report.record import Optimum, RunRecord, record_of_result
-from solver.report.style import save_figure
-from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.identifiability.stored import jacobian_from_samples
+from geoswarm.solver.local import CalibrationResult
+from geoswarm.solver.problem import ParticleSwarmMethod, Problem
+from geoswarm.solver.report.content import Content, report_content
+from geoswarm.solver.report.figures import FigureSet
+from geoswarm.solver.report.html import html_fragment, html_report
+from geoswarm.solver.report.pdf import pdf_report
+from geoswarm.solver.report.record import Optimum, RunRecord, record_of_result
+from geoswarm.solver.report.style import save_figure
+from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 
 __all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
 

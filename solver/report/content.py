@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from solver.identifiability import Statistics
-from solver.identifiability.follow_ups import follow_up_of
-from solver.problem import FreeParameter, LinkedParameter, Problem
-from solver.report.curves import objective_unit, series_shares
-from solver.report.figures import FigureSet
-from solver.report.labels import ParameterLabel, parameter_labels
-from solver.report.parts import Card, Picture, Table
-from solver.report.record import Optimum, RunRecord, method_in_words
-from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
-from solver.report.uncertainty_tables import uncertainty_tables
-from solver.words import duration, number, reasons_in_words, typeset, verdict_in_words
+from geoswarm.solver.identifiability import Statistics
+from geoswarm.solver.identifiability.follow_ups import follow_up_of
+from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
+from geoswarm.solver.report.curves import objective_unit, series_shares
+from geoswarm.solver.report.figures import FigureSet
+from geoswarm.solver.report.labels import ParameterLabel, parameter_labels
+from geoswarm.solver.report.parts import Card, Picture, Table
+from geoswarm.solver.report.record import Optimum, RunRecord, method_in_words
+from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.report.uncertainty_tables import uncertainty_tables
+from geoswarm.solver.words import duration, number, reasons_in_words, typeset, verdict_in_words
 
 __all__ = ["Content", "report_content"]
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import ForwardError
-from solver.forward.base import SeriesInfo
-from solver.problem import Observation, Problem
-from solver.problem.units import convert
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import ForwardError
+from geoswarm.solver.forward.base import SeriesInfo
+from geoswarm.solver.problem import Observation, Problem
+from geoswarm.solver.problem.units import convert
 
 __all__ = [
     "SeriesCurve",

@@ -8,18 +8,18 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from solver.identifiability import Samples, Statistics
-from solver.identifiability.follow_ups import follow_up_of
-from solver.problem import Problem
-from solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
-from solver.report.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
-from solver.report.intervals_plot import IntervalRow, interval_rows, intervals_figure
-from solver.report.labels import parameter_labels
-from solver.report.matrix_plot import MatrixData, matrix_figure, matrix_rows
-from solver.report.progress_plots import convergence_figure, convergence_rows, traces_figure
-from solver.report.record import RunRecord
-from solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
-from solver.report.uncertainty_plots import (
+from geoswarm.solver.identifiability import Samples, Statistics
+from geoswarm.solver.identifiability.follow_ups import follow_up_of
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
+from geoswarm.solver.report.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
+from geoswarm.solver.report.intervals_plot import IntervalRow, interval_rows, intervals_figure
+from geoswarm.solver.report.labels import parameter_labels
+from geoswarm.solver.report.matrix_plot import MatrixData, matrix_figure, matrix_rows
+from geoswarm.solver.report.progress_plots import convergence_figure, convergence_rows, traces_figure
+from geoswarm.solver.report.record import RunRecord
+from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.report.uncertainty_plots import (
     index_rows,
     indices_figure,
     posterior_figure,
@@ -27,7 +27,7 @@ from solver.report.uncertainty_plots import (
     profile_rows,
     profiles_figure,
 )
-from solver.words import verdict_in_words
+from geoswarm.solver.words import verdict_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.report.curves import SeriesCurve
-from solver.report.style import BLUE, GREEN, GRID, INK, MUTED, drawing, finish, head, plain_ticks, with_unit
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.report.curves import SeriesCurve
+from geoswarm.solver.report.style import BLUE, GREEN, GRID, INK, MUTED, drawing, finish, head, plain_ticks, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.errors import SolverError
-from solver.identifiability import Samples
-from solver.identifiability.posterior import sample_posterior
-from solver.local import GenerationRecord
-from solver.problem import ParticleSwarmMethod, Problem, parse_problem
-from solver.report.build import Report, linearise_here
-from solver.report.folder_findings import findings_of_folder
-from solver.report.folder_tables import column, read_table
-from solver.report.record import BestFit, RunRecord
-from solver.report.tables import parameter_column
-from solver.report.uncertainty import Uncertainty
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.identifiability import Samples
+from geoswarm.solver.identifiability.posterior import sample_posterior
+from geoswarm.solver.local import GenerationRecord
+from geoswarm.solver.problem import ParticleSwarmMethod, Problem, parse_problem
+from geoswarm.solver.report.build import Report, linearise_here
+from geoswarm.solver.report.folder_findings import findings_of_folder
+from geoswarm.solver.report.folder_tables import column, read_table
+from geoswarm.solver.report.record import BestFit, RunRecord
+from geoswarm.solver.report.tables import parameter_column
+from geoswarm.solver.report.uncertainty import Uncertainty
 
 __all__ = ["FolderError", "StoredRun", "report_of_folder", "run_of_folder"]
 

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.calibration import Evaluation
-from solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
-from solver.problem import Problem, parse_problem
-from solver.problem.follow_ups import FOLLOW_UPS
-from solver.report.folder_tables import column, read_table
-from solver.report.tables import parameter_column
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem.follow_ups import FOLLOW_UPS
+from geoswarm.solver.report.folder_tables import column, read_table
+from geoswarm.solver.report.tables import parameter_column
 
 __all__ = ["evaluations_of_folder", "findings_of_folder"]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = ["column", "read_table"]
 

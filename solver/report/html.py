@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from solver.report.content import Content
-from solver.report.style import figures_available, inline_svg
-from solver.words import typeset
+from geoswarm.solver.report.content import Content
+from geoswarm.solver.report.style import figures_available, inline_svg
+from geoswarm.solver.words import typeset
 
 __all__ = ["SIGNS", "html_fragment", "html_report", "render"]
 

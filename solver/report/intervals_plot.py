@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from solver.report.labels import ParameterLabel
-from solver.report.style import BLUE, GRID, ORANGE, drawing, head, plain_ticks
+from geoswarm.solver.report.labels import ParameterLabel
+from geoswarm.solver.report.style import BLUE, GRID, ORANGE, drawing, head, plain_ticks
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

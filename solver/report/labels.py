@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from solver.problem import Problem
+from geoswarm.solver.problem import Problem
 
 __all__ = ["ParameterLabel", "parameter_labels"]
 

@@ -12,11 +12,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.identifiability import Correlation, Correlations, Filtered, Projection, Samples
-from solver.report.labels import ParameterLabel
-from solver.report.style import GRID, INK, MUTED, ORANGE, SKY, colour_map, drawing, plain_ticks, shortened, with_unit
-from solver.words import typeset
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.identifiability import Correlation, Correlations, Filtered, Projection, Samples
+from geoswarm.solver.report.labels import ParameterLabel
+from geoswarm.solver.report.style import (
+    GRID,
+    INK,
+    MUTED,
+    ORANGE,
+    SKY,
+    colour_map,
+    drawing,
+    plain_ticks,
+    shortened,
+    with_unit,
+)
+from geoswarm.solver.words import typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,10 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from solver.report.content import Content
-from solver.report.html import SIGNS
-from solver.report.parts import Card, Picture, Table
-from solver.report.style import GRID, INK, MUTED, png_of
+from geoswarm.solver.report.content import Content
+from geoswarm.solver.report.html import SIGNS
+from geoswarm.solver.report.parts import Card, Picture, Table
+from geoswarm.solver.report.style import GRID, INK, MUTED, png_of
 
 __all__ = ["pdf_report"]
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import MeshError
-from solver.fem.mesh.mesh import Mesh
-from solver.report.style import BLUE, GREEN, MUTED, ORANGE, SKY, drawing, finish
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.report.style import BLUE, GREEN, MUTED, ORANGE, SKY, drawing, finish
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.identifiability import Samples
-from solver.local import GenerationRecord
-from solver.report.labels import ParameterLabel
-from solver.report.style import BLUE, GRID, MUTED, ORANGE, drawing, finish, head, plain_ticks, with_unit
+from geoswarm.solver.identifiability import Samples
+from geoswarm.solver.local import GenerationRecord
+from geoswarm.solver.report.labels import ParameterLabel
+from geoswarm.solver.report.style import BLUE, GRID, MUTED, ORANGE, drawing, finish, head, plain_ticks, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 
-from solver.arrays import FloatArray
-from solver.identifiability import Linearisation
-from solver.identifiability.polish import Polished
-from solver.local import CalibrationResult, GenerationRecord
-from solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability import Linearisation
+from geoswarm.solver.identifiability.polish import Polished
+from geoswarm.solver.local import CalibrationResult, GenerationRecord
+from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
 
 __all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]
 

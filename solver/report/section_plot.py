@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.mesh.quadratic import boundary_edges
-from solver.report.style import BLUE, GREEN, GRID, INK, MUTED, ORANGE, drawing
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.mesh.quadratic import boundary_edges
+from geoswarm.solver.report.style import BLUE, GREEN, GRID, INK, MUTED, ORANGE, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

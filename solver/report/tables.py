@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from solver.local import CalibrationResult
-from solver.problem import Problem
+from geoswarm.solver.local import CalibrationResult
+from geoswarm.solver.problem import Problem
 
 __all__ = [
     "parameter_column",

@@ -7,13 +7,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.identifiability.global_sensitivity import GlobalSensitivity
-from solver.identifiability.posterior import Posterior
-from solver.identifiability.profiles import Profile
-from solver.report.labels import ParameterLabel
-from solver.report.style import BLUE, GRID, INK, MUTED, ORANGE, SKY, drawing, finish, head, plain_ticks, with_unit
-from solver.words import number
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity
+from geoswarm.solver.identifiability.posterior import Posterior
+from geoswarm.solver.identifiability.profiles import Profile
+from geoswarm.solver.report.labels import ParameterLabel
+from geoswarm.solver.report.style import (
+    BLUE,
+    GRID,
+    INK,
+    MUTED,
+    ORANGE,
+    SKY,
+    drawing,
+    finish,
+    head,
+    plain_ticks,
+    with_unit,
+)
+from geoswarm.solver.words import number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.identifiability.global_sensitivity import GlobalSensitivity
-from solver.identifiability.posterior import Posterior
-from solver.identifiability.profiles import Profile
-from solver.problem import Problem
-from solver.report.labels import ParameterLabel
-from solver.report.parts import Table
-from solver.report.uncertainty import Uncertainty
-from solver.words import number
+from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity
+from geoswarm.solver.identifiability.posterior import Posterior
+from geoswarm.solver.identifiability.profiles import Profile
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.labels import ParameterLabel
+from geoswarm.solver.report.parts import Table
+from geoswarm.solver.report.uncertainty import Uncertainty
+from geoswarm.solver.words import number
 
 __all__ = ["uncertainty_tables"]
 

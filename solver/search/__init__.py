@@ -16,12 +16,12 @@
 
 from __future__ import annotations
 
-from solver.search.acceleration import Runs
-from solver.search.base import Search, Snapshot
-from solver.search.diversity import diversity
-from solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
-from solver.search.particle_swarm import ParticleSwarm, SwarmSettings
-from solver.search.space import SearchSpace
+from geoswarm.solver.search.acceleration import Runs
+from geoswarm.solver.search.base import Search, Snapshot
+from geoswarm.solver.search.diversity import diversity
+from geoswarm.solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
+from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = [
     "MonteCarlo",

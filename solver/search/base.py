@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Protocol, TypeAlias
 
-from solver.arrays import FloatArray
-from solver.search.acceleration.runs import Runs
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search.acceleration.runs import Runs
 
 __all__ = ["Search", "Snapshot"]
 

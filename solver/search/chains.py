@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.search.marquardt import marquardt_step
-from solver.search.space import SearchSpace
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search.marquardt import marquardt_step
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Chain", "ChainPoint"]
 

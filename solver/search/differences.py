@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.search.space import SearchSpace
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["DifferenceDesign", "plan_differences"]
 

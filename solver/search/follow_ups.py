@@ -9,14 +9,14 @@ from typing import Literal
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from solver.arrays import FloatArray
-from solver.errors import InfeasibleSpaceError
-from solver.search.acceleration.runs import Runs
-from solver.search.base import Snapshot
-from solver.search.chains import Chain
-from solver.search.descent import Descent
-from solver.search.differences import DifferenceDesign, plan_differences
-from solver.search.space import SearchSpace
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.base import Snapshot
+from geoswarm.solver.search.chains import Chain
+from geoswarm.solver.search.descent import Descent
+from geoswarm.solver.search.differences import DifferenceDesign, plan_differences
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = [
     "BLIND_STEP",

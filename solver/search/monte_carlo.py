@@ -9,12 +9,12 @@ from typing import Literal
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import InfeasibleSpaceError
-from solver.search.acceleration.runs import Runs
-from solver.search.base import Snapshot
-from solver.search.randomness import design_generator, particle_generator
-from solver.search.space import SearchSpace
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.base import Snapshot
+from geoswarm.solver.search.randomness import design_generator, particle_generator
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["MonteCarlo", "MonteCarloSettings", "SamplingDesign"]
 

@@ -20,11 +20,11 @@ from typing import Literal
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.search.acceleration import Proposer, ProposerState, Runs
-from solver.search.base import Snapshot
-from solver.search.randomness import particle_generator
-from solver.search.space import SearchSpace
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search.acceleration import Proposer, ProposerState, Runs
+from geoswarm.solver.search.base import Snapshot
+from geoswarm.solver.search.randomness import particle_generator
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["ParticleSwarm", "SwarmSettings"]
 
@@ -56,7 +56,7 @@ class SwarmSettings:
         Limit of each velocity component as a fraction of the parameter's range in search coordinates.
     acceleration
         ``none``: the textbook swarm. ``response_surface``: the worst particles of a generation are aimed at points that
-        all runs so far promise (:mod:`solver.search.acceleration`).
+        all runs so far promise (:mod:`geoswarm.solver.search.acceleration`).
     polish
         An accelerated swarm that would restart polishes its best particle instead, and ends.
     """

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
-from solver.errors import InfeasibleSpaceError
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.errors import InfeasibleSpaceError
 
 __all__ = ["SearchSpace"]
 

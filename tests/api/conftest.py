@@ -13,15 +13,15 @@ from typing import Any
 import httpx
 import pytest
 
-from api import ApiSettings, bind, create_app
-from api.feed import ENDED_STATES
-from api.server import base_url, build_server
-from workers.doorbell import MuteDoorbell
-from workers.engine import Engine, open_engine
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.views import JobView
+from geoswarm.api import ApiSettings, bind, create_app
+from geoswarm.api.feed import ENDED_STATES
+from geoswarm.api.server import base_url, build_server
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.engine import Engine, open_engine
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.views import JobView
 
 API = "/api/v1"
 

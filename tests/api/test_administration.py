@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from api import ApiSettings
-from solver.problem import parse_problem
+from geoswarm.api import ApiSettings
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+from geoswarm.workers.service import JobService
+from geoswarm.workers.tally import tally
 from tests.api.conftest import API, App, line_problem
-from workers.keys import KEY_PATTERN, KeyRing
-from workers.service import JobService
-from workers.tally import tally
 
 
 @pytest.fixture

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter
 
-from api import create_app
-from api.routes.forward_models import EXAMPLES
-from solver.forward.registry import kinds, parse_spec
+from geoswarm.api import create_app
+from geoswarm.api.routes.forward_models import EXAMPLES
+from geoswarm.solver.forward.registry import kinds, parse_spec
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, line_problem
-from workers.service import JobService
 
 
 def test_forward_models_are_listed_with_a_description(app: App) -> None:

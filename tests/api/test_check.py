@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, line_problem
-from workers.doorbell import MuteDoorbell
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 

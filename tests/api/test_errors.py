@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from sqlalchemy.exc import OperationalError
 
-from api.errors import TRANSLATED, translate
+from geoswarm.api.errors import TRANSLATED, translate
+from geoswarm.workers import errors as workers_errors
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, line_problem
-from workers import errors as workers_errors
-from workers.doorbell import MuteDoorbell
-from workers.errors import StoreUnavailableError
-from workers.service import JobService
 
 
 def test_an_unknown_route_points_to_the_list_of_routes(app: App) -> None:

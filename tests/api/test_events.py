@@ -11,10 +11,10 @@ from typing import Any
 import httpx
 import pytest
 
-from api import ApiSettings
+from geoswarm.api import ApiSettings
+from geoswarm.workers.engine import Engine
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
-from workers.engine import Engine
-from workers.service import JobService
 
 
 def submit(server: LiveServer, **changes: Any) -> str:

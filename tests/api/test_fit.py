@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.engine import Engine
 from tests.api.conftest import API, App, line_problem, wait_for_end
-from workers.engine import Engine
 
 MEASURED = {"x": [120.0, 0.0, 60.0], "y": [500.0, 100.0, 300.0]}
 TEXTBOOK = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}

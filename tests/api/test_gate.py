@@ -5,9 +5,9 @@ import base64
 import pytest
 from pydantic import SecretStr
 
-from api import ApiError, ApiSettings
+from geoswarm.api import ApiError, ApiSettings
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App
-from workers.service import JobService
 
 KEY = "a-very-secret-key"
 

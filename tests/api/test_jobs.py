@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from api import ApiSettings
+from geoswarm.api import ApiSettings
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, line_problem
-from workers.service import JobService
 
 FIELDS = {
     "id", "name", "state", "forward_model", "method", "stop_reasons", "objective", "parameters", "evaluations",

@@ -6,10 +6,10 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from api import ApiSettings
-from api.limits import MOST_CLIENTS, RateLimiter
+from geoswarm.api import ApiSettings
+from geoswarm.api.limits import MOST_CLIENTS, RateLimiter
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App
-from workers.service import JobService
 
 
 class Clock:

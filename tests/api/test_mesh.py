@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from api import ApiSettings
+from geoswarm.api import ApiSettings
+from geoswarm.workers.engine import Engine
+from geoswarm.workers.keys import KeyRing
 from tests.api.conftest import API, App, line_problem, wait_for_end
 from tests.solver.forward.continuum.bodies import OEDOMETER, ground
-from workers.engine import Engine
-from workers.keys import KeyRing
 
 
 def loaded_ground(**changes: Any) -> dict[str, Any]:

@@ -8,14 +8,14 @@ from opentelemetry.sdk.trace.export import SimpleSpanProcessor
 from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanExporter
 from prometheus_client.parser import text_string_to_metric_families
 
+from geoswarm.workers import tracing
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.tally import tally
+from geoswarm.workers.worker import Worker
 from tests.api.conftest import API, App, line_problem
-from workers import tracing
-from workers.doorbell import MuteDoorbell
-from workers.identity import Identity
-from workers.service import JobService
-from workers.settings import Settings
-from workers.tally import tally
-from workers.worker import Worker
 
 
 def samples(app: App) -> dict[tuple[str, str], float]:
@@ -78,7 +78,7 @@ def test_failures_are_counted_by_reason_and_logged_with_their_place(
         stopping={"max_evaluations": 12},
     )
     job = app.post(f"{API}/jobs", json=failing).json()["id"]
-    with caplog.at_level(logging.INFO, logger="workers.errand"):
+    with caplog.at_level(logging.INFO, logger="geoswarm.workers.errand"):
         work(service, settings, job)
     counted = {label: value for (name, label), value in samples(app).items() if name == "geoswarm_runs_total"}
     assert sum(value for label, value in counted.items() if label != "finished") >= 6

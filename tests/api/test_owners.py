@@ -9,16 +9,16 @@ from typing import Any
 import pytest
 from pydantic import SecretStr
 
-from api import ApiSettings
-from solver.problem import parse_problem
+from geoswarm.api import ApiSettings
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.access import Principal, Role
+from geoswarm.workers.engine import Engine
+from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, line_problem, wait_for_end
-from workers.access import Principal, Role
-from workers.engine import Engine
-from workers.errors import JobNotFoundError
-from workers.keys import KeyRing
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
 
 STATIC = "environment-key-of-the-operator"
 

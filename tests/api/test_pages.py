@@ -5,11 +5,11 @@ from datetime import UTC, datetime
 
 import pytest
 
-from api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
-from api.pages.shell import number
-from api.pages.sign_in import own_address
+from geoswarm.api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
+from geoswarm.api.pages.shell import number
+from geoswarm.api.pages.sign_in import own_address
+from geoswarm.workers.views import GenerationView
 from tests.api.conftest import API, App, line_problem
-from workers.views import GenerationView
 
 
 def generation(evaluations: int, own: float | None, best: float | None) -> GenerationView:

@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
+from geoswarm.workers.engine import Engine
 from tests.api.conftest import API, App, wait_for_end
 from tests.api.test_statistics import sampled
-from workers.engine import Engine
 
 
 @pytest.fixture(scope="module")

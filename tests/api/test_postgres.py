@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, LiveServer, line_problem
 from tests.servers import PostgresServer
-from workers.doorbell import MuteDoorbell
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
 
 
 @pytest.fixture

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from api.routes.results import csv_header
-from solver.local import calibrate
-from solver.problem import parse_problem
+from geoswarm.api.routes.results import csv_header
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.engine import Engine
 from tests.api.conftest import API, App, line_problem, wait_for_end
-from workers.engine import Engine
 
 
 @pytest.fixture(scope="module")
@@ -187,6 +187,6 @@ def test_parquet_has_the_numbers_of_the_csv_and_the_responses(done: tuple[App, s
 
 def test_without_pyarrow_parquet_is_not_available(done: tuple[App, str], monkeypatch: pytest.MonkeyPatch) -> None:
     app, path = done
-    monkeypatch.setattr("api.routes.results.parquet_available", lambda: False)
+    monkeypatch.setattr("geoswarm.api.routes.results.parquet_available", lambda: False)
     answer = app.get(f"{path}/evaluations", params={"format": "parquet"})
     assert (answer.status_code, answer.json()["type"]) == (501, "urn:geoswarm:error:no-parquet")

@@ -10,16 +10,16 @@ import pytest
 import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
 
-from api import ApiSettings, create_app
+from geoswarm.api import ApiSettings, create_app
+from geoswarm.workers.access import Principal
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.worker import Worker
 from tests.api.conftest import line_problem
-from workers.access import Principal
-from workers.doorbell import MuteDoorbell
-from workers.identity import Identity
-from workers.keys import KeyRing
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.worker import Worker
 
 SECRET = "confidential-embankment"
 FEW, MANY = 8, 150
@@ -33,7 +33,7 @@ class World:
         self.store = Store(engine)
         self.service = JobService(self.store, MuteDoorbell(), engine)
         document = line_problem(name=SECRET)
-        from solver.problem import parse_problem
+        from geoswarm.solver.problem import parse_problem
 
         alice = self.service.on_behalf_of(Principal("alice", "submit"))
         self.job = alice.submit(parse_problem(document))[0].id

@@ -12,10 +12,10 @@ from pathlib import Path
 import httpx
 import pytest
 
-from api import ApiSettings, PortInUseError, bind, serve
-from api.server import base_url
+from geoswarm.api import ApiSettings, PortInUseError, bind, serve
+from geoswarm.api.server import base_url
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, LiveServer, line_problem
-from workers.service import JobService
 
 
 def test_a_port_in_use_is_told_before_anything_starts(service: JobService) -> None:
@@ -80,11 +80,11 @@ def test_a_broken_request_gets_no_traceback(server: LiveServer) -> None:
 
 SCRIPT = """
 import sys
-from api import serve
-from workers.doorbell import MuteDoorbell
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
+from geoswarm.api import serve
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 
 settings = Settings(database_url="sqlite:///jobs.db")
 store = Store(settings)

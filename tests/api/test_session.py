@@ -10,10 +10,10 @@ import pytest
 from pydantic import SecretStr
 from sqlalchemy import text
 
-from api import ApiSettings
+from geoswarm.api import ApiSettings
+from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, line_problem
-from workers.keys import KeyRing
-from workers.service import JobService
 
 STATIC = "environment-key-of-the-operator"
 OWN = {"X-Requested-With": "geoswarm"}

@@ -8,15 +8,15 @@ from typing import Any
 
 import pytest
 
-from solver.calibration import Calibration
-from solver.identifiability import Samples, analyse, reweight
-from solver.local import calibrate
-from solver.problem import parse_problem
-from solver.report.jsonable import jsonable
-from solver.words import typeset
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Samples, analyse, reweight
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.words import typeset
+from geoswarm.workers.engine import Engine
+from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, line_problem, wait_for_end
-from workers.engine import Engine
-from workers.service import JobService
 
 
 def sampled() -> dict[str, Any]:

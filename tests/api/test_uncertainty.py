@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.local import calibrate
-from solver.problem import parse_problem
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.engine import Engine
+from geoswarm.workers.store.follow_ups import evaluations_in_order
 from tests.api.conftest import API, App, line_problem, wait_for_end
-from workers.engine import Engine
-from workers.store.follow_ups import evaluations_in_order
 
 X = np.linspace(0.0, 3.0, 16)
 Y = 1.0 + 2.0 * X + np.random.default_rng(4).normal(0.0, 0.05, X.size)

@@ -131,7 +131,9 @@ class Fleet:
         parents = {pid: _parent(pid) for pid in self.processes()}
         mains = {m.process.pid for name, m in self.members.items() if name.startswith("worker") and m.process}
         nurses = [
-            pid for pid in parents if b"workers.runner.nurse" in _read(pid, "cmdline") and parents[pid] not in mains
+            pid
+            for pid in parents
+            if b"geoswarm.workers.runner.nurse" in _read(pid, "cmdline") and parents[pid] not in mains
         ]
         heads = [pid for pid in nurses if parents[pid] not in nurses]
         pool = [pid for pid, parent in parents.items() if parent in mains and pid not in nurses]

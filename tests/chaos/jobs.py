@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from geoswarm import Client
 from geoswarm.client.errors import ConflictError, GeoswarmError
-from solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from tests.workers.problems import line
 
 __all__ = ["Planned", "User", "plan"]

@@ -23,19 +23,19 @@ import pytest
 
 from geoswarm import Client
 from geoswarm.client.errors import GeoswarmError
-from solver.local import calibrate
-from solver.problem import Problem
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.views import EvaluationView
 from tests.chaos.faults import Disturber
 from tests.chaos.fleet import Fleet
 from tests.chaos.jobs import Planned, User, plan
 from tests.chaos.proxy import LossyProxy
 from tests.integration.engines import wait_for
 from tests.servers import PostgresServer, RedisServer, free_port
-from workers.doorbell import MuteDoorbell
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.views import EvaluationView
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 

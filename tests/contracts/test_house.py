@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.contracts.repository import PACKAGES, ROOT, python_files
+from tests.contracts.repository import PACKAGES, ROOT, module_name, python_files
 
 LONGEST_FILE = 420
 SOURCES = python_files(*PACKAGES)
@@ -19,11 +19,6 @@ TESTS = python_files("tests")
 
 def label(path: Path) -> str:
     return str(path.relative_to(ROOT))
-
-
-def module_name(path: Path) -> str:
-    parts = path.relative_to(ROOT).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def test_files_are_short() -> None:

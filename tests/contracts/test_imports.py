@@ -19,7 +19,7 @@ def test_import_contracts_are_kept() -> None:
     assert "0 broken" in done.stdout
 
 
-@pytest.mark.parametrize("package", ["geoswarm", "geoswarm.cli", "solver", "workers"])
+@pytest.mark.parametrize("package", ["geoswarm", "geoswarm.cli", "geoswarm.solver", "geoswarm.workers"])
 def test_importing_a_package_loads_nothing_heavy(package: str) -> None:
     program = (
         f"import sys, {package}; print(sorted({{'numba', 'scipy', 'celery', 'matplotlib', 'pint'}} & set(sys.modules)))"
@@ -32,9 +32,9 @@ def test_the_solver_runs_without_the_extras() -> None:
     blocked = ("sqlalchemy", "alembic", "celery", "redis", "fastapi", "uvicorn", "psycopg", "matplotlib")
     program = (
         f"import sys; sys.modules.update(dict.fromkeys({blocked!r}))\n"
-        "from solver.local import calibrate\n"
-        "from solver.problem import parse_problem\n"
-        "from solver.warm import SAMPLES\n"
+        "from geoswarm.solver.local import calibrate\n"
+        "from geoswarm.solver.problem import parse_problem\n"
+        "from geoswarm.solver.warm import SAMPLES\n"
         "print(calibrate(parse_problem(SAMPLES['oedometer'])).state)"
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)

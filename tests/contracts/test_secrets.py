@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
+from geoswarm.workers.celery_app import create_celery
+from geoswarm.workers.errors import SettingsError
+from geoswarm.workers.logs import JsonFormatter, TextFormatter
+from geoswarm.workers.secrets import is_loopback, redact, refuse_known_secrets, refuse_weak_key
+from geoswarm.workers.settings import Settings
 from tests.contracts.repository import PACKAGES, ROOT, python_files
-from workers.celery_app import create_celery
-from workers.errors import SettingsError
-from workers.logs import JsonFormatter, TextFormatter
-from workers.secrets import is_loopback, redact, refuse_known_secrets, refuse_weak_key
-from workers.settings import Settings
 
 KEY = "gsw_0123456789ab_" + "Ab1_-" * 8 + "xyz"
 UNPICKLING = re.compile(

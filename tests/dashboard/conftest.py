@@ -14,15 +14,15 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from api import ApiSettings
+from geoswarm.api import ApiSettings
+from geoswarm.workers.engine import open_engine
+from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
 from tests.api.conftest import LiveServer
 from tests.dashboard.browser import Guard, chromium, guarded_context
 from tests.integration.engines import celery_workers
 from tests.servers import PostgresServer, RedisServer
-from workers.engine import open_engine
-from workers.keys import KeyRing
-from workers.service import JobService
-from workers.settings import Settings
 
 expect.set_options(timeout=30_000)  # for what a busy machine takes its time for; a miss is told all the same
 

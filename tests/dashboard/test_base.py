@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site

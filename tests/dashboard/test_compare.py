@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
 from tests.api.conftest import wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site

@@ -13,15 +13,15 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from solver.examples import example_file
-from solver.problem import load_problem, parse_problem
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.workers.tally import tally
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.layout import check_layout, leaf_through
 from tests.dashboard.test_job import BROKEN, LONG, SOON, state, textbook
 from tests.dashboard.test_statistics import ended
 from tests.dashboard.test_statistics_story import five_parameters
-from workers.tally import tally
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 

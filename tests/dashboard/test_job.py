@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.access import LOCAL, Principal
+from geoswarm.workers.store.job_list import JobFilters
 from tests.api.conftest import line_problem, wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
-from workers.access import LOCAL, Principal
-from workers.store.job_list import JobFilters
 
 Visit = Callable[..., Opened]
 TEXTBOOK = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
 from tests.api.test_mesh import loaded_ground
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.layout import leaf_through

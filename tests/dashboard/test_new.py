@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from solver.examples import example_file
-from solver.problem import load_problem, parse_problem
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.problem import load_problem, parse_problem
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site

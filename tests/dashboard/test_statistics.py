@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.service import JobService
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
-from workers.service import JobService
 
 Visit = Callable[..., Opened]
 

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from solver.problem import load_problem
+from geoswarm.solver.problem import load_problem
+from geoswarm.workers.access import Principal
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_statistics import ended
-from workers.access import Principal
 
 Visit = Callable[..., Opened]
 EXAMPLE = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
 from tests.api.conftest import wait_for_end
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_job import LONG, SOON, counted, state, textbook

@@ -8,14 +8,14 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.tally import tally
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_statistics import ended
 from tests.dashboard.test_statistics_story import five_parameters
-from workers.keys import KeyRing
-from workers.tally import tally
 
 Visit = Callable[..., Opened]
 

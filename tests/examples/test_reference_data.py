@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from examples.generate_reference_data import EXAMPLES, HERE, Example, generate, reading_times
-from solver.problem import load_problem
+from geoswarm.solver.problem import load_problem
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.folder)

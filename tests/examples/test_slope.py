@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from examples.generate_reference_data import HERE
-from solver.arrays import FloatArray
-from solver.forward.section import SectionModel
-from solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.forward.section import SectionModel
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
 
 LABORATORY = [0.064, 0.035, 0.00146, 10.0, 5560.0]
 IDENTIFIED = [1.42, 0.60, 0.145, 10.7, 5160.0]

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.views import JobView
 from tests.workers.problems import History, expected_history, line
-from workers.service import JobService
-from workers.settings import Settings
-from workers.views import JobView
 
 __all__ = [
     "LONG",
@@ -54,7 +54,8 @@ def long_history() -> History:
 
 
 RUN_WORKER = (
-    "import json, sys; from workers.celery_app import run_celery_worker; from workers.settings import Settings;"
+    "import json, sys; from geoswarm.workers.celery_app import run_celery_worker;"
+    "from geoswarm.workers.settings import Settings;"
     "run_celery_worker(Settings(**json.loads(sys.argv[1])), int(sys.argv[2]))"
 )
 

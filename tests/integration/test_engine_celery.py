@@ -8,6 +8,9 @@ import time
 
 import pytest
 
+from geoswarm.workers.engine import open_engine
+from geoswarm.workers.errors import BrokerUnavailableError
+from geoswarm.workers.settings import Settings
 from tests.integration.engines import (
     LONG,
     STEADY,
@@ -20,9 +23,6 @@ from tests.integration.engines import (
 from tests.servers import RedisServer
 from tests.servers import free_port as unused_port
 from tests.workers.problems import expected_history, line, recorded_history
-from workers.engine import open_engine
-from workers.errors import BrokerUnavailableError
-from workers.settings import Settings
 
 
 @pytest.fixture

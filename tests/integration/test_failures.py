@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from solver.local import calibrate
-from solver.problem import Problem, parse_problem
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.workers.engine import Engine, open_engine
+from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
+from geoswarm.workers.settings import Settings
 from tests.integration.engines import process_exists, wait_for, wait_until_ended
 from tests.workers.problems import line
-from workers.engine import Engine, open_engine
-from workers.errors import InvalidTransitionError, NothingToRetryError
-from workers.settings import Settings
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from geoswarm.workers.engine import open_engine
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
 from tests.integration.engines import STEADY, celery_workers, process_exists, wait_for, wait_until_ended
 from tests.integration.test_failures import misbehaving, pids
-from workers.engine import open_engine
-from workers.service import JobService
-from workers.settings import Settings
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 

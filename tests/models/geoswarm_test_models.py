@@ -17,9 +17,9 @@ from typing import Literal, NoReturn
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import DivergedError
-from solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import DivergedError
+from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 
 Behaviour = Literal[
     "sleep", "compute", "for_ever", "for_ever_once", "fork", "eat", "exit", "leave", "crash", "diverge", "chatter"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem, parse_problem
 
 __all__ = ["decay_document", "decay_problem"]
 

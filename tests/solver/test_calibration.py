@@ -6,10 +6,10 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Progress, choose_seed, swarm_settings
-from solver.errors import DivergedError
-from solver.problem import ParticleSwarmMethod
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Progress, choose_seed, swarm_settings
+from geoswarm.solver.errors import DivergedError
+from geoswarm.solver.problem import ParticleSwarmMethod
 from tests.solver.problems import decay_problem
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from numba.core import config
 
-from solver.jit import cache_folder, kernel
+from geoswarm.solver.jit import cache_folder, kernel
 
 
 def test_any_change_of_a_kernel_source_gives_another_cache_folder(tmp_path: Path) -> None:

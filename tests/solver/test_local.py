@@ -6,8 +6,8 @@ import signal
 
 import pytest
 
-from solver.errors import WorkerLostError
-from solver.local import CalibrationResult, GenerationRecord, calibrate
+from geoswarm.solver.errors import WorkerLostError
+from geoswarm.solver.local import CalibrationResult, GenerationRecord, calibrate
 from tests.solver.problems import decay_problem
 
 

@@ -6,8 +6,8 @@ import logging
 
 import pytest
 
-from solver.problem import parse_problem
-from solver.warm import SAMPLES, _main, warm
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.warm import SAMPLES, _main, warm
 
 
 def test_each_sample_is_run_and_timed() -> None:

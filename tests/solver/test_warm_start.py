@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Offer
-from solver.errors import ProblemError
-from solver.local import calibrate
-from solver.problem import Problem, parse_problem
-from solver.warm_start import MOST_OFFERED, EarlierRuns, best_of, offer_of
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Offer
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.warm_start import MOST_OFFERED, EarlierRuns, best_of, offer_of
 from tests.solver.problems import decay_document
 
 AIMED = {"kind": "particle_swarm", "particles": 8}

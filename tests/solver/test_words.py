@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from geoswarm.cli import output
-from solver.words import duration, number, reasons_in_words, typeset
+from geoswarm.solver.words import duration, number, reasons_in_words, typeset
 
 
 @pytest.mark.parametrize(

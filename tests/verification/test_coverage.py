@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.identifiability import design, from_evaluations
-from solver.identifiability.polish import polish
-from solver.problem import parse_problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import design, from_evaluations
+from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.problem import parse_problem
 
 X = np.linspace(0.0, 4.0, 15)
 NOISE = 0.05

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from solver.errors import ForwardError
+from geoswarm.solver.errors import ForwardError
 from tests.solver.forward.staged_tests import (
     IDENTIFIED,
     ISOTROPIC_IDENTIFIED,

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.identifiability import Samples, Statistics, analyse, fit_line
-from solver.local import calibrate
-from solver.problem import load_problem, parse_problem
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Samples, Statistics, analyse, fit_line
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import load_problem, parse_problem
 from tests.contracts.repository import ROOT
 
 SEEDS = 20

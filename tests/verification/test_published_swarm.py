@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.local import calibrate
-from solver.problem import load_problem, parse_problem
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import load_problem, parse_problem
 
 PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
 

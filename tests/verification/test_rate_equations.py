@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
-from solver.element_test.controls import Stage, strain_change
-from solver.element_test.material_point import PointState, follow
-from solver.element_test.setups import confined_load
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
+from geoswarm.solver.element_test.controls import Stage, strain_change
+from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.setups import confined_load
 
 LAMBDA, KAPPA, MU, C, PHI, NU, K0NC = 0.11, 0.03, 0.004, 30.0, 35.0, 0.2, 0.48
 ATTRACTION = C / math.tan(math.radians(PHI))

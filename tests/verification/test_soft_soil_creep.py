@@ -11,9 +11,9 @@ import math
 import numpy as np
 import pytest
 
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
-from solver.element_test.material_point import PointState, follow
-from solver.element_test.setups import (
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
+from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.setups import (
     confined_load,
     constant_rate_oedometer,
     drained_triaxial,
@@ -22,7 +22,7 @@ from solver.element_test.setups import (
     relaxation,
     undrained_triaxial,
 )
-from solver.forward.oedometer import OedometerSpec
+from geoswarm.solver.forward.oedometer import OedometerSpec
 
 INDEX = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.005}
 BETA = 0.08 / 0.005

@@ -8,11 +8,11 @@ from typing import Any, TypeAlias
 
 import pytest
 
-from workers.identity import Identity
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.worker import Worker
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.worker import Worker
 
 MakeWorker: TypeAlias = Callable[..., Worker]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from solver.calibration import Calibration
+from geoswarm.solver.calibration import Calibration
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 from tests.workers.problems import calibration, line
-from workers.coordinator.runtime import Runtime
-from workers.coordinator.work import Claim, Exchange, HandIn, Result
-from workers.settings import Settings
-from workers.store import Store
 
 PROBLEM = line(stopping={"max_evaluations": 60})
 CALIBRATION = calibration(PROBLEM)

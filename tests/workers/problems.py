@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from solver.calibration import Calibration
-from solver.local import calibrate
-from solver.problem import Problem, parse_problem
-from workers.service import JobService
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.workers.service import JobService
 
 __all__ = ["History", "expected_history", "line", "recorded_history"]
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from workers.store.codec import (
+from geoswarm.workers.store.codec import (
     clean_text,
     pack_array,
     pack_json,

@@ -5,11 +5,11 @@ import os
 
 import pytest
 
+from geoswarm.workers.celery_app import QUEUE, CeleryDoorbell, create_celery
+from geoswarm.workers.embedded import PipeDoorbell
+from geoswarm.workers.errors import SettingsError
+from geoswarm.workers.settings import Settings
 from tests.servers import RedisServer
-from workers.celery_app import QUEUE, CeleryDoorbell, create_celery
-from workers.embedded import PipeDoorbell
-from workers.errors import SettingsError
-from workers.settings import Settings
 
 
 def test_a_ring_wakes_one_waiter_and_rings_do_not_pile_up() -> None:
@@ -40,7 +40,7 @@ def test_a_dead_redis_is_reported_once_and_rings_are_dropped(caplog: pytest.LogC
     with RedisServer() as server:
         doorbell = CeleryDoorbell(Settings(broker_url=server.url))
         server.stop()
-        with caplog.at_level(logging.INFO, logger="workers.celery_app"):
+        with caplog.at_level(logging.INFO, logger="geoswarm.workers.celery_app"):
             doorbell.ring("job")
             doorbell._silent_until = 0.0
             doorbell.ring("job")

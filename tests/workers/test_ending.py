@@ -6,14 +6,14 @@ from typing import Any
 
 import pytest
 
-from solver.errors import ProblemError
-from solver.problem import Stopping
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import Stopping
+from geoswarm.workers.access import Principal
+from geoswarm.workers.errand import Errand
+from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError, QuotaExceededError
+from geoswarm.workers.service import JobService
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history
-from workers.access import Principal
-from workers.errand import Errand
-from workers.errors import InvalidTransitionError, NothingLeftError, QuotaExceededError
-from workers.service import JobService
 
 METHODS: list[dict[str, Any]] = [
     {"kind": "particle_swarm", "particles": 6, "acceleration": "none"},

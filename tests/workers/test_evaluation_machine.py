@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workers.coordinator.evaluation import (
+from geoswarm.workers.coordinator.evaluation import (
     Claimed,
     Duplicated,
     EvaluationEvent,

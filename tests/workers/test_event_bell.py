@@ -8,13 +8,13 @@ from collections.abc import Iterator
 import pytest
 from sqlalchemy import text
 
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.event_bell import EventBell
 from tests.integration.engines import wait_for
 from tests.workers.problems import line
-from workers.doorbell import MuteDoorbell
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.event_bell import EventBell
 
 
 @pytest.fixture

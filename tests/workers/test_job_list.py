@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from geoswarm.workers.access import Principal
+from geoswarm.workers.errors import InvalidCursorError
+from geoswarm.workers.service import JobService
+from geoswarm.workers.store.job_list import JobFilters, SortKey
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import line
-from workers.access import Principal
-from workers.errors import InvalidCursorError
-from workers.service import JobService
-from workers.store.job_list import JobFilters, SortKey
 
 NAMES = ["Slope", "alpha 100%", "Beta", "alpha_2"]
 

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select, update
 
-from workers.access import LOCAL, Principal
-from workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
-from workers.keys import KEY_PATTERN, KeyRing
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.clock import database_now
-from workers.store.tables import api_keys
+from geoswarm.workers.access import LOCAL, Principal
+from geoswarm.workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
+from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.tables import api_keys
 
 
 @pytest.fixture

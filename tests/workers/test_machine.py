@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.errors import InfeasibleSpaceError
-from tests.workers.problems import calibration, line
-from workers.coordinator.machine import (
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.workers.coordinator.machine import (
     ENDED_STATES,
     CancelRequested,
     DispatchGeneration,
@@ -28,7 +27,8 @@ from workers.coordinator.machine import (
     Transition,
     apply,
 )
-from workers.errors import InvalidTransitionError
+from geoswarm.workers.errors import InvalidTransitionError
+from tests.workers.problems import calibration, line
 
 # the textbook swarm: these tests make up objectives for which there are no responses
 SWARM = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}

@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from solver.problem import Problem, Stopping, parse_problem
+from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.workers.access import Principal
+from geoswarm.workers.errors import IdempotencyConflictError, JobNotFoundError, QuotaExceededError
+from geoswarm.workers.service import JobService
 from tests.api.conftest import line_problem
 from tests.workers.conftest import MakeWorker
-from workers.access import Principal
-from workers.errors import IdempotencyConflictError, JobNotFoundError, QuotaExceededError
-from workers.service import JobService
 
 ALICE, BOB, ADMIN = Principal("alice", "submit", "a"), Principal("bob", "submit", "b"), Principal("root", "admin", "r")
 
@@ -113,7 +113,7 @@ def test_workers_do_not_tell_what_they_do_for_others(service: JobService, make_w
     calibration = worker._calibration(job.id)
     assert calibration is not None
     worker.runtime.start(job.id, calibration.start())
-    from workers.coordinator.work import HandIn
+    from geoswarm.workers.coordinator.work import HandIn
 
     worker.runtime.exchange(job.id, worker.identity.id, calibration, HandIn(), live_workers=1, want=True)
     (own,) = service.on_behalf_of(ALICE).workers()

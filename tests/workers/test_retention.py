@@ -6,16 +6,16 @@ from pathlib import Path
 import pytest
 from sqlalchemy import func, select, text, update
 
+from geoswarm.workers import retention
+from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError
+from geoswarm.workers.retention import delete_job, prune
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.tables import attempts, evaluations, events, generations, jobs
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import line
-from workers import retention
-from workers.errors import InvalidTransitionError, JobNotFoundError
-from workers.retention import delete_job, prune
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.clock import database_now
-from workers.store.tables import attempts, evaluations, events, generations, jobs
 
 DAY = 86400.0
 MARK = "confidential-embankment-of-the-harbour"
@@ -90,7 +90,7 @@ def test_deleted_data_are_nowhere_in_the_files(tmp_path: Path, how: str) -> None
     """Neither in free pages of the database, nor in its journal."""
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    from workers.doorbell import MuteDoorbell
+    from geoswarm.workers.doorbell import MuteDoorbell
 
     service = JobService(store, MuteDoorbell(), settings)
     kept = service.submit(line(name="kept"))[0].id
@@ -114,7 +114,7 @@ def test_deleted_data_are_nowhere_in_the_files(tmp_path: Path, how: str) -> None
 def test_pruning_gives_the_space_back(tmp_path: Path) -> None:
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    from workers.doorbell import MuteDoorbell
+    from geoswarm.workers.doorbell import MuteDoorbell
 
     service = JobService(store, MuteDoorbell(), settings)
     x = [i / 1000 for i in range(20_000)]

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.workers.coordinator.work import Exchange
+from geoswarm.workers.service import JobService
+from geoswarm.workers.worker import Worker
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import recorded_history
-from workers.coordinator.work import Exchange
-from workers.service import JobService
-from workers.worker import Worker
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 

@@ -10,17 +10,17 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from sqlalchemy import select, update
 
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.coordinator.work import HandIn
+from geoswarm.workers.errand import Errand
+from geoswarm.workers.runner.evaluator import InlineEvaluator
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.tables import attempts, evaluations, jobs
 from tests.workers.conftest import MakeWorker
 from tests.workers.hand import PROBLEM, Hand, finish, runtime_for
 from tests.workers.problems import calibration, expected_history, line, recorded_history
-from workers.coordinator.runtime import Runtime
-from workers.coordinator.work import HandIn
-from workers.errand import Errand
-from workers.runner.evaluator import InlineEvaluator
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.tables import attempts, evaluations, jobs
 
 PATIENT = line(stopping={"max_evaluations": 60}, failures={"retry": {"worker_lost": 1000}})
 EXPECTED = expected_history(PROBLEM)

@@ -6,13 +6,13 @@ import itertools
 
 import pytest
 
-from solver.identifiability import analyse
-from solver.identifiability.study import SWARM_BIAS
+from geoswarm.solver.identifiability import analyse
+from geoswarm.solver.identifiability.study import SWARM_BIAS
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store, jobs, selection
 from tests.workers.hand import Hand, finish, runtime_for
 from tests.workers.problems import calibration, line
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store, jobs, selection
 
 SWARM = line(
     method={"kind": "particle_swarm", "particles": 5, "acceleration": "none"}, stopping={"max_evaluations": 200}
@@ -62,8 +62,8 @@ def test_a_long_history_is_read_in_generations_that_stand_for_it(
 def test_statistics_say_what_they_rest_on(
     monkeypatch: pytest.MonkeyPatch, service: JobService, job: tuple[str, bool]
 ) -> None:
-    monkeypatch.setattr("workers.statistics.MOST_READ", 100)
-    monkeypatch.setattr("workers.store.selection.MOST_RECORDS", 10)
+    monkeypatch.setattr("geoswarm.workers.statistics.MOST_READ", 100)
+    monkeypatch.setattr("geoswarm.workers.store.selection.MOST_RECORDS", 10)
     job_id, sampled = job
     stored = service.statistics.stored(job_id)
     assert stored.samples.size + stored.samples.left_out == 200

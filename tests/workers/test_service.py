@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 from sqlalchemy import func, select
 
-from solver.search import diversity
-from solver.space import search_space
-from tests.servers import PostgresServer
-from tests.workers.conftest import MakeWorker, RecordingDoorbell
-from tests.workers.problems import expected_history, line, recorded_history
-from workers.errors import (
+from geoswarm.solver.search import diversity
+from geoswarm.solver.space import search_space
+from geoswarm.workers.errors import (
     IdempotencyConflictError,
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
     StoreUnavailableError,
 )
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.job_list import JobFilters
-from workers.store.tables import attempts, evaluations, events, generations
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.job_list import JobFilters
+from geoswarm.workers.store.tables import attempts, evaluations, events, generations
+from tests.servers import PostgresServer
+from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from tests.workers.problems import expected_history, line, recorded_history
 
 
 def test_a_submitted_job_is_queued_and_rung_for(service: JobService, doorbell: RecordingDoorbell) -> None:

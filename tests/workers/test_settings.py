@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from workers.errors import SettingsError
-from workers.settings import Settings, mask_url
+from geoswarm.workers.errors import SettingsError
+from geoswarm.workers.settings import Settings, mask_url
 
 
 def test_defaults_need_nothing() -> None:

@@ -9,12 +9,12 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from sqlalchemy import create_engine, inspect, select, text
 
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.tables import metadata
 from tests.servers import free_port
-from workers.errors import StoreUnavailableError
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.clock import database_now
-from workers.store.tables import metadata
 
 
 def test_migrations_make_the_tables_that_the_program_uses(store: Store) -> None:

@@ -13,15 +13,15 @@ import psycopg
 import pytest
 from sqlalchemy import event
 
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.probe import Probe
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.worker import Worker
 from tests.workers.conftest import RecordingDoorbell
 from tests.workers.problems import expected_history, line, recorded_history
-from workers.errors import StoreUnavailableError
-from workers.identity import Identity
-from workers.probe import Probe
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
-from workers.worker import Worker
 
 
 class Switch:

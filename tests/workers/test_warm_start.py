@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.calibration import Offer
-from solver.errors import ProblemError
-from solver.local import calibrate
-from solver.problem import parse_problem
-from solver.warm_start import EarlierRuns, best_of, offer_of
+from geoswarm.solver.calibration import Offer
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.warm_start import EarlierRuns, best_of, offer_of
+from geoswarm.workers.access import Principal
+from geoswarm.workers.service import JobService
+from geoswarm.workers.store.workers import see_worker
 from tests.solver.problems import decay_document
 from tests.workers.conftest import MakeWorker
-from workers.access import Principal
-from workers.service import JobService
-from workers.store.workers import see_worker
 
 AIMED = {"kind": "particle_swarm", "particles": 6}
 

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from sqlalchemy import select, update
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation, Step
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation, Step
+from geoswarm.workers.coordinator.work import HandIn
+from geoswarm.workers.service import JobService
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.codec import pack_json
+from geoswarm.workers.store.tables import jobs
+from geoswarm.workers.worker import _Turn
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
 from tests.workers.problems import calibration, expected_history, line, recorded_history
-from workers.coordinator.work import HandIn
-from workers.service import JobService
-from workers.store import Store
-from workers.store.codec import pack_json
-from workers.store.tables import jobs
-from workers.worker import _Turn
 
 
 def test_a_burst_and_single_steps_give_the_same_history(service: JobService, make_worker: MakeWorker) -> None:

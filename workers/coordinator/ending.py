@@ -11,17 +11,17 @@ from __future__ import annotations
 
 from sqlalchemy import Connection, update
 
-from solver.calibration import Progress, stop_criteria
-from solver.errors import Issue, ProblemError
-from solver.problem import MonteCarloMethod, Problem, Stopping, parse_problem
-from solver.stopping import StopCriterion, SwarmStatus, satisfied_reasons
-from workers.coordinator.machine import GoOnRequested, Transition, apply
-from workers.errors import InvalidTransitionError, NothingLeftError
-from workers.quotas import check_quotas
-from workers.settings import Settings
-from workers.store.codec import pack_json, unpack_json, unpack_problem
-from workers.store.jobs import LockedJob, get_problem
-from workers.store.tables import jobs
+from geoswarm.solver.calibration import Progress, stop_criteria
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem import MonteCarloMethod, Problem, Stopping, parse_problem
+from geoswarm.solver.stopping import StopCriterion, SwarmStatus, satisfied_reasons
+from geoswarm.workers.coordinator.machine import GoOnRequested, Transition, apply
+from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError
+from geoswarm.workers.quotas import check_quotas
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store.codec import pack_json, unpack_json, unpack_problem
+from geoswarm.workers.store.jobs import LockedJob, get_problem
+from geoswarm.workers.store.tables import jobs
 
 __all__ = ["change_stopping", "changed_criteria"]
 

@@ -18,13 +18,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias, assert_never
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Progress
-from solver.errors import InfeasibleSpaceError
-from solver.local import GenerationRecord, generation_record, no_success_message
-from solver.search import Runs
-from solver.stopping import StopCriterion
-from workers.errors import InvalidTransitionError
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.local import GenerationRecord, generation_record, no_success_message
+from geoswarm.solver.search import Runs
+from geoswarm.solver.stopping import StopCriterion
+from geoswarm.workers.errors import InvalidTransitionError
 
 __all__ = [
     "ENDED_STATES",

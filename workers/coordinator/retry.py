@@ -17,15 +17,15 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, and_, func, insert, select, text, update
 
-from solver.calibration import Best, Progress
-from solver.local import no_success_message
-from solver.problem import Problem
-from workers.errors import InvalidTransitionError, NothingToRetryError
-from workers.store.clock import database_now
-from workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
-from workers.store.jobs import LockedJob, publish_state
-from workers.store.line import REOPENED
-from workers.store.tables import attempts, evaluations, generations, jobs
+from geoswarm.solver.calibration import Best, Progress
+from geoswarm.solver.local import no_success_message
+from geoswarm.solver.problem import Problem
+from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
+from geoswarm.workers.store.jobs import LockedJob, publish_state
+from geoswarm.workers.store.line import REOPENED
+from geoswarm.workers.store.tables import attempts, evaluations, generations, jobs
 
 __all__ = ["begin_retry", "finish_retry", "open_retries"]
 

@@ -14,14 +14,14 @@ from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Progress
-from solver.errors import InfeasibleSpaceError
-from solver.problem import Stopping, parse_problem
-from solver.problem.running import Failures
-from solver.runlog import RunKey, RunLog
-from workers.coordinator.ending import change_stopping
-from workers.coordinator.machine import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.problem import Stopping, parse_problem
+from geoswarm.solver.problem.running import Failures
+from geoswarm.solver.runlog import RunKey, RunLog
+from geoswarm.workers.coordinator.ending import change_stopping
+from geoswarm.workers.coordinator.machine import (
     ENDED_STATES,
     CancelRequested,
     DispatchGeneration,
@@ -32,16 +32,23 @@ from workers.coordinator.machine import (
     Transition,
     apply,
 )
-from workers.coordinator.retry import begin_retry, finish_retry
-from workers.coordinator.session import Closed, Due, Session
-from workers.coordinator.tries import expire_cell
-from workers.coordinator.work import Claim, Exchange, HandIn
-from workers.errors import JobNotFoundError
-from workers.settings import Settings
-from workers.store import Store
-from workers.store.codec import unpack_problem
-from workers.store.evaluations import Board, count_failed, list_positions, list_responses, load_board, renew_leases
-from workers.store.jobs import LockedJob, get_problem, lock_job, save_job
+from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
+from geoswarm.workers.coordinator.session import Closed, Due, Session
+from geoswarm.workers.coordinator.tries import expire_cell
+from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
+from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.codec import unpack_problem
+from geoswarm.workers.store.evaluations import (
+    Board,
+    count_failed,
+    list_positions,
+    list_responses,
+    load_board,
+    renew_leases,
+)
+from geoswarm.workers.store.jobs import LockedJob, get_problem, lock_job, save_job
 
 __all__ = ["Runtime"]
 

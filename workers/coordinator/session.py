@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from sqlalchemy import Connection
 
-from solver.calibration import Calibration
-from solver.runlog import RunLog
-from workers.coordinator.ending import changed_criteria
-from workers.coordinator.evaluation import Claimed, Duplicated, settle
-from workers.coordinator.machine import (
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.runlog import RunLog
+from geoswarm.workers.coordinator.ending import changed_criteria
+from geoswarm.workers.coordinator.evaluation import Claimed, Duplicated, settle
+from geoswarm.workers.coordinator.machine import (
     DispatchGeneration,
     GenerationJoined,
     Job,
@@ -23,14 +23,14 @@ from workers.coordinator.machine import (
     Transition,
     apply,
 )
-from workers.coordinator.retry import finish_retry, open_retries
-from workers.coordinator.tries import give_back, record_result
-from workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
-from workers.settings import Settings
-from workers.store.codec import unpack_array
-from workers.store.evaluations import Board, Cell, load_board, reuse, write_new
-from workers.store.jobs import LockedJob, save_job
-from workers.store.line import note_served
+from geoswarm.workers.coordinator.retry import finish_retry, open_retries
+from geoswarm.workers.coordinator.tries import give_back, record_result
+from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store.codec import unpack_array
+from geoswarm.workers.store.evaluations import Board, Cell, load_board, reuse, write_new
+from geoswarm.workers.store.jobs import LockedJob, save_job
+from geoswarm.workers.store.line import note_served
 
 __all__ = ["Closed", "Due", "Session"]
 
@@ -84,7 +84,7 @@ class Session:
         self.due: Due | None = None
 
     def run(self, hand_in: HandIn, want: bool, taken_up: bool, closed: Closed | None = None) -> Exchange:
-        """Do it; see :meth:`workers.coordinator.runtime.Runtime.exchange`.
+        """Do it; see :meth:`geoswarm.workers.coordinator.runtime.Runtime.exchange`.
 
         When :attr:`due` is set afterwards, a generation has to be closed: do that and come again with ``closed``.
         """

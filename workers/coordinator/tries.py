@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from sqlalchemy import Connection
 
-from solver.problem.running import Failures, fatal_message
-from workers.coordinator.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
-from workers.coordinator.work import Result
-from workers.store.codec import clean_text, pack_json, pack_responses
-from workers.store.database import Record
-from workers.store.evaluations import Board, Cell
+from geoswarm.solver.problem.running import Failures, fatal_message
+from geoswarm.workers.coordinator.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
+from geoswarm.workers.coordinator.work import Result
+from geoswarm.workers.store.codec import clean_text, pack_json, pack_responses
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.evaluations import Board, Cell
 
 __all__ = ["expire_cell", "give_back", "record_result"]
 

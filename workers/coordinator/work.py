@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Evaluation
-from workers.coordinator.machine import Job, Joined, Transition
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.workers.coordinator.machine import Job, Joined, Transition
 
 __all__ = ["Claim", "Exchange", "HandIn", "Leap", "Result", "Sizing", "joined"]
 

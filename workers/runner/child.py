@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.problem import parse_problem
-from workers.runner.evaluator import evaluate
-from workers.runner.wire import Board, ConnectionEnded, Outcome, pack_outcomes, receive, send
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.runner.evaluator import evaluate
+from geoswarm.workers.runner.wire import Board, ConnectionEnded, Outcome, pack_outcomes, receive, send
 
 __all__ = ["LOG_TAIL", "serve", "tail"]
 

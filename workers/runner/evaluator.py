@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from solver.problem import Problem
-from workers.runner.wire import Outcome
-from workers.settings import Settings
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.problem import Problem
+from geoswarm.workers.runner.wire import Outcome
+from geoswarm.workers.settings import Settings
 
 __all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "evaluate", "limits_of"]
 
@@ -62,7 +62,8 @@ class Evaluator(Protocol):
         unwanted
             How long the evaluation under way may still take [s], None: it is wanted. No other is begun.
         fields
-            Part whose displacement fields are wanted in place of responses, see :mod:`solver.fields`; None: responses.
+            Part whose displacement fields are wanted in place of responses, see :mod:`geoswarm.solver.fields`; None:
+            responses.
 
         Raises
         ------
@@ -107,7 +108,7 @@ def evaluate(calibration: Calibration, position: FloatArray, fields: str | None)
     """Evaluate a position here and now: its responses, or the displacement fields of a part."""
     if fields is None:
         return calibration.evaluate(position)
-    from solver.fields import evaluate_fields  # finite elements are loaded by those who need them
+    from geoswarm.solver.fields import evaluate_fields  # finite elements are loaded by those who need them
 
     return evaluate_fields(calibration, position, fields)
 

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 # What runs a nurse; it takes over the worker's import path, as the program may run from its sources.
 BOOTSTRAP = (
     "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
-    "from workers.runner.nurse import main; main(given)"
+    "from geoswarm.workers.runner.nurse import main; main(given)"
 )
 FORK = b"f"
 KILL = b"k"
@@ -38,10 +38,10 @@ REAP_SECONDS = 2.0
 def main(given: Mapping[str, Any]) -> None:
     """Serve one worker over the socket whose descriptor is ``given``, until it closes."""
     # What needs long to load is loaded here, once for all evaluation processes to come.
-    from solver.warm import warm
-    from workers.runner import child
-    from workers.runner.processes import adopt_orphans, kill_descendants, reap
-    from workers.warm import warm_up
+    from geoswarm.solver.warm import warm
+    from geoswarm.workers.runner import child
+    from geoswarm.workers.runner.processes import adopt_orphans, kill_descendants, reap
+    from geoswarm.workers.warm import warm_up
 
     adopt_orphans()
     for number in (signal.SIGINT, signal.SIGTERM):  # its worker decides about its end
@@ -84,8 +84,8 @@ def main(given: Mapping[str, Any]) -> None:
 
 def _become_child(serve: Any, connection: int, output: int, board: int) -> None:
     """Turn this fork into an evaluation process; does not return."""
-    from workers.runner.processes import die_with_parent
-    from workers.runner.wire import Board
+    from geoswarm.workers.runner.processes import die_with_parent
+    from geoswarm.workers.runner.wire import Board
 
     code = 1
     try:

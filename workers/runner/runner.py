@@ -17,14 +17,14 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration, Evaluation
-from workers.runner.child import LOG_TAIL, tail
-from workers.runner.evaluator import Limits, NeverMind
-from workers.runner.nurse import BOOTSTRAP, FORK, KILL, STATUS
-from workers.runner.processes import kill_session, memory_below
-from workers.runner.wire import Board, ConnectionEnded, Outcome, anonymous_file, receive, send, unpack_outcomes
-from workers.store.codec import pack_array
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.workers.runner.child import LOG_TAIL, tail
+from geoswarm.workers.runner.evaluator import Limits, NeverMind
+from geoswarm.workers.runner.nurse import BOOTSTRAP, FORK, KILL, STATUS
+from geoswarm.workers.runner.processes import kill_session, memory_below
+from geoswarm.workers.runner.wire import Board, ConnectionEnded, Outcome, anonymous_file, receive, send, unpack_outcomes
+from geoswarm.workers.store.codec import pack_array
 
 __all__ = ["Runner"]
 

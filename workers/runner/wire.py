@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Evaluation
-from workers.store.codec import pack_array, unpack_array
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.workers.store.codec import pack_array, unpack_array
 
 __all__ = [
     "Board",

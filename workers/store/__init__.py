@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from workers.store.database import Store
+from geoswarm.workers.store.database import Store
 
 __all__ = ["Store"]

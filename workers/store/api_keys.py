@@ -7,9 +7,9 @@ from typing import Any
 
 from sqlalchemy import Connection, and_, case, exists, insert, or_, select, update
 
-from workers.store.clock import database_now
-from workers.store.database import Record
-from workers.store.tables import api_keys
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.tables import api_keys
 
 __all__ = ["any_key", "find_key", "insert_key", "list_keys", "note_used", "revoke_key"]
 

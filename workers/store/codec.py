@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = [
     "clean_text",

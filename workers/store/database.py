@@ -11,10 +11,10 @@ from sqlalchemy import Connection, Engine, create_engine, event, select
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
-from workers.errors import StoreUnavailableError
-from workers.settings import Settings, mask_url
-from workers.store.clock import database_now
-from workers.store.migrate import upgrade
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.settings import Settings, mask_url
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.migrate import upgrade
 
 __all__ = ["Record", "Store"]
 
@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 
 Result = TypeVar("Result")
 Record: TypeAlias = Any
-"""A row: its columns are attributes, with the types of :mod:`workers.store.tables`."""
+"""A row: its columns are attributes, with the types of :mod:`geoswarm.workers.store.tables`."""
 
 SQLITE_BUSY_SECONDS = 20.0
 RETRIES = 3  # deadlock or serialisation failure: the same function simply runs again

@@ -5,18 +5,21 @@ from __future__ import annotations
 import numpy as np
 from sqlalchemy import Connection, select
 
-from solver.problem import parse_problem
-from solver.search.diversity import diversity
-from solver.space import search_space
-from workers.store.codec import unpack_array, unpack_problem
-from workers.store.jobs import get_problem
-from workers.store.tables import evaluations
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.search.diversity import diversity
+from geoswarm.solver.space import search_space
+from geoswarm.workers.store.codec import unpack_array, unpack_problem
+from geoswarm.workers.store.jobs import get_problem
+from geoswarm.workers.store.tables import evaluations
 
 __all__ = ["diversities"]
 
 
 def diversities(connection: Connection, job_id: str, first: int, last: int) -> dict[int, float]:
-    """Return the diversity of generations ``first`` to ``last`` by number, see :mod:`solver.search.diversity`."""
+    """Return the diversity of generations ``first`` to ``last`` by number.
+
+    See :mod:`geoswarm.solver.search.diversity`.
+    """
     row = get_problem(connection, job_id)
     if row is None:
         return {}

@@ -21,12 +21,12 @@ from sqlalchemy import (
     update,
 )
 
-from solver.arrays import FloatArray
-from workers.coordinator.evaluation import EvaluationStatus
-from workers.store.clock import database_now
-from workers.store.codec import pack_array, unpack_array, unpack_responses
-from workers.store.database import Record
-from workers.store.tables import attempts, evaluations, jobs
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.workers.coordinator.evaluation import EvaluationStatus
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.codec import pack_array, unpack_array, unpack_responses
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.tables import attempts, evaluations, jobs
 
 __all__ = [
     "Board",

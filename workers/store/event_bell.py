@@ -11,8 +11,8 @@ import psycopg
 from sqlalchemy import Connection, Insert, func, insert
 from sqlalchemy.exc import SQLAlchemyError
 
-from workers.store.database import Store
-from workers.store.tables import events
+from geoswarm.workers.store.database import Store
+from geoswarm.workers.store.tables import events
 
 __all__ = ["EventBell", "insert_events"]
 

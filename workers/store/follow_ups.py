@@ -7,12 +7,12 @@ from typing import Any
 
 from sqlalchemy import Connection, select
 
-from solver.calibration import Evaluation
-from solver.problem import Problem, parse_problem
-from solver.problem.follow_ups import FOLLOW_UPS
-from workers.store.codec import unpack_array, unpack_json, unpack_responses
-from workers.store.selection import read_evaluations
-from workers.store.tables import jobs
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem.follow_ups import FOLLOW_UPS
+from geoswarm.workers.store.codec import unpack_array, unpack_json, unpack_responses
+from geoswarm.workers.store.selection import read_evaluations
+from geoswarm.workers.store.tables import jobs
 
 __all__ = ["StoredFollowUp", "evaluations_in_order", "follow_ups_of"]
 

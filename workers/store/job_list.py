@@ -9,13 +9,13 @@ from typing import Any, Literal, TypeAlias
 
 from sqlalchemy import ColumnElement, Connection, and_, func, or_, select, tuple_
 
-from workers.cursors import decode_cursor, encode_cursor
-from workers.errors import InvalidCursorError
-from workers.store.clock import database_now
-from workers.store.database import Record
-from workers.store.jobs import VIEW_COLUMNS
-from workers.store.selection import spaced
-from workers.store.tables import generations, jobs
+from geoswarm.workers.cursors import decode_cursor, encode_cursor
+from geoswarm.workers.errors import InvalidCursorError
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.jobs import VIEW_COLUMNS
+from geoswarm.workers.store.selection import spaced
+from geoswarm.workers.store.tables import generations, jobs
 
 __all__ = ["JobFilters", "SortKey", "list_jobs", "list_trends"]
 

@@ -23,14 +23,14 @@ from sqlalchemy import (
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
-from solver.calibration import Progress
-from solver.local import GenerationRecord
-from workers.coordinator.machine import Job, PublishEvent, RecordGeneration, Transition
-from workers.store.clock import database_now
-from workers.store.codec import clean_text, pack_json, unpack_json
-from workers.store.database import Record
-from workers.store.event_bell import insert_events
-from workers.store.tables import evaluations, events, generations, jobs
+from geoswarm.solver.calibration import Progress
+from geoswarm.solver.local import GenerationRecord
+from geoswarm.workers.coordinator.machine import Job, PublishEvent, RecordGeneration, Transition
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.event_bell import insert_events
+from geoswarm.workers.store.tables import evaluations, events, generations, jobs
 
 __all__ = [
     "LockedJob",

@@ -6,9 +6,9 @@ from collections.abc import Collection, Sequence
 
 from sqlalchemy import Connection, and_, case, exists, func, literal, or_, select, text, update
 
-from workers.store.clock import database_now
-from workers.store.database import Record
-from workers.store.tables import evaluations, jobs
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.tables import evaluations, jobs
 
 __all__ = ["REOPENED", "claimable_jobs", "mark_rung", "note_served"]
 

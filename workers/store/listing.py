@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from sqlalchemy import Connection, ScalarSelect, Select, select, text, tuple_
 
-from workers.store.database import Record
-from workers.store.tables import evaluations, generations, jobs
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.tables import evaluations, generations, jobs
 
 __all__ = ["Filters", "list_evaluations"]
 

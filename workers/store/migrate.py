@@ -9,8 +9,8 @@ from pathlib import Path
 
 from sqlalchemy import Connection, Engine, inspect, text
 
-from workers.errors import StoreUnavailableError
-from workers.settings import mask_url
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.settings import mask_url
 
 __all__ = ["HEAD", "upgrade"]
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from sqlalchemy import Connection, insert, select
 
-from solver.calibration import Offer
-from solver.errors import Issue, ProblemError
-from solver.problem import ParticleSwarmMethod, Problem, parse_problem
-from solver.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
-from workers.errors import JobNotFoundError
-from workers.store.codec import pack_array, pack_responses, unpack_array, unpack_problem, unpack_responses
-from workers.store.jobs import get_problem
-from workers.store.tables import evaluations, jobs, offers
+from geoswarm.solver.calibration import Offer
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem import ParticleSwarmMethod, Problem, parse_problem
+from geoswarm.solver.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
+from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.store.codec import pack_array, pack_responses, unpack_array, unpack_problem, unpack_responses
+from geoswarm.workers.store.jobs import get_problem
+from geoswarm.workers.store.tables import evaluations, jobs, offers
 
 __all__ = ["MOST_READ", "WarmStart", "find_offer", "find_warm_starts", "read_offer", "write_offer"]
 

@@ -11,10 +11,10 @@ from collections.abc import Collection, Iterator, Sequence
 
 from sqlalchemy import Connection, select, tuple_
 
-from solver.local import GenerationRecord
-from workers.store.codec import unpack_json
-from workers.store.database import Record
-from workers.store.tables import evaluations, generations, jobs
+from geoswarm.solver.local import GenerationRecord
+from geoswarm.workers.store.codec import unpack_json
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.tables import evaluations, generations, jobs
 
 __all__ = ["MOST_READ", "chosen_generations", "counted_failures", "read_evaluations", "read_records", "spaced"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from sqlalchemy import Connection, delete, insert, select
 
-from workers.store.clock import database_now
-from workers.store.database import Record
-from workers.store.tables import sessions
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.tables import sessions
 
 __all__ = ["delete_session", "find_session", "insert_session"]
 

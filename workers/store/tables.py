@@ -1,7 +1,8 @@
 """Tables of the store.
 
 Times are seconds since 1970 (UTC) in double precision, always from the database's clock. Arrays are bytes (see
-:mod:`workers.store.codec`), documents are JSON text without NaN or infinity, so that every float comes back exactly.
+:mod:`geoswarm.workers.store.codec`), documents are JSON text without NaN or infinity, so that every float comes back
+exactly.
 """
 
 from __future__ import annotations
@@ -92,7 +93,9 @@ jobs = Table(
     Column("served_at", Double),  # a worker last took it up
     Column("rung_at", Double),  # a sweep last rang for it
     Column("priority", Integer, nullable=False, server_default="0"),
-    Column("retry_to", String(16)),  # its failures are run again; what it is then: see workers.coordinator.retry
+    Column(
+        "retry_to", String(16)
+    ),  # its failures are run again; what it is then: see geoswarm.workers.coordinator.retry
     Column("stopping", Text),  # the stop criteria, where they were changed; null: those of the problem
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     Index("ix_jobs_created_at_id", "created_at", "id"),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
-from workers.store.database import Record
-from workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, WorkerView
+from geoswarm.workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, WorkerView
 
 __all__ = ["attempt_views", "evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from sqlalchemy import Connection, and_, case, delete, exists, func, insert, or_, select, update
 
-from workers.identity import Identity
-from workers.store.clock import database_now
-from workers.store.database import Record
-from workers.store.tables import evaluations, jobs, workers
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.tables import evaluations, jobs, workers
 
 __all__ = [
     "any_lost_before",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.errors import MeshError
-from solver.fem.mesh.mesh import IndexArray, Mesh
-from solver.fem.mesh.quadratic import EDGES
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
+from geoswarm.solver.fem.mesh.quadratic import EDGES
 
 __all__ = ["SHARPEST", "check_mesh", "corner_angles", "jacobians", "mesh_faults"]
 

@@ -13,9 +13,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import MeshError
-from solver.fem.mesh.section import Cut, Profile, SectionGeometry
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.section import Cut, Profile, SectionGeometry
 
 __all__ = ["ColumnPlan", "Mark", "boundary_heights", "cut_positions", "mark_positions", "plan_columns"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.fem.mesh.mesh import IndexArray
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.fem.mesh.mesh import IndexArray
 
 __all__ = ["EDGES", "boundary_edges", "midpoints", "six_node_triangles"]
 

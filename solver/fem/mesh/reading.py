@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.errors import MeshError
-from solver.fem.mesh.checks import check_mesh
-from solver.fem.mesh.mesh import IndexArray, Mesh
-from solver.fem.mesh.quadratic import EDGES, midpoints, six_node_triangles
-from solver.fem.mesh.split import split_along
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.checks import check_mesh
+from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
+from geoswarm.solver.fem.mesh.quadratic import EDGES, midpoints, six_node_triangles
+from geoswarm.solver.fem.mesh.split import split_along
 
 __all__ = ["load_meshio", "mesh_of_tables", "read_mesh"]
 

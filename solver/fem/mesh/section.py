@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = ["Cut", "Extent", "Layer", "Profile", "SectionGeometry", "SurfacePoint"]
 

@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.errors import MeshError
-from solver.fem.mesh.mesh import IndexArray, Mesh
-from solver.fem.mesh.quadratic import EDGES
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
+from geoswarm.solver.fem.mesh.quadratic import EDGES
 
 __all__ = ["split_along"]
 

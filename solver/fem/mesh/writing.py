@@ -10,10 +10,10 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.errors import MeshError
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.mesh.reading import load_meshio
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.mesh.reading import load_meshio
 
 __all__ = ["Snapshot", "write_pvd", "write_vtu"]
 

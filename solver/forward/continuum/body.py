@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from solver.errors import Issue, ProblemError
-from solver.fem.mesh.mesh import Mesh
-from solver.forward.continuum.geometry import Name
-from solver.forward.continuum.materials import InterfaceSection, MaterialSection
-from solver.forward.continuum.phases import BoundaryName, Fixity, PhaseSection, VectorSection
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.forward.continuum.geometry import Name
+from geoswarm.solver.forward.continuum.materials import InterfaceSection, MaterialSection
+from geoswarm.solver.forward.continuum.phases import BoundaryName, Fixity, PhaseSection, VectorSection
 
 __all__ = ["BodySections", "ControlSection", "check_names"]
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.triangle import shape_functions
-from solver.forward.base import ForwardModel
-from solver.forward.combined import CombinedModel
-from solver.forward.continuum.model import BodyModel
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.triangle import shape_functions
+from geoswarm.solver.forward.base import ForwardModel
+from geoswarm.solver.forward.combined import CombinedModel
+from geoswarm.solver.forward.continuum.model import BodyModel
 
 __all__ = ["body_of", "displacement_fields", "parts_with_body", "shear_strain"]
 

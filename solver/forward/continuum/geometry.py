@@ -8,9 +8,9 @@ from typing import Annotated, Any, TypeAlias
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from solver.errors import InfeasibleError
-from solver.fem.mesh.section import Cut, Extent, Layer, Profile, SectionGeometry, SurfacePoint
-from solver.forward.continuum.quantity import Length, LineLimits, Positive, value_of
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.fem.mesh.section import Cut, Extent, Layer, Profile, SectionGeometry, SurfacePoint
+from geoswarm.solver.forward.continuum.quantity import Length, LineLimits, Positive, value_of
 
 __all__ = [
     "CutSection",

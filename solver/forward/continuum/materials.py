@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from solver.forward.continuum.quantity import Limits
+from geoswarm.solver.forward.continuum.quantity import Limits
 
 __all__ = [
     "ElasticSection",

@@ -9,17 +9,17 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import FloatArray, IntArray
-from solver.errors import InfeasibleError, Issue, ProblemError
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.results import PhaseResult
-from solver.fem.solve import solve_phases
-from solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
-from solver.forward.continuum.body import BodySections
-from solver.forward.continuum.materials import SoftSoilCreepSection
-from solver.forward.continuum.quantity import Quantity, quantities_in, value_of
-from solver.forward.continuum.translation import control_of, material_of, phases_of
-from solver.forward.soil import inadmissible_soil, soil_parameters
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.errors import InfeasibleError, Issue, ProblemError
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.results import PhaseResult
+from geoswarm.solver.fem.solve import solve_phases
+from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.forward.continuum.body import BodySections
+from geoswarm.solver.forward.continuum.materials import SoftSoilCreepSection
+from geoswarm.solver.forward.continuum.quantity import Quantity, quantities_in, value_of
+from geoswarm.solver.forward.continuum.translation import control_of, material_of, phases_of
+from geoswarm.solver.forward.soil import inadmissible_soil, soil_parameters
 
 __all__ = ["BodyModel", "BodyRun"]
 

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from solver.forward.continuum.geometry import Name
-from solver.forward.continuum.quantity import Length, Limits
+from geoswarm.solver.forward.continuum.geometry import Name
+from geoswarm.solver.forward.continuum.quantity import Length, Limits
 
 __all__ = ["Fixity", "LoadSection", "PhaseSection", "VectorSection"]
 

@@ -11,8 +11,8 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from solver.errors import ExpressionError, InfeasibleError
-from solver.expressions import Expression, parse_expression
+from geoswarm.solver.errors import ExpressionError, InfeasibleError
+from geoswarm.solver.expressions import Expression, parse_expression
 
 __all__ = [
     "Amount",

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.errors import InfeasibleError
-from solver.fem.materials import InterfaceMaterial, LinearElastic, Material, MohrCoulomb, SoftSoilCreepMaterial
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.forward.continuum.body import BodySections, ControlSection
-from solver.forward.continuum.materials import (
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, Material, MohrCoulomb, SoftSoilCreepMaterial
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.forward.continuum.body import BodySections, ControlSection
+from geoswarm.solver.forward.continuum.materials import (
     ElasticSection,
     InterfaceSection,
     MaterialSection,
     MohrCoulombSection,
     SoftSoilCreepSection,
 )
-from solver.forward.continuum.phases import LoadSection
-from solver.forward.continuum.quantity import Number, value_of
+from geoswarm.solver.forward.continuum.phases import LoadSection
+from geoswarm.solver.forward.continuum.quantity import Number, value_of
 
 __all__ = ["control_of", "material_of", "phases_of"]
 

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from solver.errors import Issue, MeshError, ProblemError
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.mesh.reading import mesh_of_tables, read_mesh
-from solver.forward.continuum.geometry import Name
+from geoswarm.solver.errors import Issue, MeshError, ProblemError
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.mesh.reading import mesh_of_tables, read_mesh
+from geoswarm.solver.forward.continuum.geometry import Name
 
 __all__ = ["MeshSection"]
 

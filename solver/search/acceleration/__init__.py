@@ -13,7 +13,7 @@
 
 from __future__ import annotations
 
-from solver.search.acceleration.proposer import Proposer, ProposerState
-from solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.acceleration.proposer import Proposer, ProposerState
+from geoswarm.solver.search.acceleration.runs import Runs
 
 __all__ = ["Proposer", "ProposerState", "Runs"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 
 __all__ = ["Basins"]
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray, IntArray
-from solver.search.acceleration.covariance import CovarianceMoves
-from solver.search.acceleration.local_models import (
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.local_models import (
     gauss_newton_point,
     levenberg_point,
     neighbour_distance,
     quadratic_point,
 )
-from solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
+from geoswarm.solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
 
 __all__ = ["Arms", "Knowledge", "selection"]
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from cmaes import CMA
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = ["CovarianceMoves"]
 

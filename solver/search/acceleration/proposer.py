@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-from solver.arrays import FloatArray, IntArray
-from solver.search.acceleration.basins import Basins
-from solver.search.acceleration.candidates import Arms, Knowledge, selection
-from solver.search.acceleration.covariance import CovarianceMoves
-from solver.search.acceleration.polishing import Polishing, polish_pattern
-from solver.search.acceleration.runs import Runs
-from solver.search.randomness import proposer_generator
-from solver.search.space import SearchSpace
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.search.acceleration.basins import Basins
+from geoswarm.solver.search.acceleration.candidates import Arms, Knowledge, selection
+from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.polishing import Polishing, polish_pattern
+from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.randomness import proposer_generator
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Proposer", "ProposerState"]
 

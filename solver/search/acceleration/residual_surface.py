@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 
 __all__ = ["Components", "CubicSurface", "ResidualSurface", "minimise"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 
 __all__ = ["Runs"]
 

@@ -9,8 +9,8 @@ import pytest
 
 from geoswarm.cli import main
 from geoswarm.cli.failures import BadInputError, FailedRunError, Session, report
-from solver.errors import DivergedError, InfeasibleSpaceError, Issue, ProblemError
-from workers.errors import StoreUnavailableError
+from geoswarm.solver.errors import DivergedError, InfeasibleSpaceError, Issue, ProblemError
+from geoswarm.workers.errors import StoreUnavailableError
 
 
 @pytest.mark.parametrize(

@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from api import ApiSettings
+from geoswarm.api import ApiSettings
 from geoswarm.cli import main
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.serve import refuse_open_door
-from solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 from tests.api.conftest import line_problem
-from workers.doorbell import MuteDoorbell
-from workers.keys import KEY_PATTERN, KeyRing
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
 
 
 @pytest.fixture

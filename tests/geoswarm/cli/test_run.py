@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from geoswarm.cli import main
-from solver import report
+from geoswarm.solver import report
 from tests.solver.problems import decay_document
 
 KEYS = ["state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed"]

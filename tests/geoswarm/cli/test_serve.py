@@ -15,7 +15,7 @@ from geoswarm.cli import main
 from geoswarm.cli.demo import LABORATORY, PUBLISHED
 from geoswarm.cli.examples import example_problem
 from geoswarm.cli.failures import BadInputError
-from solver.problem import load_problem
+from geoswarm.solver.problem import load_problem
 
 
 @pytest.fixture(autouse=True)

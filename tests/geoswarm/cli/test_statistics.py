@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from geoswarm.cli import main
-from solver.problem import FixedParameter, LinkedParameter, load_problem
+from geoswarm.solver.problem import FixedParameter, LinkedParameter, load_problem
 from tests.solver.problems import decay_document
 
 

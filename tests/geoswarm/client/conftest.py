@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from api import ApiSettings
 from geoswarm import Client
+from geoswarm.api import ApiSettings
+from geoswarm.workers.engine import Engine, open_engine
+from geoswarm.workers.settings import Settings
 from tests.api.conftest import LiveServer, live_server
-from workers.engine import Engine, open_engine
-from workers.settings import Settings
 
 
 @pytest.fixture(scope="module")

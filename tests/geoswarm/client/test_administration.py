@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from api import ApiSettings
 from geoswarm import AsyncClient, Client, InvalidProblemError, NotFoundError, UnauthorizedError
+from geoswarm.api import ApiSettings
+from geoswarm.workers.engine import Engine
+from geoswarm.workers.keys import KEY_PATTERN, KeyRing
 from tests.api.conftest import LiveServer, line_problem, live_server
-from workers.engine import Engine
-from workers.keys import KEY_PATTERN, KeyRing
 
 
 @pytest.fixture(scope="module")

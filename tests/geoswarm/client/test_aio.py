@@ -21,10 +21,10 @@ from geoswarm import (
     WaitTimeoutError,
 )
 from geoswarm.client import Event
-from solver.local import calibrate
-from solver.problem import parse_problem
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.engine import Engine
 from tests.api.conftest import LiveServer, line_problem, live_server
-from workers.engine import Engine
 
 
 def public(kind: type) -> dict[str, inspect.Signature]:

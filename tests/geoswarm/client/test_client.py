@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from pydantic import SecretStr
 
-from api import ApiSettings
 from geoswarm import (
     Client,
     ConflictError,
@@ -29,16 +28,17 @@ from geoswarm import (
     UnauthorizedError,
     WaitTimeoutError,
 )
+from geoswarm.api import ApiSettings
 from geoswarm.client import Event, Job
-from solver.errors import ProblemError
-from solver.local import calibrate
-from solver.problem import parse_problem
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.engine import Engine
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 from tests.api.conftest import LiveServer, line_problem, live_server, wait_until
-from workers.doorbell import MuteDoorbell
-from workers.engine import Engine
-from workers.service import JobService
-from workers.settings import Settings
-from workers.store import Store
 
 
 def endless() -> dict[str, object]:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from api.settings import VARIABLES
+from geoswarm.api.settings import VARIABLES
 from geoswarm.client import errors
+from geoswarm.workers.engine import Engine
 from tests.api.conftest import App, LiveServer, line_problem
-from workers.engine import Engine
 
 DOCS = Path(__file__).parents[3] / "docs"
 CLIENT = (DOCS / "python-client.md").read_text(encoding="utf-8")

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from solver.constitutive.creep_update import creep_update
-from solver.constitutive.mohr_coulomb import ACTIVE_SETS, principal_planes
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
-from solver.constitutive.tensors import principal_axes, rotation_matrix
-from solver.element_test.axial import confined_step, strain_increment
+from geoswarm.solver.constitutive.creep_update import creep_update
+from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, principal_planes
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
+from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix
+from geoswarm.solver.element_test.axial import confined_step, strain_increment
 
 STRESS = np.array([60.0, 50.0, 100.0, 5.0, 3.0, -2.0])
 LOG_PP = math.log(95.0)

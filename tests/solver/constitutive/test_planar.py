@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.constitutive.creep_update import creep_update
-from solver.constitutive.planar_creep import planar_creep
-from solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
-from solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.creep_update import creep_update
+from geoswarm.solver.constitutive.planar_creep import planar_creep
+from geoswarm.solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
 
 SOIL = soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0, 3.0)
 SEEDS = st.integers(0, 2**32 - 1)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from solver.constitutive.soft_soil_creep import (
+from geoswarm.solver.constitutive.soft_soil_creep import (
     ALPHA_GUARD,
     SoftSoilCreep,
     creep_increment,
@@ -17,7 +17,7 @@ from solver.constitutive.soft_soil_creep import (
     secant_compliance,
     soft_soil_creep,
 )
-from solver.errors import InfeasibleError
+from geoswarm.solver.errors import InfeasibleError
 
 USUAL = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.005, "c": 5.0, "phi": 25.0}
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.constitutive.elastic import isotropic_stiffness, linear_elastic
-from solver.constitutive.tensors import flip_sign, principal_axes, rotation_matrix, solve_dense
+from geoswarm.solver.constitutive.elastic import isotropic_stiffness, linear_elastic
+from geoswarm.solver.constitutive.tensors import flip_sign, principal_axes, rotation_matrix, solve_dense
 
 
 def matrix_of(components: np.ndarray) -> np.ndarray:

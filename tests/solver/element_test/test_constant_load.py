@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure, soft_soil_creep
-from solver.element_test.axial import confined_load, lateral_limits
-from solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from solver.element_test.controls import Stage
-from solver.element_test.material_point import PointState, follow
-from solver.element_test.setups import confined_load as load_stage
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure, soft_soil_creep
+from geoswarm.solver.element_test.axial import confined_load, lateral_limits
+from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
+from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.setups import confined_load as load_stage
 
 STRESSES = (9.0, 25.0, 100.0, 400.0, 100.0, 20.0, 200.0)
 DURATIONS = (2.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.5)

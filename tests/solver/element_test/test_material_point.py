@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.element_test.controls import Stage, strain_change, stress_value
-from solver.element_test.material_point import PointState, follow
-from solver.element_test.setups import (
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.setups import (
     confined_load,
     constant_rate_oedometer,
     drained_triaxial,
@@ -20,7 +20,7 @@ from solver.element_test.setups import (
     simple_shear,
     undrained_triaxial,
 )
-from solver.errors import DivergedError
+from geoswarm.solver.errors import DivergedError
 
 SOIL = soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0)
 START = PointState.from_stress([60.0, 60.0, 100.0, 0.0, 0.0, 0.0], SOIL, OCR=1.2)

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.errors import ExpressionError
-from solver.expressions import FUNCTIONS, parse_expression
+from geoswarm.solver.errors import ExpressionError
+from geoswarm.solver.expressions import FUNCTIONS, parse_expression
 
 VALUES = {"a": 2.5, "b": -0.75, "c": 3.0}
 
@@ -192,7 +192,7 @@ def test_the_value_is_that_of_python(text: str) -> None:
 def test_nothing_is_compiled_or_evaluated_by_python() -> None:
     code = (
         "import sys\n"
-        "from solver.expressions import parse_expression\n"
+        "from geoswarm.solver.expressions import parse_expression\n"
         "events = []\n"
         "sys.addaudithook(lambda event, args: events.append(event))\n"
         "parse_expression('a * exp(b) > 1').value({'a': 1.0, 'b': 2.0})\n"

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.errors import ExpressionError
-from solver.expressions import CONSTANTS, FUNCTIONS, MAX_DEPTH, MAX_LENGTH, Expression, parse_expression
+from geoswarm.solver.errors import ExpressionError
+from geoswarm.solver.expressions import CONSTANTS, FUNCTIONS, MAX_DEPTH, MAX_LENGTH, Expression, parse_expression
 
 
 @pytest.mark.parametrize(

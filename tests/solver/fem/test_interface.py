@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.fem.interface import interface_update
-from solver.fem.materials import InterfaceMaterial
+from geoswarm.solver.fem.interface import interface_update
+from geoswarm.solver.fem.materials import InterfaceMaterial
 
 REACH = st.floats(-2.0e-2, 2.0e-2)
 

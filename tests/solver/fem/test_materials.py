@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import pytest
 
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.errors import InfeasibleError
-from solver.fem.materials import (
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.fem.materials import (
     CONSTANTS,
     InterfaceMaterial,
     LinearElastic,

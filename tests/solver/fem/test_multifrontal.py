@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.multifrontal import equations_of, factorise, solve_factorised
-from solver.fem.setup import elements_of, fronts_of
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.multifrontal import equations_of, factorise, solve_factorised
+from geoswarm.solver.fem.setup import elements_of, fronts_of
 from tests.verification.fem.bodies import block, graded, moved, stacked
 
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.errors import DivergedError
-from solver.fem.initial import equivalent_pressures, stress_at_rest
-from solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb, SoftSoilCreepMaterial
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.fem.solve import Calculation, solve_phases
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.errors import DivergedError
+from geoswarm.solver.fem.initial import equivalent_pressures, stress_at_rest
+from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb, SoftSoilCreepMaterial
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.solve import Calculation, solve_phases
 from tests.verification.fem.bodies import block, embankment, graded, moved, node_at, stacked
 
 SOIL = LinearElastic(1.0e4, 0.3, 20.0)

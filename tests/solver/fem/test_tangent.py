@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.fem.body import Body, State
-from solver.fem.materials import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.fem.body import Body, State
+from geoswarm.solver.fem.materials import (
     CONSTANTS,
     INTERFACE_CONSTANTS,
     InterfaceMaterial,
@@ -19,9 +19,9 @@ from solver.fem.materials import (
     MohrCoulomb,
     SoftSoilCreepMaterial,
 )
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.newton import assemble
-from solver.fem.setup import edge_owners, elements_of
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.newton import assemble
+from geoswarm.solver.fem.setup import edge_owners, elements_of
 from tests.verification.fem.bodies import block, graded, moved, stacked
 
 CREEP = SoftSoilCreepMaterial(soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0, 3.0))

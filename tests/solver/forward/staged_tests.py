@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.forward.isotropic_compression import IsotropicCompressionSpec
-from solver.forward.oedometer import OedometerSpec
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.forward.isotropic_compression import IsotropicCompressionSpec
+from geoswarm.solver.forward.oedometer import OedometerSpec
 
 __all__ = [
     "IDENTIFIED",

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from solver.arrays import FloatArray
-from solver.errors import ProblemError
-from solver.forward.base import ForwardModel, ForwardRun, ParameterInfo, SeriesInfo
-from solver.forward.combined import CombinedModel, CombinedSpec
-from solver.forward.formula import FormulaSpec
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.forward.base import ForwardModel, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.forward.combined import CombinedModel, CombinedSpec
+from geoswarm.solver.forward.formula import FormulaSpec
 
 
 class _Closed:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray
 from tests.solver.forward.staged_tests import (
     IDENTIFIED,
     ISOTROPIC_IDENTIFIED,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from solver.forward.formula import FormulaModel, FormulaSpec
+from geoswarm.solver.forward.formula import FormulaModel, FormulaSpec
 
 
 def _model(**series: Any) -> FormulaModel:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.forward.isotropic_compression import IsotropicCompressionSpec
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.forward.isotropic_compression import IsotropicCompressionSpec
 from tests.solver.forward.staged_tests import ISOTROPIC_IDENTIFIED, isotropic_spec
 
 HEIGHT, DIAMETER = 0.09855, 0.04988

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from solver.errors import InfeasibleError, ProblemError
-from solver.forward.oedometer import OedometerSpec
+from geoswarm.solver.errors import InfeasibleError, ProblemError
+from geoswarm.solver.forward.oedometer import OedometerSpec
 from tests.solver.forward.staged_tests import IDENTIFIED, oedometer_spec
 
 HEIGHT = 0.02021

@@ -12,12 +12,12 @@ from typing import Literal
 import pytest
 from pydantic import ValidationError
 
-from solver.errors import BrokenForwardModelError, ProblemError, UnknownForwardModelError
-from solver.forward import registry
-from solver.forward.base import ForwardModel, ForwardModelSpec
-from solver.forward.formula import FormulaSpec
-from solver.forward.registry import GROUP, find_spec, kinds, parse_spec
-from solver.problem import parse_problem, problem_schema
+from geoswarm.solver.errors import BrokenForwardModelError, ProblemError, UnknownForwardModelError
+from geoswarm.solver.forward import registry
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.forward.formula import FormulaSpec
+from geoswarm.solver.forward.registry import GROUP, find_spec, kinds, parse_spec
+from geoswarm.solver.problem import parse_problem, problem_schema
 
 BUILT_IN = ("formula", "combined", "oedometer", "isotropic_compression", "section", "finite_element")
 

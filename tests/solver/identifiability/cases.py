@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.identifiability import Linearisation, Samples, design, from_evaluations
-from solver.local import calibrate
-from solver.problem import Problem, parse_problem
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Linearisation, Samples, design, from_evaluations
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, parse_problem
 
 __all__ = ["X", "free", "linearised", "problem_of", "sampled"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.identifiability import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability import (
     Samples,
     StatisticsError,
     correlate,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.errors import InfeasibleSpaceError
-from solver.identifiability import StatisticsError
-from solver.identifiability.global_sensitivity import analyse_design, global_design, outputs_of
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.solver.identifiability.global_sensitivity import analyse_design, global_design, outputs_of
 from tests.solver.identifiability.cases import X, free, problem_of
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.identifiability import StatisticsError
-from solver.identifiability.polish import polish
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.solver.identifiability.polish import polish
 from tests.solver.identifiability.cases import X, free, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)

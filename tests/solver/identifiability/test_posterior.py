@@ -7,10 +7,10 @@ import json
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.identifiability import StatisticsError
-from solver.identifiability.posterior import sample_posterior
-from solver.identifiability.surface import fit_surface
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.solver.identifiability.posterior import sample_posterior
+from geoswarm.solver.identifiability.surface import fit_surface
 from tests.solver.identifiability.cases import X, free, linearised, problem_of, sampled
 
 Y = 3.0 * X + 2.0 + np.random.default_rng(1).normal(0.0, 0.3, X.size)

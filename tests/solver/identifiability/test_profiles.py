@@ -7,12 +7,12 @@ import json
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.identifiability import StatisticsError
-from solver.identifiability.polish import polish
-from solver.identifiability.profiles import Profile, profile_settings, profiles_of
-from solver.problem import Problem
-from solver.search.follow_ups import ProfileSearch
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.search.follow_ups import ProfileSearch
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.identifiability import SeriesResiduals, examine_residuals, known_noise, noise_objective
-from solver.identifiability.residuals import durbin_watson, runs_test
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import SeriesResiduals, examine_residuals, known_noise, noise_objective
+from geoswarm.solver.identifiability.residuals import durbin_watson, runs_test
 from tests.solver.identifiability.cases import free, problem_of
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.identifiability import Samples, StatisticsError
-from solver.local import calibrate
-from solver.problem import parse_problem
+from geoswarm.solver.identifiability import Samples, StatisticsError
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
 from tests.solver.identifiability.cases import X, free, problem_of, sampled
 
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration, Evaluation
-from solver.identifiability import (
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability import (
     DifferenceDesign,
     Samples,
     StatisticsError,
@@ -18,8 +18,8 @@ from solver.identifiability import (
     from_evaluations,
     linearise,
 )
-from solver.identifiability.stored import jacobian_from_samples
-from solver.local import calibrate
+from geoswarm.solver.identifiability.stored import jacobian_from_samples
+from geoswarm.solver.local import calibrate
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)
@@ -77,7 +77,7 @@ def test_points_of_no_weight_do_not_count() -> None:
     problem = problem_of("a * x + b", {"a": free(), "b": free()}, np.array([2.0, 3.0, 9.0]), np.array([1.0, 2.0, 3.0]))
     document = problem.document()
     document["observations"][0]["points"]["weight"] = [1.0, 0.0, 0.0]
-    from solver.problem import parse_problem
+    from geoswarm.solver.problem import parse_problem
 
     with pytest.raises(TooFewPointsError):
         design(Calibration(parse_problem(document), 1), np.array([1.0, 1.0]))

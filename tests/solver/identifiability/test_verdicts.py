@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 
-from solver.calibration import Calibration
-from solver.identifiability import Samples, analyse, apply_proposals, fit_line
-from solver.local import calibrate
-from solver.problem import parse_problem
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Samples, analyse, apply_proposals, fit_line
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
 from tests.solver.identifiability.cases import X, free, linearised, problem_of, sampled
 
 NOISE = np.random.default_rng(4).normal(0.0, 0.05, X.size)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.calibration import Calibration
-from solver.errors import ProblemError
-from solver.identifiability import (
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.identifiability import (
     Samples,
     StatisticsError,
     design,
@@ -19,8 +19,8 @@ from solver.identifiability import (
     scheme_weights,
     shares,
 )
-from solver.local import calibrate
-from solver.problem import Problem, parse_problem
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, parse_problem
 
 X = np.linspace(0.0, 4.0, 9)
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.errors import BadOutputError, NotFiniteError
-from solver.objective import LeastSquares, ObservedSeries
+from geoswarm.solver.errors import BadOutputError, NotFiniteError
+from geoswarm.solver.objective import LeastSquares, ObservedSeries
 
 
 def observed(series: str, y: list[float], point_weights: list[float], weight: float) -> ObservedSeries:

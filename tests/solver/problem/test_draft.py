@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solver.problem import draft_of_document, draft_of_text
+from geoswarm.solver.problem import draft_of_document, draft_of_text
 
 TEXT = """\
 name: clay

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.errors import ProblemError
-from solver.problem import (
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import (
     FixedParameter,
     FreeParameter,
     LinkedParameter,

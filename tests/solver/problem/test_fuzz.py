@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 from ruamel.yaml import YAML
 
-from solver.calibration import Calibration
-from solver.errors import InfeasibleSpaceError, Issue, ProblemError
-from solver.problem import Problem, parse_problem, read_document
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError
+from geoswarm.solver.problem import Problem, parse_problem, read_document
 
 ROOT = Path(__file__).parents[3]
 FEW, MANY = 300, 10_000

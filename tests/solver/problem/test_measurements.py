@@ -7,9 +7,9 @@ import zipfile
 
 import pytest
 
-from solver.problem import TableError, read_measurements
-from solver.problem.measurements import guess_unit
-from solver.problem.workbooks import read_workbook
+from geoswarm.solver.problem import TableError, read_measurements
+from geoswarm.solver.problem.measurements import guess_unit
+from geoswarm.solver.problem.workbooks import read_workbook
 
 SHEET = "xl/worksheets/sheet{}.xml"
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"

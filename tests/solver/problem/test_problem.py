@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.errors import ProblemError
-from solver.forward.registry import kinds
-from solver.problem import Problem, parse_problem, problem_schema
-from solver.problem.feasibility import TRIED_POINTS
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.forward.registry import kinds
+from geoswarm.solver.problem import Problem, parse_problem, problem_schema
+from geoswarm.solver.problem.feasibility import TRIED_POINTS
 
 
 def _document(**changes: Any) -> dict[str, Any]:

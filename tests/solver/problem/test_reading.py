@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.errors import ProblemError
-from solver.problem import MAX_BYTES, load_problem, read_document
-from solver.problem.reading import Form, plain_document
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import MAX_BYTES, load_problem, read_document
+from geoswarm.solver.problem.reading import Form, plain_document
 
 
 def test_numbers_are_those_of_yaml_1_2() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from solver.problem.tables import MAX_TABLE_BYTES, Table, TableError, read_table
+from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, Table, TableError, read_table
 
 
 def _write(folder: Path, content: str | bytes) -> Path:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.problem.units import COMMON, UnitError, _registered_factor, convert, same_unit
+from geoswarm.solver.problem.units import COMMON, UnitError, _registered_factor, convert, same_unit
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_there_and_back(value: float, units: tuple[str, str]) -> None:
 
 
 def test_base_units_need_no_registry() -> None:
-    use = "from solver.problem.units import convert; convert([1.0], 'day', 'day')"
+    use = "from geoswarm.solver.problem.units import convert; convert([1.0], 'day', 'day')"
     code = f"import sys; {use}; print('pint' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

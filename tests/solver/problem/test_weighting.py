@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.errors import ProblemError
-from solver.problem import parse_problem
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import parse_problem
 
 
 def document(**changes: Any) -> dict[str, Any]:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from solver.examples import example_file, example_names
-from solver.problem import load_problem, parse_problem, problem_yaml, read_document
+from geoswarm.solver.examples import example_file, example_names
+from geoswarm.solver.problem import load_problem, parse_problem, problem_yaml, read_document
 
 WORDS = some.text(" abcxyeno01:#-+{}[],'\"&*!|>%@`~?\\/.=<\n\tµ\x9c\u00ad\u2028\ufeff\U0001f600\U000e0001", max_size=6)
 SCALARS = some.none() | some.booleans() | some.integers(-(2**70), 2**70) | some.floats(allow_nan=False) | WORDS

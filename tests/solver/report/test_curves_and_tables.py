@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.local import CalibrationResult, calibrate
-from solver.problem import Problem, parse_problem
-from solver.report import objective_unit, series_curves, series_shares, write_evaluations, write_result
+from geoswarm.solver.local import CalibrationResult, calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.report import objective_unit, series_curves, series_shares, write_evaluations, write_result
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.report import (
+from geoswarm.solver.report import (
     report_of_folder,
     report_of_result,
     run_of_folder,
@@ -19,9 +19,9 @@ from solver.report import (
     write_responses,
     write_result,
 )
-from solver.report.folder import FolderError
-from solver.report.jsonable import jsonable
-from solver.words import duration, number, typeset
+from geoswarm.solver.report.folder import FolderError
+from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.words import duration, number, typeset
 from tests.solver.report.conftest import Run
 
 

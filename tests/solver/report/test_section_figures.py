@@ -7,12 +7,12 @@ import re
 import numpy as np
 import pytest
 
-from solver.errors import MeshError
-from solver.fem.mesh.layered import LayeredMesh
-from solver.fem.mesh.mesh import Mesh
-from solver.report.profile_plot import depth_profile, profile_figure, profile_rows
-from solver.report.section_plot import deformed_figure, mesh_figure, vectors_figure, vectors_rows
-from solver.report.style import svg_of
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.layered import LayeredMesh
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.report.profile_plot import depth_profile, profile_figure, profile_rows
+from geoswarm.solver.report.section_plot import deformed_figure, mesh_figure, vectors_figure, vectors_rows
+from geoswarm.solver.report.style import svg_of
 from tests.solver.fem.mesh.sections import creeping_slope, profile
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from solver.arrays import FloatArray
-from solver.search import SearchSpace
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search import SearchSpace
 
 __all__ = ["box", "oedometer_space"]
 

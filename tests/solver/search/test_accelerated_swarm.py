@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.local import CalibrationResult, calibrate
-from solver.problem import Problem, load_problem, parse_problem
-from solver.runlog import RunLog
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.local import CalibrationResult, calibrate
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.runlog import RunLog
 from tests.solver.problems import decay_problem
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

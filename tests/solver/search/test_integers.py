@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.errors import ProblemError
-from solver.local import calibrate
-from solver.problem import Problem, parse_problem
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, parse_problem
 
 X = np.linspace(0.0, 2.0, 9)
 METHODS: dict[str, dict[str, Any]] = {

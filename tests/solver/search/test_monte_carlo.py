@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.errors import InfeasibleSpaceError
-from solver.search import MonteCarlo, MonteCarloSettings, SearchSpace
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.search import MonteCarlo, MonteCarloSettings, SearchSpace
 from tests.solver.search.spaces import box, oedometer_space
 
 SAMPLINGS = ["random", "latin_hypercube", "sobol"]
@@ -59,7 +59,7 @@ def test_a_restored_sampling_goes_on_bit_for_bit_alike(sampling: Any) -> None:
 
 @pytest.mark.parametrize("sampling", ["latin_hypercube", "sobol"])
 def test_too_few_feasible_points_is_an_error_with_the_counts(sampling: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("solver.search.monte_carlo._LARGEST_DESIGN", 256)
+    monkeypatch.setattr("geoswarm.solver.search.monte_carlo._LARGEST_DESIGN", 256)
     space = box(2, 0.0, 1.0, feasible=lambda x: bool(x[0] < 1e-9))
     with pytest.raises(
         InfeasibleSpaceError, match=r"only 0 of 256 .* points .* satisfy the constraints, 16 are needed"

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.arrays import FloatArray
-from solver.search import ParticleSwarm, SearchSpace, SwarmSettings
-from solver.search.randomness import particle_generator
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search import ParticleSwarm, SearchSpace, SwarmSettings
+from geoswarm.solver.search.randomness import particle_generator
 from tests.solver.search.spaces import box, oedometer_space
 
 FORMS = [

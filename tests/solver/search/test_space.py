@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.errors import InfeasibleSpaceError
-from solver.search import SearchSpace
-from solver.search.randomness import particle_generator
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.search import SearchSpace
+from geoswarm.solver.search.randomness import particle_generator
 from tests.solver.search.spaces import box, oedometer_space
 
 

@@ -7,15 +7,15 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.constitutive.soft_soil_creep import soft_soil_creep
-from solver.element_test.material_point import PointState, follow
-from solver.element_test.setups import confined_load, isotropic_load
-from solver.fem.materials import SoftSoilCreepMaterial
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.fem.results import PhaseResult
-from solver.fem.solve import solve_phases
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.setups import confined_load, isotropic_load
+from geoswarm.solver.fem.materials import SoftSoilCreepMaterial
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.results import PhaseResult
+from geoswarm.solver.fem.solve import solve_phases
 from tests.verification.fem.bodies import block, graded, node_at
 
 STAGES = ((100.0, 1.0), (200.0, 1.0), (400.0, 1.0), (400.0, 99.0))

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.fem.materials import LinearElastic
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.fem.solve import Calculation, solve_phases
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.fem.materials import LinearElastic
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.solve import Calculation, solve_phases
 from tests.verification.fem.bodies import block, graded
 
 CLOSE = Control(tolerance=1.0e-9)

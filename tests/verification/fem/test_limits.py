@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.errors import DivergedError
-from solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.fem.solve import solve_phases
+from geoswarm.solver.errors import DivergedError
+from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.solve import solve_phases
 from tests.verification.fem.bodies import block, embankment, graded, moved, slope, stacked
 
 SIDES = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.fem.solve import solve_phases
-from solver.fem.triangle import shape_functions
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.solve import solve_phases
+from geoswarm.solver.fem.triangle import shape_functions
 from tests.verification.fem.bodies import block, graded, moved, stacked
 
 TIGHT = Control(tolerance=1.0e-13)

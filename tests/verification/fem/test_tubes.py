@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from solver.fem.materials import LinearElastic, Material, MohrCoulomb
-from solver.fem.mesh.mesh import Mesh
-from solver.fem.phases import Control, Fixity, Phase, Traction
-from solver.fem.results import PhaseResult
-from solver.fem.solve import solve_phases
+from geoswarm.solver.fem.materials import LinearElastic, Material, MohrCoulomb
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.results import PhaseResult
+from geoswarm.solver.fem.solve import solve_phases
 from tests.verification.fem.bodies import block, graded, moved
 
 CLOSE = Control(tolerance=1.0e-9)

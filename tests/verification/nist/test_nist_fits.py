@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.identifiability import Linearisation, design, from_evaluations
-from solver.identifiability.polish import Polished, polish
-from solver.local import calibrate
-from solver.problem import parse_problem
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Linearisation, design, from_evaluations
+from geoswarm.solver.identifiability.polish import Polished, polish
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import parse_problem
 from tests.verification.nist.data import MGH09, PROBLEMS, THURBER, Certified
 
 

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.problem import parse_problem
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.runner.evaluator import Limits, NeverMind
+from geoswarm.workers.runner.processes import descendants
+from geoswarm.workers.runner.runner import Runner
 from tests.integration.engines import process_exists, wait_for
 from tests.workers.problems import calibration, line
-from workers.runner.evaluator import Limits, NeverMind
-from workers.runner.processes import descendants
-from workers.runner.runner import Runner
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 

@@ -1,1 +1,1 @@
-"""Alembic migrations of the database; applied by ``workers.store.migrate``."""
+"""Alembic migrations of the database; applied by ``geoswarm.workers.store.migrate``."""

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.errors import MeshError
-from solver.fem.mesh.checks import check_mesh, corner_angles, jacobians, mesh_faults
-from solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.checks import check_mesh, corner_angles, jacobians, mesh_faults
+from geoswarm.solver.fem.mesh.mesh import Mesh
 
 NODES = np.array([[0, 0], [4, 0], [4, 3], [0, 3], [2, 0], [4, 1.5], [2, 1.5], [2, 3], [0, 1.5]], dtype=np.float64)
 TRIANGLES = np.array([[0, 1, 2, 4, 5, 6], [0, 2, 3, 6, 7, 8]], dtype=np.int32)

@@ -9,11 +9,11 @@ import meshio
 import numpy as np
 import pytest
 
-from solver.errors import MeshError
-from solver.fem.mesh.checks import mesh_faults
-from solver.fem.mesh.layered import LayeredMesh
-from solver.fem.mesh.reading import mesh_of_tables, read_mesh
-from solver.fem.mesh.writing import Snapshot, write_pvd, write_vtu
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.checks import mesh_faults
+from geoswarm.solver.fem.mesh.layered import LayeredMesh
+from geoswarm.solver.fem.mesh.reading import mesh_of_tables, read_mesh
+from geoswarm.solver.fem.mesh.writing import Snapshot, write_pvd, write_vtu
 from tests.solver.fem.mesh.sections import area_of, creeping_slope, profile
 
 GMSH = """$MeshFormat

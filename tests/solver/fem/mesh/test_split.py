@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.errors import MeshError
-from solver.fem.mesh.checks import mesh_faults
-from solver.fem.mesh.mesh import IndexArray, Mesh
-from solver.fem.mesh.quadratic import boundary_edges, midpoints, six_node_triangles
-from solver.fem.mesh.split import split_along
+from geoswarm.solver.errors import MeshError
+from geoswarm.solver.fem.mesh.checks import mesh_faults
+from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
+from geoswarm.solver.fem.mesh.quadratic import boundary_edges, midpoints, six_node_triangles
+from geoswarm.solver.fem.mesh.split import split_along
 
 
 def square(n: int = 4) -> Mesh:

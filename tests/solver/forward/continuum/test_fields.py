@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.calibration import Calibration
-from solver.fem.mesh.mesh import Mesh
-from solver.fields import evaluate_fields
-from solver.forward.continuum.fields import body_of, displacement_fields, parts_with_body, shear_strain
-from solver.forward.registry import parse_spec
-from solver.problem import parse_problem
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.fem.mesh.mesh import Mesh
+from geoswarm.solver.fields import evaluate_fields
+from geoswarm.solver.forward.continuum.fields import body_of, displacement_fields, parts_with_body, shear_strain
+from geoswarm.solver.forward.registry import parse_spec
+from geoswarm.solver.problem import parse_problem
 from tests.solver.forward.continuum.bodies import OEDOMETER, creeping, ground, spec
 
 VALUES = {"depth": 6.0, "E_rock": 1.0e5, "q": 50.0}

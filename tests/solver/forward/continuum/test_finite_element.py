@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.errors import ProblemError
-from solver.forward.finite_element import FiniteElementSpec
-from solver.forward.registry import parse_spec
-from solver.problem import load_problem, parse_problem
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.forward.finite_element import FiniteElementSpec
+from geoswarm.solver.forward.registry import parse_spec
+from geoswarm.solver.problem import load_problem, parse_problem
 from tests.solver.fem.mesh.test_files import gmsh
 from tests.solver.forward.continuum.bodies import ELASTIC, OEDOMETER, ground, spec
 

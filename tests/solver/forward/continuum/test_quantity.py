@@ -8,8 +8,16 @@ from typing import Annotated, Any
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from solver.errors import InfeasibleError
-from solver.forward.continuum.quantity import Length, Limits, LineLimits, Positive, Quantity, quantities_in, value_of
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.forward.continuum.quantity import (
+    Length,
+    Limits,
+    LineLimits,
+    Positive,
+    Quantity,
+    quantities_in,
+    value_of,
+)
 
 
 class Part(BaseModel):

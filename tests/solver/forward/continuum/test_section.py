@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.errors import InfeasibleError, ProblemError
-from solver.forward.continuum.model import BodyModel
-from solver.forward.registry import parse_spec
+from geoswarm.solver.errors import InfeasibleError, ProblemError
+from geoswarm.solver.forward.continuum.model import BodyModel
+from geoswarm.solver.forward.registry import parse_spec
 from tests.solver.forward.continuum.bodies import ELASTIC, OEDOMETER, creeping, ground, spec
 
 VALUES = {"depth": 6.0, "E_rock": 1.0e5, "q": 50.0}

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from solver.errors import MeshError, ProblemError
-from solver.forward.continuum.user_mesh import MeshSection
+from geoswarm.solver.errors import MeshError, ProblemError
+from geoswarm.solver.forward.continuum.user_mesh import MeshSection
 from tests.solver.fem.mesh.test_files import gmsh
 
 TABLES = {

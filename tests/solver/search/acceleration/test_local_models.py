@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.search.acceleration.local_models import gauss_newton_point, quadratic_point
+from geoswarm.solver.search.acceleration.local_models import gauss_newton_point, quadratic_point
 
 RANDOM = np.random.default_rng(7)
 

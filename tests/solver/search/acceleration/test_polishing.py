@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from solver.calibration import Calibration
-from solver.errors import ProblemError
-from solver.local import calibrate
-from solver.problem import Problem, parse_problem
-from solver.search.acceleration.local_models import levenberg_point
-from solver.search.acceleration.polishing import Polishing, polish_pattern
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.local import calibrate
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.search.acceleration.local_models import levenberg_point
+from geoswarm.solver.search.acceleration.polishing import Polishing, polish_pattern
 from tests.solver.problems import decay_document
 
 POLISHED = {"kind": "particle_swarm", "particles": 10, "polish": True}

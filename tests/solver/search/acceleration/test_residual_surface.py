@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.arrays import FloatArray
-from solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
 
 
 def points(count: int, dimension: int) -> FloatArray:

@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 
-from solver.search.acceleration.basins import Basins
-from solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.basins import Basins
+from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 
 
 def test_a_basin_is_finished_after_generations_without_gain() -> None:
