@@ -20,7 +20,7 @@ class LinksHook(BuildHookInterface[Any]):
 
     PLUGIN_NAME = "custom"
 
-    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002  the names are hatchling's
         """Look before the first file is taken up; ends the build with a message."""
         missing = [f"geoswarm/{name}" for name in LINKED if not (Path(self.root) / "geoswarm" / name).is_dir()]
         if missing:
