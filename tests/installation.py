@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["Installation", "build", "install_beside"]
+__all__ = ["Installation", "build", "install", "install_beside"]
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,16 @@ def build(target: Literal["wheel", "sdist"], source: Path, folder: Path) -> Path
     subprocess.run(command, cwd=source, env=environment, check=True, capture_output=True, text=True)
     (made,) = folder.glob("*.whl" if target == "wheel" else "*.tar.gz")
     return made
+
+
+def install(wheel: Path, folder: Path, *, extras: str = "", python: str = sys.executable) -> Installation:
+    """Install a wheel and what it needs with pip into a new environment; ``extras`` as pip takes them."""
+    subprocess.run([python, "-m", "venv", str(folder)], check=True)
+    installation = Installation(folder)
+    wanted = f"{wheel}[{extras}]" if extras else str(wheel)
+    pip = [str(installation.python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet", wanted]
+    subprocess.run(pip, check=True, capture_output=True, text=True)
+    return installation
 
 
 def install_beside(wheel: Path, folder: Path) -> Installation:
