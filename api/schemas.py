@@ -90,6 +90,10 @@ class Job(Model):
     trend: list[Number] | None = Field(
         None, description="lowest objective so far at evenly spaced generations; only in lists, when asked for"
     )
+    versions: dict[str, str] | None = Field(
+        description="of geoswarm, python and what calculates, when it was begun; null: not begun, or not recorded"
+    )
+    warnings: list[str] = Field(description="one for each other set of versions that took part")
 
 
 class JobPage(Model):

@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 
 venv=$1
 python=$venv/bin/python
-supported='import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))'
+supported='import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))'
 
 if ! "$python" -c "$supported" >/dev/null 2>&1 || ! "$python" -m pip --version >/dev/null 2>&1; then
     base=$(scripts/find_python.sh)

@@ -36,6 +36,7 @@ from geoswarm.workers.store.selection import (
     read_evaluations,
     read_records,
 )
+from geoswarm.workers.store.versions import recorded_versions, version_warnings
 
 __all__ = ["StatisticsDesk", "StoredJob"]
 
@@ -239,6 +240,7 @@ def _read(connection: Connection, row: Any) -> StoredJob:
         raise JobNotFoundError(job_id)
     problem = parse_problem(unpack_problem(stored.problem, stored.stopping))
     samples, failures = _samples(connection, row, problem)
+    recorded = recorded_versions(row)
     record = RunRecord(
         id=job_id,
         state=row.state,
@@ -253,6 +255,8 @@ def _read(connection: Connection, row: Any) -> StoredJob:
         best=_best(connection, job_id, row, problem),
         records=read_records(connection, row),
         finished_at=to_optional_datetime(row.finished_at),
+        versions=recorded[0],
+        warnings=version_warnings(recorded),
     )
     return StoredJob(problem, record, samples)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any, Generic, TypeVar
 
@@ -45,6 +45,10 @@ class JobView:
         Id of its newest event, 0 without one: who has read the job follows the events after it.
     trend
         Lowest objective so far at evenly spaced generations, where a listing was asked for it.
+    versions
+        Of geoswarm, Python and what calculates, when it was begun; None: not begun, or begun by an older geoswarm.
+    warnings
+        One for each other set of versions that took part.
     """
 
     id: str
@@ -71,6 +75,8 @@ class JobView:
     owner: str | None = None
     last_event: int = 0
     trend: list[float | None] | None = None
+    versions: dict[str, str] | None = None
+    warnings: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)

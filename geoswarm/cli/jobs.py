@@ -135,6 +135,10 @@ def show_job(job: Job, *, diversity: float | None = None) -> None:
     }
     if diversity is not None:
         facts["diversity"] = f"{number(diversity, 2)} (1: all over the space, 0: at one point)"
+    if job.versions is not None:
+        facts["versions"] = ", ".join(f"{name} {number}" for name, number in job.versions.items())
+    if job.warnings:
+        facts["warning"] = "; ".join(job.warnings)
     if job.error:
         facts["error"] = job.error
     echo_facts(job.name, facts)

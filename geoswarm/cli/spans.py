@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,7 +13,13 @@ _SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "w": 604800.0}
 _PATTERN = re.compile(r"(\d{1,9}(?:\.\d{1,9})?)([smhdw])")
 
 
-class _Span(click.ParamType[float]):
+if TYPE_CHECKING:
+    _ParamType = click.ParamType[float]
+else:
+    _ParamType = click.ParamType  # takes no type argument before click 8.4
+
+
+class _Span(_ParamType):
     name = "span"
 
     def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float:

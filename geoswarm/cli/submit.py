@@ -77,6 +77,8 @@ def follow(client: Client, job: Job) -> Job:
         def on_event(event: Event) -> None:
             if event.kind == "generation":
                 update(event.data["evaluations"], event.data["number"], event.data["objective"])
+            elif event.kind == "versions":
+                note(f"Warning: {event.data['message']}")
 
         try:
             return client.wait(job.id, on_event=on_event)

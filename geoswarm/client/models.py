@@ -67,6 +67,8 @@ class Job:
     owner: str | None = None
     last_event: int = 0
     trend: list[float | None] | None = None
+    versions: dict[str, str] | None = None
+    warnings: list[str] = field(default_factory=list)
 
     @property
     def ended(self) -> bool:

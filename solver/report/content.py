@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -333,7 +333,7 @@ def _r(value: float | None) -> str:
 
 
 def _provenance(problem: Problem, record: RunRecord) -> dict[str, str]:
-    versions = dict(record.environment)
+    run = record.versions
     found = {
         "problem": problem.name,
         "job": record.id or "run in process",
@@ -342,14 +342,20 @@ def _provenance(problem: Problem, record: RunRecord) -> dict[str, str]:
         "seed": str(record.seed),
         "evaluations": f"{record.evaluations} in {record.generations} generations, {record.failed} failed",
         "state": record.state,
-        "geoswarm": versions.pop("geoswarm", "not installed as a package"),
-        "environment": ", ".join(f"{name} {value}" for name, value in versions.items()),
+        "calculated with": "not recorded" if run is None else _listed(run),
+        "report made with": _listed(record.environment),
     }
+    if record.warnings:
+        found["warning"] = "; ".join(record.warnings)
     if record.finished_at is not None:
         found["finished"] = f"{record.finished_at:%Y-%m-%d %H:%M:%S} UTC"
     if record.best is not None:
         found["best evaluation"] = f"generation {record.best.generation}, particle {record.best.particle}"
     return found
+
+
+def _listed(versions: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} {number}" for name, number in versions.items())
 
 
 def _quantity(value: float | None, unit: str) -> str:

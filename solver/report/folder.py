@@ -145,6 +145,7 @@ def _record(
             {series: np.array(xy["y"], dtype=np.float64) for series, xy in best["responses"].items()},
         ),
         records=[_generation(problem, row) for row in generations],
+        versions=result.get("versions"),  # older runs have none
     )
 
 

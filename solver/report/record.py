@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,10 +13,9 @@ from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.identifiability.polish import Polished
 from geoswarm.solver.local import CalibrationResult, GenerationRecord
 from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
+from geoswarm.solver.versions import versions
 
 __all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]
-
-_PACKAGES = ("geoswarm", "numpy", "scipy", "numba", "matplotlib")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +58,10 @@ class RunRecord:
         None while no evaluation has succeeded.
     records
         Finished generations in order.
+    versions
+        What the run was calculated under (:func:`geoswarm.solver.versions.versions`); None: not recorded.
+    warnings
+        What to know about them, one sentence each.
     environment
         Names and versions of what made the report.
     """
@@ -77,6 +79,8 @@ class RunRecord:
     best: BestFit | None
     records: Sequence[GenerationRecord]
     finished_at: datetime | None = None
+    versions: Mapping[str, str] | None = None
+    warnings: Sequence[str] = ()
     environment: Mapping[str, str] = field(default_factory=lambda: environment())
 
 
@@ -107,18 +111,16 @@ def record_of_result(problem: Problem, result: CalibrationResult) -> RunRecord:
         best=best,
         records=result.generation_records,
         finished_at=datetime.now(UTC),
+        versions=versions(),
     )
 
 
 def environment() -> dict[str, str]:
-    """Return versions of geoswarm, Python and the numerical packages, and the kind of machine."""
-    found = {}
-    for name in _PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return {**found, "Python": platform.python_version(), "machine": f"{platform.system()} {platform.machine()}"}
+    """Return the versions of this process, with those of what draws."""
+    try:
+        return {**versions(), "matplotlib": version("matplotlib")}
+    except PackageNotFoundError:
+        return dict(versions())
 
 
 _FOLLOW_UPS = {

@@ -12,6 +12,7 @@ import numpy as np
 
 from geoswarm.solver.local import CalibrationResult
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.versions import versions
 
 __all__ = [
     "parameter_column",
@@ -50,6 +51,7 @@ def result_document(problem: Problem, result: CalibrationResult) -> dict[str, An
         "seconds": result.seconds,
         "seed": result.seed,
         "error": result.error,
+        "versions": dict(versions()),
         "best": best
         and {
             "generation": result.best_generation,

@@ -31,6 +31,7 @@ from geoswarm.workers.store.codec import unpack_array
 from geoswarm.workers.store.evaluations import Board, Cell, load_board, reuse, write_new
 from geoswarm.workers.store.jobs import LockedJob, save_job
 from geoswarm.workers.store.line import note_served
+from geoswarm.workers.store.versions import note_versions
 
 __all__ = ["Closed", "Due", "Session"]
 
@@ -261,6 +262,8 @@ class Session:
             claimed = self._duplicate(board)
         claim = self._claim(board, claimed, last=not left) if claimed else None
         board.write(self.connection)
+        if claim is not None:
+            note_versions(self.connection, self.locked, self.worker)
         if taken_up:
             note_served(self.connection, self.locked.id)
         # Who dispatches wakes as many as there are chunks; who only comes to help wakes one more.

@@ -25,6 +25,7 @@ from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
 from geoswarm.solver.calibration import Progress
 from geoswarm.solver.local import GenerationRecord
+from geoswarm.solver.versions import versions
 from geoswarm.workers.coordinator.machine import Job, PublishEvent, RecordGeneration, Transition
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
@@ -148,6 +149,7 @@ def save_job(
     }
     if before.started_at is None and after.state == "running":
         values["started_at"] = locked.now
+        values["versions"] = pack_json([dict(versions())])
     if progress is not None and (records or before.progress is None):
         values |= {
             "generation": progress.generation,

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
 from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.versions import recorded_versions, version_warnings
 from geoswarm.workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, WorkerView
 
 __all__ = ["attempt_views", "evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
@@ -16,6 +17,7 @@ def job_view(row: Record, gap: float) -> JobView:
     seconds = None if row.started_at is None else row.run_seconds
     if row.state == "running":
         seconds = row.run_seconds + min(max(row.now - row.clock_at, 0.0), gap)
+    recorded = recorded_versions(row)
     return JobView(
         id=row.id,
         name=row.name,
@@ -40,6 +42,8 @@ def job_view(row: Record, gap: float) -> JobView:
         retrying=row.retry_to is not None,
         owner=row.owner,
         last_event=row.last_event or 0,
+        versions=recorded[0],
+        warnings=version_warnings(recorded),
     )
 
 
