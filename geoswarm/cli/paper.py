@@ -14,6 +14,7 @@ import click
 from geoswarm.cli.examples import example_problem
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.figures import figures_missing
+from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note
 
@@ -101,8 +102,9 @@ def paper_command(
         if not wanted & {key, "ALL"}:
             continue
         with example_problem(name) as path:
-            document = load_problem(path).document()
-        found.append(run(document, seeds, note))
+            problem = load_problem(path)
+        ready(problem)
+        found.append(run(problem.document(), seeds, note))
         note(f"{key}: writing tables and reports")
         write_study(found[-1], output / key)
     page = write_page(found, output)

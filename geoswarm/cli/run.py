@@ -11,6 +11,7 @@ import click
 
 from geoswarm.cli.failures import BadInputError, FailedRunError
 from geoswarm.cli.figures import figures_missing
+from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.progress import progress_bar
@@ -64,11 +65,12 @@ def run_command(
     if without_figures:
         note(f"Note: tables only, no report and no figures: {without_figures}")
     offer = _offer(loaded, earlier) if earlier else None
+    compile_seconds = ready(loaded)
     with _reporting(loaded) as on_generation:
         result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer)
     written = [] if output is None else write_output(loaded, result, output, figures=not without_figures)
     if as_json:
-        echo_json(_summary(result))
+        echo_json(_summary(result) | {"compile_seconds": compile_seconds})
     elif result.state == "finished":
         show_result(loaded, result)
     if output is not None and not as_json:
