@@ -23,6 +23,8 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
+from geoswarm.solver.extras import needs_extra
+
 __all__ = ["PLOTLY", "Assets"]
 
 FOLDER = Path(__file__).with_name("static")
@@ -134,5 +136,5 @@ def _plotly() -> Path:
     """Where the wheel keeps the JavaScript; importing the package itself would cost tenths of a second."""
     spec = find_spec("plotly")
     if spec is None or not spec.submodule_search_locations:
-        raise ModuleNotFoundError("the dashboard needs the package 'plotly': pip install 'geoswarm[server]'")
+        raise ModuleNotFoundError(needs_extra("the dashboard", "plotly"), name="plotly")
     return Path(spec.submodule_search_locations[0]) / "package_data" / PLOTLY

@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
-from importlib.util import find_spec
 from typing import IO, Any
 
+from geoswarm.solver.extras import has
 from geoswarm.workers.views import EvaluationView
 
 __all__ = ["parquet_available", "parquet_pieces"]
@@ -23,7 +23,7 @@ _TIMES = ("started_at", "finished_at")
 
 def parquet_available() -> bool:
     """Tell whether pyarrow is installed."""
-    return find_spec("pyarrow") is not None
+    return has("pyarrow")
 
 
 def parquet_pieces(

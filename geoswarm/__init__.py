@@ -5,7 +5,8 @@
 ...     job = client.submit(Path("problem.yaml"))
 ...     print(client.wait(job.id).parameters)
 
-The names below are loaded when they are used, so importing the package costs nothing.
+Beside the client there is what a forward model of one's own is made of (``docs/plug-ins.md``). The names below are
+loaded when they are used, so importing the package costs nothing.
 """
 
 from __future__ import annotations
@@ -28,6 +29,30 @@ if TYPE_CHECKING:
         UnauthorizedError,
         WaitTimeoutError,
     )
+    from geoswarm.solver.arrays import FloatArray
+    from geoswarm.solver.errors import (
+        BadOutputError,
+        DivergedError,
+        ForwardError,
+        InfeasibleError,
+        NotFiniteError,
+    )
+    from geoswarm.solver.forward.base import (
+        ForwardModel,
+        ForwardModelSpec,
+        ForwardRun,
+        ParameterInfo,
+        SeriesInfo,
+        in_unit,
+    )
+
+_FORWARD, _ERRORS = "geoswarm.solver.forward.base", "geoswarm.solver.errors"
+_ELSEWHERE = {
+    "FloatArray": "geoswarm.solver.arrays",
+    **dict.fromkeys(("BadOutputError", "DivergedError", "ForwardError", "InfeasibleError", "NotFiniteError"), _ERRORS),
+    **dict.fromkeys(("ForwardModel", "ForwardModelSpec", "ForwardRun"), _FORWARD),
+    **dict.fromkeys(("ParameterInfo", "SeriesInfo", "in_unit"), _FORWARD),
+}
 
 __all__ = [
     "AsyncClient",
@@ -42,12 +67,24 @@ __all__ = [
     "ServerError",
     "UnauthorizedError",
     "WaitTimeoutError",
+    "ForwardModelSpec",
+    "ForwardModel",
+    "ForwardRun",
+    "FloatArray",
+    "ParameterInfo",
+    "SeriesInfo",
+    "in_unit",
+    "ForwardError",
+    "DivergedError",
+    "NotFiniteError",
+    "InfeasibleError",
+    "BadOutputError",
 ]
 
 
 def __getattr__(name: str) -> Any:
     if name in __all__:
-        return getattr(import_module("geoswarm.client"), name)
+        return getattr(import_module(_ELSEWHERE.get(name, "geoswarm.client")), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

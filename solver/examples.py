@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
-__all__ = ["example_file", "example_names"]
+__all__ = ["ExampleSummary", "describe_example", "example_file", "example_names"]
 
-_PROBLEM = "problem.yaml"
+_PROBLEM, _EXPLANATION = "problem.yaml", "README.md"
+
+
+@dataclass(frozen=True, slots=True)
+class ExampleSummary:
+    """What an example shows; ``forward_model`` and ``method`` are the kinds in its problem."""
+
+    name: str
+    title: str
+    forward_model: str
+    method: str
 
 
 def example_names() -> tuple[str, ...]:
@@ -31,6 +42,23 @@ def example_file(name: str) -> Iterator[Path]:
         raise KeyError(name)
     with as_file(_folder().joinpath(name)) as folder:
         yield folder / _PROBLEM
+
+
+def describe_example(name: str) -> ExampleSummary:
+    """Tell what an example shows: the heading of its explanation, and the kinds of its forward model and method.
+
+    Raises
+    ------
+    KeyError
+        There is no such example.
+    """
+    from geoswarm.solver.problem.reading import read_problem_file
+
+    with example_file(name) as path:
+        document = read_problem_file(path)
+        heading = path.with_name(_EXPLANATION).read_text(encoding="utf-8").partition("\n")[0]
+    kind, method = document["forward_model"]["kind"], document["method"]["kind"]
+    return ExampleSummary(name, heading.lstrip("# ").replace("\\", ""), kind, method)
 
 
 def _folder() -> Traversable:

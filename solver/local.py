@@ -21,6 +21,7 @@ from geoswarm.solver.notebook import result_html
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.running import fatal_message
 from geoswarm.solver.runlog import RunKey, RunLog
+from geoswarm.solver.warm import compile_kernels
 
 __all__ = [
     "CalibrationResult",
@@ -150,6 +151,7 @@ def calibrate(
     def fetch(keys: Sequence[RunKey]) -> list[dict[str, FloatArray]]:
         return [responses[generation][particle] for generation, particle in keys]
 
+    compile_kernels(problem)  # no part of the search, nor of its time
     began = time.monotonic()
     progress = calibration.start(workers)
     with _evaluator(calibration, workers) as evaluate_generation:

@@ -1,22 +1,43 @@
 """Compile the numerical kernels ahead of the first calibration: ``python -m geoswarm.solver.warm``.
 
-Numba caches what it compiles beside the sources, or in the folder that ``NUMBA_CACHE_DIR`` names. So each installation
-pays once, at set-up or when its image is built, and every process after that starts warm.
+Numba caches what it compiles, see :mod:`geoswarm.solver.kernel_cache`. So each installation pays once, at set-up or
+when its image is built, or else before the first calibration; every process after that starts warm. An empty file in
+the cache folder says that a group of kernels is compiled; its name depends on all that would have it compiled again.
 """
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import sys
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeAlias
 
-from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.forward.combined import CombinedSpec
+from geoswarm.solver.kernel_cache import SOLVER, alone, fingerprint, settle
+from geoswarm.solver.problem import Problem, parse_problem
 
-__all__ = ["SAMPLES", "warm"]
+__all__ = [
+    "SAMPLES",
+    "Tell",
+    "compile_kernels",
+    "groups_of",
+    "load_kernels",
+    "missing_kernels",
+    "note_compiled",
+    "run_sample",
+    "warm",
+]
 
 logger = logging.getLogger(__name__)
+
+Tell: TypeAlias = Callable[[int, int], object]
+"""Is told after every kernel how many have been compiled, and about how many there are."""
 
 MATERIAL: dict[str, Any] = {
     "lambda_star": {"value": 0.1},
@@ -76,28 +97,128 @@ SECTION: dict[str, Any] = {
 
 SAMPLES: dict[str, dict[str, Any]] = {
     "oedometer": _sample({"kind": "oedometer", "height": 0.02, "initial_stress": 1.0}, "settlement"),
-    "isotropic_compression": _sample(
-        {"kind": "isotropic_compression", "height": 0.1, "diameter": 0.05, "initial_stress": 1.0}, "axial_displacement"
-    ),
     "section": SECTION,
 }
+"""What has to run once so that all kernels of a group are compiled: element tests, finite elements."""
+
+KERNELS = {"oedometer": 15, "section": 41}
+"""About how many kernels each of them compiles."""
+
+_ready: set[str] = set()  # groups that this process has run
+
+
+def groups_of(spec: ForwardModelSpec) -> tuple[str, ...]:
+    """Return the groups of kernels, keys of :data:`SAMPLES`, that a forward model needs."""
+    if isinstance(spec, CombinedSpec):
+        parts = {group for part in spec.parts.values() for group in groups_of(part)}
+        return tuple(group for group in SAMPLES if group in parts)
+    if spec.kind in ("section", "finite_element") or getattr(spec, "discretization", None) == "finite_element":
+        return ("section",)
+    return ("oedometer",) if spec.kind in ("oedometer", "isotropic_compression") else ()
+
+
+def missing_kernels(spec: ForwardModelSpec) -> tuple[str, ...]:
+    """Return the groups of kernels that a forward model needs and that have still to be compiled on this machine."""
+    groups = [group for group in groups_of(spec) if group not in _ready]
+    if not groups:
+        return ()
+    from numba.core import config  # slow to import, and a formula needs no kernels
+
+    folder = settle()
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]  # Numba sets its options by name
+        return ()
+    return tuple(group for group in groups if not _is_compiled(folder, group))
+
+
+def compile_kernels(problem: Problem, tell: Tell = lambda _compiled, _planned: None) -> float:
+    """Compile what a problem needs, or wait until another process has done so; return the time it took [s]."""
+    if not missing_kernels(problem.forward_model):
+        return 0.0
+    began = time.monotonic()
+    with alone(settle()):
+        missing = missing_kernels(problem.forward_model)
+        planned = sum(KERNELS[group] for group in missing)
+        with _counting(lambda compiled: tell(compiled, max(planned, compiled))):
+            for group in missing:
+                run_sample(group)
+                note_compiled(group)
+    return time.monotonic() - began
+
+
+def run_sample(group: str) -> None:
+    """Run a sample; afterwards the kernels of its group are in this process, compiled or from the cache."""
+    problem = parse_problem(SAMPLES[group])
+    run = problem.model.prepare({observation.series: observation.x for observation in problem.observations})
+    run(problem.values([MATERIAL["mu_star"]["value"]]))
+    _ready.add(group)
+
+
+def note_compiled(group: str) -> None:
+    """Note that a group of kernels is in the cache folder."""
+    folder = settle()
+    if folder is not None:
+        _mark(folder, group).touch()
+
+
+def load_kernels() -> None:
+    """Load all groups of kernels that are in the cache folder."""
+    folder = settle()
+    for group in SAMPLES:
+        if _is_compiled(folder, group):
+            run_sample(group)
 
 
 def warm(report: Callable[[str, float], None] | None = None) -> None:
-    """Run every built-in forward model that has compiled kernels once.
+    """Run every sample once.
 
     Parameters
     ----------
     report
-        Is told the forward model's kind and the wall time of its first run [s].
+        Is told the group of kernels and the wall time of its first run [s].
     """
-    for kind, document in SAMPLES.items():
-        began = time.perf_counter()
-        problem = parse_problem(document)
-        run = problem.model.prepare({observation.series: observation.x for observation in problem.observations})
-        run(problem.values([MATERIAL["mu_star"]["value"]]))
-        if report is not None:
-            report(kind, time.perf_counter() - began)
+    with alone(settle()):
+        for group in SAMPLES:
+            began = time.perf_counter()
+            run_sample(group)
+            note_compiled(group)
+            if report is not None:
+                report(group, time.perf_counter() - began)
+
+
+def _is_compiled(folder: Path | None, group: str) -> bool:
+    return folder is not None and _mark(folder, group).exists()
+
+
+@cache
+def _mark(folder: Path, group: str) -> Path:
+    """The file that says that a group is compiled for these sources, this interpreter, Numba and processor."""
+    import numba
+    from numba.core.registry import cpu_target
+
+    processor = cpu_target.target_context.codegen().magic_tuple()
+    state = (fingerprint(), str(SOLVER), sys.implementation.cache_tag, numba.__version__, processor)
+    return folder / f"compiled-{group}-{hashlib.sha256(repr(state).encode()).hexdigest()[:16]}"
+
+
+@contextmanager
+def _counting(tell: Callable[[int], object]) -> Iterator[None]:
+    """Tell after each kernel compiled in the body how many there were."""
+    from numba.core import event
+
+    class Counter(event.Listener):
+        compiled = 0
+
+        def on_start(self, started: Any) -> None:
+            """Nothing is done yet."""
+
+        def on_end(self, ended: Any) -> None:
+            """Count kernels of ours, not the functions of Numba that they call."""
+            if ended.data["dispatcher"].py_func.__module__.startswith("geoswarm."):
+                self.compiled += 1
+                tell(self.compiled)
+
+    with event.install_listener("numba:compile", Counter()):
+        yield
 
 
 def _main() -> None:

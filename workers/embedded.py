@@ -16,6 +16,7 @@ import threading
 import time
 from dataclasses import dataclass
 
+from geoswarm.solver.kernel_cache import settle
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
@@ -114,6 +115,7 @@ class Supervisor:
 
     def start(self) -> None:
         """Start the workers and watch them."""
+        settle()  # once for all of them
         self._children = [self._spawn() for _ in range(self.settings.workers)]
         self._thread.start()
 

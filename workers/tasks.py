@@ -13,6 +13,7 @@ from typing import Any
 from celery import current_app, shared_task
 from celery.signals import worker_init, worker_process_init, worker_process_shutdown, worker_shutting_down
 
+from geoswarm.solver.kernel_cache import settle
 from geoswarm.workers.celery_app import SERVE_TASK, CeleryDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
@@ -79,6 +80,7 @@ _slots = anonymous_file()
 @worker_init.connect  # type: ignore[untyped-decorator]
 def _warm_up(**_: Any) -> None:
     settings: Settings = current_app.geoswarm_settings
+    settle()  # once for all pool processes
     if not settings.isolate:
         warm_up()  # before the fork: every pool process, restarted ones too, begins with the forward models loaded
 

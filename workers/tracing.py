@@ -10,6 +10,7 @@ import time
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
+from geoswarm.solver.extras import needs_extra
 from geoswarm.workers.errors import SettingsError
 
 __all__ = ["enabled", "record_span", "span", "start_tracing"]
@@ -41,7 +42,7 @@ def start_tracing(part: str) -> None:
         from opentelemetry.sdk.trace.export import BatchSpanProcessor
     except ImportError:
         raise SettingsError(
-            f"{' or '.join(ENDPOINTS)} asks for traces, but OpenTelemetry is missing: pip install 'geoswarm[tracing]'"
+            f"{' or '.join(ENDPOINTS)} asks for traces: {needs_extra('tracing', 'opentelemetry')}"
         ) from None
     name = os.environ.get("OTEL_SERVICE_NAME") or f"geoswarm-{part}"
     provider = TracerProvider(resource=Resource.create({"service.name": name}))

@@ -10,6 +10,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.check import CheckReport, check_problem
 from geoswarm.solver.problem import Problem
+from geoswarm.workers.kernels import make_ready
 from geoswarm.workers.runner.evaluator import Evaluator, InlineEvaluator, limits_of
 from geoswarm.workers.runner.runner import Runner
 from geoswarm.workers.settings import Settings
@@ -52,6 +53,7 @@ class TrialBench:
         if self._evaluator is None:
             self._evaluator = Runner() if self._settings.isolate else InlineEvaluator()
             self._evaluator.start()
+        make_ready(self._evaluator, calibration.problem)
         limits = limits_of(calibration.problem, self._settings).within(self._settings.check_seconds)
         name = f"test run {self._number}"
         (outcome,) = self._evaluator.run(name, calibration, position[np.newaxis], limits, fields=fields)

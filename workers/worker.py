@@ -17,6 +17,7 @@ from geoswarm.workers.errand import Errand
 from geoswarm.workers.errors import StoreUnavailableError, WorkersError
 from geoswarm.workers.heart import Heart
 from geoswarm.workers.identity import Identity
+from geoswarm.workers.kernels import make_ready
 from geoswarm.workers.runner.evaluator import Evaluator, InlineEvaluator
 from geoswarm.workers.runner.runner import Runner
 from geoswarm.workers.settings import Settings
@@ -124,7 +125,7 @@ class Worker:
         extra = {"job": job_id, "worker": self.identity.id}
         try:
             calibration = self._calibration(job_id)
-            if calibration is not None:
+            if calibration is not None and self._make_ready(job_id, calibration):
                 with self.slots.hold(_kind(calibration)) as free:
                     if free:
                         self._work(job_id, calibration)
@@ -138,6 +139,10 @@ class Worker:
             self._give_up(job_id, f"{type(error).__name__}: {error}")
         finally:
             self.heart.claim = None
+
+    def _make_ready(self, job_id: str, calibration: Calibration) -> bool:
+        tell = partial(self.runtime.tell_kernels, job_id)
+        return make_ready(self._evaluator, calibration.problem, unwanted=self.stopping.is_set, tell=tell)
 
     def _work(self, job_id: str, calibration: Calibration) -> None:
         turn = _Turn(self, job_id)

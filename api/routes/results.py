@@ -26,6 +26,7 @@ from geoswarm.api.schemas import (
     GenerationList,
 )
 from geoswarm.api.schemas import Response as ResponseValues
+from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.views import EvaluationView
 
@@ -137,7 +138,7 @@ def evaluations(
         if not parquet_available():
             raise DetailError(
                 501,
-                "The service writes no Parquet because pyarrow is not installed: pip install 'geoswarm[parquet]'.",
+                f"{needs_extra('a service that writes Parquet', 'pyarrow')}.",
                 kind="no-parquet",
                 title="Parquet not available",
             )

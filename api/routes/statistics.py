@@ -12,6 +12,7 @@ from geoswarm.api.errors import DetailError
 from geoswarm.api.headers import DOCUMENT_POLICY
 from geoswarm.api.statistics_schemas import FigureList, ReweightAnswer, StatisticsAnswer
 from geoswarm.api.views import WantedView
+from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.report import Report, figures_available, png_of, svg_of
 from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.workers.service import JobService
@@ -147,7 +148,7 @@ def _need_figures() -> None:
     if not figures_available():
         raise DetailError(
             501,
-            "The service draws no figures because matplotlib is not installed: pip install 'geoswarm[plots]'.",
+            f"{needs_extra('a service that draws figures', 'matplotlib')}.",
             kind="no-figures",
             title="Figures not available",
         )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from geoswarm.cli.failures import FailedRunError
+from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number
 
@@ -32,9 +33,10 @@ def check_command(problem: Path, as_json: bool) -> None:
     from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem)
+    compile_seconds = ready(loaded)
     check = check_problem(loaded)
     if as_json:
-        echo_json({"valid": True, **asdict(check)})
+        echo_json({"valid": True, **asdict(check), "compile_seconds": compile_seconds})
     else:
         _show(loaded, check)
     if check.test_run.reason is not None:

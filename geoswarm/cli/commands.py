@@ -35,6 +35,9 @@ COMMANDS: dict[str, CommandEntry] = {
     "evaluate": CommandEntry("geoswarm.cli.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
     "run": CommandEntry("geoswarm.cli.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
     "paper": CommandEntry("geoswarm.cli.paper", _PROBLEM, "Run the published studies again and compare every number."),
+    "examples": CommandEntry(
+        "geoswarm.cli.examples", _PROBLEM, "List the examples that are installed, or write one out."
+    ),
     "demo": CommandEntry("geoswarm.cli.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
     "serve": CommandEntry(
         "geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."
@@ -142,4 +145,5 @@ def cli(ctx: click.Context, debug: bool) -> None:
     """
     from geoswarm.cli.failures import Session
 
-    ctx.ensure_object(Session).debug = debug
+    session = ctx.ensure_object(Session)
+    session.debug, session.command = debug, ctx.invoked_subcommand

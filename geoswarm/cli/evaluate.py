@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
 
@@ -46,6 +47,7 @@ def evaluate_command(problem: Path, settings: tuple[str, ...], as_json: bool) ->
     values = parameter_values(loaded, parse_settings(loaded, settings))
     for warning in _doubts(loaded, values):
         note(f"Warning: {warning}")
+    ready(loaded)
     evaluation = Calibration(loaded, loaded.seed or 0).evaluate_values(values)
     if as_json:
         echo_json(_document(loaded, values, evaluation))

@@ -1,15 +1,71 @@
-"""The examples as files."""
+"""``geoswarm examples``, and the examples as files for other commands."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
+from difflib import get_close_matches
 from pathlib import Path
 
-from geoswarm.cli.failures import BadInputError
-from geoswarm.solver.examples import example_file, example_names
+import click
 
-__all__ = ["example_problem"]
+from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.options import json_option
+from geoswarm.cli.output import echo_json, echo_table, note
+from geoswarm.solver.examples import describe_example, example_file, example_names
+
+__all__ = ["example_problem", "examples_command"]
+
+
+@click.command("examples")
+@click.argument("name", required=False)
+@click.argument("directory", required=False, type=click.Path(file_okay=False, path_type=Path))
+@json_option
+def examples_command(name: str | None, directory: Path | None, as_json: bool) -> None:
+    """List the examples that are installed, or write one out.
+
+    With NAME and DIRECTORY the example's problem, data and explanation are written to that folder, which is made if it
+    is not there. A file that exists is never overwritten.
+    """
+    if name is None:
+        _list(as_json)
+        return
+    if name not in example_names():
+        close = get_close_matches(name, example_names(), n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        raise BadInputError(f"there is no example '{name}'{hint}; known: {', '.join(example_names())}")
+    if directory is None:
+        raise BadInputError(f"give the folder to write it to: geoswarm examples {name} DIRECTORY")
+    written = _write(name, directory)
+    if as_json:
+        echo_json({"name": name, "files": [str(path) for path in written]})
+        return
+    note(f"Written: {', '.join(str(path) for path in written)}")
+    note(f"Next: geoswarm run {directory / 'problem.yaml'}")
+
+
+def _list(as_json: bool) -> None:
+    found = [describe_example(name) for name in example_names()]
+    if as_json:
+        echo_json({"items": [asdict(one) for one in found]})
+        return
+    rows = [(one.name, one.title, one.forward_model, one.method.replace("_", " ")) for one in found]
+    echo_table(None, ("name", "what it shows", "forward model", "method"), rows)
+    note("'geoswarm examples NAME DIRECTORY' writes one out.")
+
+
+def _write(name: str, directory: Path) -> list[Path]:
+    """Write the files of an example, all of them or none."""
+    with example_file(name) as problem:
+        contents = {source.name: source.read_bytes() for source in sorted(problem.parent.iterdir()) if source.is_file()}
+    there = [str(directory / file) for file in contents if (directory / file).exists()]
+    if there:
+        raise BadInputError(f"nothing was written, because these files exist: {', '.join(there)}")
+    directory.mkdir(parents=True, exist_ok=True)
+    for file, content in contents.items():
+        (directory / file).write_bytes(content)
+    return [directory / file for file in contents]
 
 
 @contextmanager

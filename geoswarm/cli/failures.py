@@ -37,6 +37,7 @@ class Session:
     """What one call of the command line carries from command to error handler."""
 
     debug: bool = False
+    command: str | None = None
 
 
 class CommandError(click.ClickException):
@@ -72,7 +73,7 @@ def report(error: BaseException, session: Session) -> int:
     if isinstance(error, click.ClickException):
         click.echo(f"Error: {error.format_message()}", err=True)
         return error.exit_code if isinstance(error, CommandError) else BAD_INPUT
-    explained = explain(error)
+    explained = explain(error, session.command)
     if explained is not None:
         message, code = explained
         click.echo(f"Error: {message}", err=True)
@@ -86,7 +87,7 @@ def report(error: BaseException, session: Session) -> int:
     return FAILED_RUN
 
 
-def explain(error: BaseException) -> tuple[str, int] | None:
+def explain(error: BaseException, command: str | None = None) -> tuple[str, int] | None:
     """Return message and exit code of an error that geoswarm raises on purpose; None for any other."""
     from geoswarm.solver.errors import ForwardError, ProblemError, SolverError, WorkerLostError
 
@@ -98,11 +99,22 @@ def explain(error: BaseException) -> tuple[str, int] | None:
         return str(error), FAILED_RUN
     if isinstance(error, SolverError):
         return str(error), BAD_INPUT
+    if isinstance(error, ModuleNotFoundError) and error.name is not None:
+        return _explain_missing(error.name, command)
     if isinstance(error, OSError) and error.filename is not None:
         return f"{error.filename}: {error.strerror}", BAD_INPUT
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
         return f"the output cannot be written: {error.strerror}", FAILED_RUN
     return _explain_service(error)
+
+
+def _explain_missing(module: str, command: str | None) -> tuple[str, int] | None:
+    """Name the extra that brings a module; None when no extra does."""
+    from geoswarm.solver.extras import extra_of, needs_extra
+
+    if extra_of(module) is None:
+        return None
+    return needs_extra(f"geoswarm {command}" if command else "geoswarm", module), BAD_INPUT
 
 
 def _explain_service(error: BaseException) -> tuple[str, int] | None:

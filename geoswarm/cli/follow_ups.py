@@ -12,6 +12,7 @@ import click
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import BadInputError, FailedRunError
 from geoswarm.cli.findings import show_findings
+from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_json, note
 from geoswarm.cli.progress import progress_bar
@@ -276,6 +277,7 @@ class _LocalRun:
         from geoswarm.solver.identifiability.follow_ups import findings_of
         from geoswarm.solver.local import calibrate
 
+        ready(problem)
         with progress_bar(problem.name, problem.planned_evaluations) as update:
             result = calibrate(
                 problem,

@@ -13,6 +13,8 @@ import click
 
 from geoswarm.cli.examples import example_problem
 from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.figures import figures_missing
+from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note
 
@@ -72,12 +74,12 @@ def paper_command(
     named. The reference data are synthetic: the model at the published identified parameters plus noise, because the
     measured values were never printed.
     """
+    missing = figures_missing("geoswarm paper")
+    if missing:
+        raise BadInputError(missing)
     from geoswarm.paper import run_isotropic, run_oedometer, run_slope, write_page, write_study
     from geoswarm.solver.problem import load_problem
-    from geoswarm.solver.report import figures_available
 
-    if not figures_available():
-        raise BadInputError("reports need matplotlib: pip install 'geoswarm[plots]'")
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -100,8 +102,9 @@ def paper_command(
         if not wanted & {key, "ALL"}:
             continue
         with example_problem(name) as path:
-            document = load_problem(path).document()
-        found.append(run(document, seeds, note))
+            problem = load_problem(path)
+        ready(problem)
+        found.append(run(problem.document(), seeds, note))
         note(f"{key}: writing tables and reports")
         write_study(found[-1], output / key)
     page = write_page(found, output)

@@ -9,6 +9,7 @@ import click
 
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.figures import figures_missing
 from geoswarm.cli.options import connection_options
 from geoswarm.cli.output import note
 from geoswarm.cli.source import as_folder, known_noise, noise_option, threshold_check
@@ -70,10 +71,11 @@ def report_command(
 
 
 def _of_folder(folder: Path, target: Path, view: dict[str, Any], html: bool, pdf: bool, figures: bool) -> list[Path]:
-    from geoswarm.solver.report import figures_available, report_of_folder
+    from geoswarm.solver.report import report_of_folder
 
-    if not figures_available():
-        raise BadInputError("reports need matplotlib: pip install 'geoswarm[plots]'")
+    missing = figures_missing("geoswarm report")
+    if missing:
+        raise BadInputError(missing)
     report = report_of_folder(folder, **view)
     return report.save(target, html=html, pdf=pdf, figures=None if figures else ())
 

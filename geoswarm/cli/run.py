@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.figures import figures_missing
+from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.progress import progress_bar
@@ -57,14 +59,18 @@ def run_command(
     loaded = load_problem(problem)
     if loaded.limits != Limits():
         click.echo("note: limits hold in the service only; here a run that hangs must be ended by hand", err=True)
+    without_figures = None if output is None else figures_missing("geoswarm run --output")
     if output is not None:
         _make_folder(output)
+    if without_figures:
+        note(f"Note: tables only, no report and no figures: {without_figures}")
     offer = _offer(loaded, earlier) if earlier else None
+    compile_seconds = ready(loaded)
     with _reporting(loaded) as on_generation:
         result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer)
-    written = [] if output is None else write_output(loaded, result, output)
+    written = [] if output is None else write_output(loaded, result, output, figures=not without_figures)
     if as_json:
-        echo_json(_summary(result))
+        echo_json(_summary(result) | {"compile_seconds": compile_seconds})
     elif result.state == "finished":
         show_result(loaded, result)
     if output is not None and not as_json:
@@ -146,8 +152,8 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
             raise
 
 
-def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> list[Path]:
-    """Write all files of a result; without matplotlib the tables only, with a note on stderr."""
+def write_output(problem: Problem, result: CalibrationResult, folder: Path, *, figures: bool) -> list[Path]:
+    """Write all files of a result; without ``figures`` the tables only."""
     from geoswarm.solver import report
 
     names = ("result.json", "problem.json", "evaluations.csv", "generations.csv", "responses.npz")
@@ -157,10 +163,7 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> l
     report.write_evaluations(written[2], problem, result)
     report.write_generations(written[3], problem, result)
     report.write_responses(written[4], problem, result)
-    if not report.figures_available():
-        note("Note: no report and no figures, because matplotlib is not installed: pip install 'geoswarm[plots]'")
-        return written
-    return written + report.report_of_result(problem, result).save(folder)
+    return written + report.report_of_result(problem, result).save(folder) if figures else written
 
 
 def show_result(problem: Problem, result: CalibrationResult) -> None:

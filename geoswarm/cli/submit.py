@@ -10,6 +10,7 @@ import click
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import FailedRunError
 from geoswarm.cli.jobs import jsonable, show_job
+from geoswarm.cli.kernels import COMPILING, compiled_in
 from geoswarm.cli.options import connection_options, job_argument, json_option, problem_argument
 from geoswarm.cli.output import echo_json, note
 from geoswarm.cli.progress import progress_bar
@@ -79,6 +80,9 @@ def follow(client: Client, job: Job) -> Job:
                 update(event.data["evaluations"], event.data["number"], event.data["objective"])
             elif event.kind == "versions":
                 note(f"Warning: {event.data['message']}")
+            elif event.kind == "kernels":
+                seconds = event.data["seconds"]
+                note(COMPILING if seconds is None else compiled_in(seconds))
 
         try:
             return client.wait(job.id, on_event=on_event)

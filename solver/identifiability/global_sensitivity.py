@@ -15,6 +15,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.extras import has, needs_extra
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.search.follow_ups import GlobalPoints
 
@@ -150,7 +151,5 @@ def _problem(calibration: Calibration) -> dict[str, Any]:
 
 
 def _require_salib() -> None:
-    from importlib.util import find_spec
-
-    if find_spec("SALib") is None:
-        raise StatisticsError("global sensitivity needs SALib; install geoswarm[statistics]")
+    if not has("SALib"):
+        raise StatisticsError(needs_extra("global sensitivity", "SALib"))

@@ -16,6 +16,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import Noise, known_noise, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
@@ -133,7 +134,7 @@ def sample_posterior(
     try:
         import emcee
     except ImportError as missing:
-        raise StatisticsError("a posterior sample needs emcee; install geoswarm[statistics]") from missing
+        raise StatisticsError(needs_extra("a posterior sample", "emcee")) from missing
 
     surface = surface or fit_surface(calibration, samples, seed=seed)
     space = calibration.space

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-
 from geoswarm.solver.errors import Issue
+from geoswarm.solver.extras import has, needs_extra
 from geoswarm.solver.problem.follow_ups import ProfileMethod, SensitivityMethod
 from geoswarm.solver.problem.problem import Problem
 from geoswarm.solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod
@@ -19,8 +18,8 @@ def follow_up_issues(problem: Problem) -> list[Issue]:
         return []
     names = [p.name for p in free]
     if not isinstance(method, SensitivityMethod | ProfileMethod):
-        if find_spec("SALib") is None:
-            return [Issue("method.kind", f"{method.kind} needs SALib; install geoswarm[statistics]")]
+        if not has("SALib"):
+            return [Issue("method.kind", needs_extra(f"the method {method.kind}", "SALib"))]
         return []
     issues = []
     if set(method.at) != set(names):

@@ -7,7 +7,6 @@ those of the page.
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import re
 import textwrap
@@ -18,6 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from geoswarm.solver.extras import has
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,7 +88,7 @@ _DPI = 150
 
 def figures_available() -> bool:
     """Tell whether matplotlib (the ``plots`` extra) is installed."""
-    return importlib.util.find_spec("matplotlib") is not None
+    return has("matplotlib")
 
 
 @contextmanager

@@ -17,9 +17,7 @@ from typing import Literal, NoReturn
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import DivergedError
-from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm import DivergedError, FloatArray, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 
 Behaviour = Literal[
     "sleep", "compute", "for_ever", "for_ever_once", "fork", "eat", "exit", "leave", "crash", "diverge", "chatter"

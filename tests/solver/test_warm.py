@@ -1,19 +1,52 @@
-"""Compiling ahead of the first calibration."""
+"""Compiling ahead of the first calibration: what is compiled, and that nothing is left to compile after it."""
 
 from __future__ import annotations
 
+import json
 import logging
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.warm import SAMPLES, _main, warm
+from geoswarm.solver import warm as module
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.warm import KERNELS, SAMPLES, _main, compile_kernels, groups_of, missing_kernels, warm
+from geoswarm.workers.runner.nurse import LOAD
+from tests.solver.problems import decay_problem
+
+NOTHING_LEFT = """
+import json, sys
+from pathlib import Path
+from numba.core import event
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.check import middle
+from geoswarm.solver.problem import load_problem
+from geoswarm.solver.warm import groups_of, run_sample
+compiled = []
+
+class Listener(event.Listener):
+    def on_start(self, started): pass
+    def on_end(self, ended):
+        compiled.append(ended.data["dispatcher"].py_func.__qualname__)
+
+problem = load_problem(Path(sys.argv[1]))
+for group in groups_of(problem.forward_model):
+    run_sample(group)
+calibration = Calibration(problem, 1)
+with event.install_listener("numba:compile", Listener()):
+    evaluation = calibration.evaluate(middle(calibration))
+print(json.dumps([evaluation.reason, compiled]))
+"""
 
 
 def test_each_sample_is_run_and_timed() -> None:
     told: dict[str, float] = {}
     warm(told.__setitem__)
-    assert list(told) == ["oedometer", "isotropic_compression", "section"]
+    assert list(told) == ["oedometer", "section"]
     assert all(0.0 < seconds < 300.0 for seconds in told.values())
 
 
@@ -21,9 +54,64 @@ def test_samples_are_of_the_kind_they_are_listed_under() -> None:
     assert {kind: parse_problem(document).forward_model.kind for kind, document in SAMPLES.items()} == {
         kind: kind for kind in SAMPLES
     }
+    assert KERNELS.keys() == SAMPLES.keys() == LOAD.keys()
 
 
 def test_the_command_says_what_it_does(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.INFO):
         _main()
     assert [record.getMessage().split(" is ready")[0] for record in caplog.records][1:] == list(SAMPLES)
+
+
+@pytest.mark.parametrize(
+    ("example", "groups"),
+    [
+        ("formula", ()),
+        ("oedometer", ("oedometer",)),
+        ("isotropic_compression", ("oedometer",)),
+        ("combined", ("oedometer",)),
+        ("slope", ("section",)),
+    ],
+)
+def test_a_problem_needs_its_own_kernels_only_and_nothing_is_left_to_compile(
+    example: str, groups: tuple[str, ...]
+) -> None:
+    with example_file(example) as path:
+        assert groups_of(load_problem(path).forward_model) == groups
+        done = subprocess.run(
+            [sys.executable, "-c", NOTHING_LEFT, str(path)], capture_output=True, text=True, check=False
+        )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [None, []]
+
+
+def test_a_specimen_of_finite_elements_needs_theirs() -> None:
+    document = SAMPLES["oedometer"]
+    section = document["forward_model"] | {"discretization": "finite_element"}
+    specimen = parse_problem(document | {"forward_model": section})
+    assert groups_of(specimen.forward_model) == ("section",)
+
+
+def test_what_was_compiled_is_not_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = parse_problem(SAMPLES["oedometer"])
+    ran: list[str] = []
+    told: list[tuple[int, int]] = []
+    monkeypatch.setattr(module, "settle", lambda: tmp_path)
+    monkeypatch.setattr(module, "_ready", set())
+    monkeypatch.setattr(module, "run_sample", ran.append)
+    assert missing_kernels(problem.forward_model) == ("oedometer",)
+    assert compile_kernels(problem, lambda done, planned: told.append((done, planned))) > 0.0
+    assert missing_kernels(problem.forward_model) == ()
+    assert compile_kernels(problem) == 0.0
+    assert ran == ["oedometer"]
+    assert compile_kernels(decay_problem()) == 0.0
+
+
+def test_a_mark_counts_for_the_same_sources_and_processor_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = settle()
+    assert folder is not None
+    there = module._mark(tmp_path, "oedometer")
+    module._mark.cache_clear()
+    monkeypatch.setattr(module, "fingerprint", lambda: "others")
+    assert module._mark(tmp_path, "oedometer") != there
+    module._mark.cache_clear()

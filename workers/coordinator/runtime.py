@@ -39,7 +39,7 @@ from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import unpack_problem
+from geoswarm.workers.store.codec import pack_json, unpack_problem
 from geoswarm.workers.store.evaluations import (
     Board,
     count_failed,
@@ -48,6 +48,7 @@ from geoswarm.workers.store.evaluations import (
     load_board,
     renew_leases,
 )
+from geoswarm.workers.store.event_bell import insert_events
 from geoswarm.workers.store.jobs import LockedJob, get_problem, lock_job, save_job
 
 __all__ = ["Runtime"]
@@ -194,6 +195,18 @@ class Runtime:
 
         joined = replace(due.joined, runs=log.runs(fetch))
         return Closed(generation, apply(due.job, joined, calibration), due.stopping)
+
+    def tell_kernels(self, job_id: str, seconds: float | None) -> None:
+        """Tell who watches a job that kernels are being compiled for it, None, or were, in so many seconds."""
+
+        def work(connection: Connection) -> None:
+            locked = lock_job(connection, job_id)
+            if locked is not None:
+                data = pack_json({"seconds": seconds})
+                row = {"job_id": job_id, "kind": "kernels", "data": data, "created_at": locked.now}
+                insert_events(connection, [row])
+
+        self.store.write(work)
 
     def renew(self, claim: Claim, worker: str) -> None:
         """Renew the leases of a claim."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.warm import run_sample
 from geoswarm.workers.runner.wire import Outcome
 from geoswarm.workers.settings import Settings
 
@@ -41,6 +42,16 @@ class Evaluator(Protocol):
 
     def start(self) -> None:
         """Make ready; returns at once."""
+
+    @property
+    def loaded(self) -> Collection[str]:
+        """Groups of kernels (:data:`geoswarm.solver.warm.SAMPLES`) that need not be loaded any more."""
+
+    def load(self, group: str, unwanted: Callable[[], bool]) -> None:
+        """Load a group of kernels, and compile it if need be, outside of any evaluation.
+
+        Ends early when ``unwanted`` becomes true. Does not raise for what goes wrong: an evaluation will tell.
+        """
 
     def run(
         self,
@@ -78,8 +89,16 @@ class Evaluator(Protocol):
 class InlineEvaluator:
     """Evaluates in this very process: for debugging. Nothing is limited, an unwanted evaluation is finished."""
 
+    def __init__(self) -> None:
+        self.loaded: set[str] = set()
+
     def start(self) -> None:
         """Do nothing."""
+
+    def load(self, group: str, unwanted: Callable[[], bool]) -> None:  # noqa: ARG002  the protocol of all evaluators
+        """Load a group of kernels into this process."""
+        run_sample(group)
+        self.loaded.add(group)
 
     def run(
         self,

@@ -18,7 +18,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["BOOTSTRAP", "FORK", "KILL", "STATUS", "main"]
+__all__ = ["BOOTSTRAP", "FORK", "KILL", "LOAD", "STATUS", "main"]
 
 log = logging.getLogger(__name__)
 
@@ -29,6 +29,8 @@ BOOTSTRAP = (
 )
 FORK = b"f"
 KILL = b"k"
+LOAD = {"oedometer": b"o", "section": b"s"}
+"""What asks for each group of kernels (:data:`geoswarm.solver.warm.SAMPLES`)."""
 STATUS = struct.Struct("=ii")
 """Exit code of the evaluation process (below 0: the signal that ended it), and whether that is known."""
 
@@ -38,7 +40,7 @@ REAP_SECONDS = 2.0
 def main(given: Mapping[str, Any]) -> None:
     """Serve one worker over the socket whose descriptor is ``given``, until it closes."""
     # What needs long to load is loaded here, once for all evaluation processes to come.
-    from geoswarm.solver.warm import warm
+    from geoswarm.solver.warm import load_kernels, run_sample
     from geoswarm.workers.runner import child
     from geoswarm.workers.runner.processes import adopt_orphans, kill_descendants, reap
     from geoswarm.workers.warm import warm_up
@@ -48,8 +50,9 @@ def main(given: Mapping[str, Any]) -> None:
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.WARNING)
     warm_up()
-    warm()
+    load_kernels()
     control = socket.socket(fileno=given["control"])
+    groups = {message: group for group, message in LOAD.items()}
     ended: dict[int, int] = {}
     current = 0
     while True:
@@ -70,6 +73,9 @@ def main(given: Mapping[str, Any]) -> None:
             for descriptor in descriptors:
                 os.close(descriptor)
             ended = {}
+            answer = STATUS.pack(0, 0)
+        elif message in groups:
+            run_sample(groups[message])
             answer = STATUS.pack(0, 0)
         else:
             ended |= kill_descendants(os.getpid())

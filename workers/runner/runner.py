@@ -21,7 +21,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.workers.runner.child import LOG_TAIL, tail
 from geoswarm.workers.runner.evaluator import Limits, NeverMind
-from geoswarm.workers.runner.nurse import BOOTSTRAP, FORK, KILL, STATUS
+from geoswarm.workers.runner.nurse import BOOTSTRAP, FORK, KILL, LOAD, STATUS
 from geoswarm.workers.runner.processes import kill_session, memory_below
 from geoswarm.workers.runner.wire import Board, ConnectionEnded, Outcome, anonymous_file, receive, send, unpack_outcomes
 from geoswarm.workers.store.codec import pack_array
@@ -32,7 +32,8 @@ log = logging.getLogger(__name__)
 
 POLL_SECONDS = 0.05
 MEMORY_SECONDS = 0.1
-NURSE_SECONDS = 120.0  # it may have to compile every kernel first
+NURSE_SECONDS = 120.0  # it loads every kernel that is compiled
+COMPILE_SECONDS = 1800.0
 LARGEST_OUTPUT = 16 * 2**20  # bytes
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
@@ -54,6 +55,7 @@ class Runner:
         fcntl.fcntl(self._output, fcntl.F_SETFL, os.O_APPEND)
         self._idle_memory = 0.0
         self._memory_at = 0.0
+        self.loaded: set[str] = set()
 
     def start(self) -> None:
         """Start the nurse, which gets ready by itself."""
@@ -69,6 +71,32 @@ class Runner:
             )
         ours.settimeout(NURSE_SECONDS)
         self._control = ours
+        self.loaded.clear()
+
+    def load(self, group: str, unwanted: Callable[[], bool]) -> None:
+        """Have the nurse load a group of kernels: all evaluation processes that she forks have it then."""
+        if self._connection is not None:
+            self._kill()  # what was forked before lacks them
+        if self._control is None:
+            self.start()
+        control, nurse = self._control, self._nurse
+        if control is None or nurse is None:
+            raise RuntimeError("the runner was not started")
+        deadline = time.monotonic() + COMPILE_SECONDS
+        try:
+            control.sendall(LOAD[group])
+            while not select.select([control], [], [], POLL_SECONDS)[0]:
+                if unwanted():
+                    nurse.kill()  # her answer must not be taken for another one
+                    return
+                if time.monotonic() > deadline:
+                    raise TimeoutError(f"kernels were not compiled within {COMPILE_SECONDS:g} s")
+            self._answer()
+            self.loaded.add(group)
+        except OSError as error:
+            log.warning("the kernels of %r could not be loaded: %s", group, error)
+            self._replace_nurse()
+            self.loaded.add(group)  # not again and again: an evaluation compiles, or tells what is wrong
 
     def run(
         self,

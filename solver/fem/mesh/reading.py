@@ -16,6 +16,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import MeshError
+from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.fem.mesh.checks import check_mesh
 from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
 from geoswarm.solver.fem.mesh.quadratic import EDGES, midpoints, six_node_triangles
@@ -38,7 +39,7 @@ def load_meshio(purpose: str) -> Any:
     try:
         return importlib.import_module("meshio")
     except ImportError as error:
-        raise MeshError(f"{purpose} needs meshio: pip install 'geoswarm[mesh]'") from error
+        raise MeshError(needs_extra(purpose, "meshio")) from error
 
 
 def read_mesh(path: Path, interfaces: Sequence[str] = (), scale: float = 1.0, *, keep_lines: bool = False) -> Mesh:

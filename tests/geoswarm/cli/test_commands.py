@@ -16,11 +16,11 @@ WANTED = (
     *("check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
     *("list", "show", "cancel", "pause", "resume", "retry-failed", "export", "demo", "workers"),
     *("report", "statistics", "reweight", "paper", "keys", "prune"),
-    *("sensitivity", "profile", "influence", "posterior"),
+    *("sensitivity", "profile", "influence", "posterior", "examples"),
 )
 READING = (
     *("check", "evaluate", "run", "submit", "watch", "list", "show", "retry-failed", "workers"),
-    *("statistics", "reweight", "paper", "prune"),
+    *("statistics", "reweight", "paper", "prune", "examples"),
     *("sensitivity", "profile", "influence", "posterior"),
 )
 

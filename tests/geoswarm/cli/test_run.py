@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from geoswarm.cli import main
-from geoswarm.solver import report
 from tests.solver.problems import decay_document
 
 KEYS = ["state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed"]
@@ -107,7 +107,7 @@ def test_output_folder_holds_tables_figures_and_a_problem_that_runs_again(
 def test_without_matplotlib_the_tables_are_still_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(report, "figures_available", lambda: False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
     folder = tmp_path / "output"
     assert main(["run", write(tmp_path), "--output", str(folder)]) == 0
     assert "geoswarm[plots]" in capsys.readouterr().err

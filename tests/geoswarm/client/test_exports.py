@@ -10,14 +10,29 @@ from pathlib import Path
 import geoswarm
 import geoswarm.client
 from geoswarm.client import administration, bodies, errors, fit, models, points
+from geoswarm.solver import arrays
+from geoswarm.solver import errors as forward_errors
+from geoswarm.solver.forward import base
 
 ROOT = Path(__file__).parents[3]
 
 
-def test_every_name_of_the_package_is_there_and_is_that_of_the_client() -> None:
-    assert {"Client", "AsyncClient", "GeoswarmError"} <= set(geoswarm.__all__)
+def test_every_name_of_the_package_is_that_of_the_client_or_of_the_forward_models() -> None:
+    assert {"Client", "AsyncClient", "GeoswarmError", "ForwardModelSpec"} <= set(geoswarm.__all__)
     for name in geoswarm.__all__:
-        assert getattr(geoswarm, name) is getattr(geoswarm.client, name)
+        home = next(home for home in (base, forward_errors, arrays, geoswarm.client) if name in home.__all__)
+        assert getattr(geoswarm, name) is getattr(home, name)
+
+
+def test_whatever_a_plug_in_needs_is_there() -> None:
+    assert set(base.__all__) <= set(geoswarm.__all__)
+    failures = [getattr(forward_errors, name) for name in forward_errors.__all__]
+    for error in failures:
+        if isinstance(error, type) and issubclass(error, forward_errors.ForwardError):
+            assert error.__name__ in geoswarm.__all__
+
+
+def test_names_outside_all_are_refused() -> None:
     assert set(geoswarm.__all__) <= set(dir(geoswarm))
     assert not hasattr(geoswarm, "Nothing")
 

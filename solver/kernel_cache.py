@@ -1,0 +1,154 @@
+"""Where compiled kernels are kept, and which have been compiled there before.
+
+The folder carries a fingerprint of all kernel sources. Numba alone renews a cached kernel only when the kernel's own
+file changes, not when a kernel that it calls does; a stale caller linked with a new callee gives wrong numbers or
+crashes. In order of preference: ``NUMBA_CACHE_DIR``, the package itself, the user's cache folder, a temporary folder.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import hashlib
+import logging
+import os
+import shutil
+import stat
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+
+__all__ = ["SOLVER", "alone", "cache_folder", "fingerprint", "settle"]
+
+log = logging.getLogger(__name__)
+
+VARIABLE = "NUMBA_CACHE_DIR"
+SOLVER = Path(__file__).parent
+LOOK_SECONDS = 0.1
+_LOCK = Path("compiling.lock")
+
+_KERNEL_PACKAGES = ("constitutive", "element_test", "fem")
+
+
+def fingerprint(solver: Path = SOLVER) -> str:
+    """Return 16 letters that are others for any change in a kernel's source."""
+    digest = hashlib.sha256()
+    for package in _KERNEL_PACKAGES:
+        for source in sorted((solver / package).glob("**/*.py")):
+            digest.update(source.relative_to(solver).as_posix().encode())
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder(solver: Path = SOLVER) -> Path:
+    """Folder of the compiled kernels in the package at ``solver``."""
+    return solver / "__pycache__" / f"kernels-{fingerprint(solver)}"
+
+
+@cache
+def settle() -> Path | None:
+    """Return the folder in which this process and those that it starts keep compiled kernels; None: there is none.
+
+    A temporary folder is told in one line of the log, by the first process that needs it.
+    """
+    given, own = os.environ.get(VARIABLE), cache_folder()
+    wanted = [Path(given)] if given else [own]
+    with contextlib.suppress(RuntimeError):  # no home is known
+        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        wanted.append(Path(base) / "geoswarm" / own.name)
+    for folder in wanted:
+        if folder is not wanted[0]:
+            _take_over(own, folder)
+        if _writable(folder):
+            break
+    else:
+        found = _temporary(own.name)
+        because = f"because neither {' nor '.join(str(one) for one in wanted)} can be written"
+        if found is None:
+            log.warning("every process compiles the kernels anew, %s; set %s", because, VARIABLE)
+            return None
+        folder = found
+        log.warning("the compiled kernels are kept in %s only, %s; set %s", folder, because, VARIABLE)
+    if folder is not wanted[0]:
+        os.environ[VARIABLE] = str(folder)  # for the processes that this one starts
+    return folder
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _temporary(name: str) -> Path | None:
+    """Return a folder that this user alone can use: machine code is loaded from it."""
+    try:
+        parent = Path(tempfile.gettempdir()) / f"geoswarm-{os.getuid() if sys.platform != 'win32' else 'user'}"
+        with contextlib.suppress(FileExistsError):
+            parent.mkdir(mode=0o700)
+        if not _private(parent):  # somebody else has made it
+            parent = Path(tempfile.mkdtemp(prefix="geoswarm-"))
+            atexit.register(shutil.rmtree, parent, ignore_errors=True)
+    except OSError:
+        return None
+    folder = parent / name
+    _take_over(cache_folder(), folder)
+    return folder if _writable(folder) else None
+
+
+def _private(folder: Path) -> bool:
+    found = folder.lstat()
+    if sys.platform == "win32":
+        return stat.S_ISDIR(found.st_mode)
+    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077
+
+
+def _take_over(compiled: Path, folder: Path) -> None:
+    """Begin a folder with what was compiled in the package: Numba reads no cache that it cannot write to."""
+    if folder.exists() or not compiled.is_dir():
+        return
+    with contextlib.suppress(OSError):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(dir=folder.parent))  # whoever finds the folder finds it whole
+        try:
+            for source in compiled.rglob("*"):
+                if source.is_file() and source.suffix != _LOCK.suffix:
+                    target = draft / source.relative_to(compiled)
+                    target.parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copyfile(source, target)
+            draft.rename(folder)
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
+
+
+@contextmanager
+def alone(folder: Path | None, unwanted: Callable[[], bool] = lambda: False) -> Iterator[bool]:
+    """Be the only process that compiles into a folder while the body runs; others wait for it.
+
+    Gives False when ``unwanted`` became true before it was this process's turn.
+    """
+    if folder is None or sys.platform == "win32":  # two may compile at once there, and lose nothing but time
+        yield True
+        return
+    import fcntl
+
+    with (folder / _LOCK).open("w") as lock:
+        while not unwanted():
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                time.sleep(LOOK_SECONDS)
+            except OSError:  # a file system without locks
+                break
+        else:
+            yield False
+            return
+        yield True

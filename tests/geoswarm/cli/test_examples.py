@@ -1,0 +1,74 @@
+"""``geoswarm examples``: for those who have no checkout."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from geoswarm.cli import main
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+NAMES = ["combined", "formula", "isotropic_compression", "oedometer", "slope"]
+
+
+def test_list_names_every_example_with_what_it_shows(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["examples"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    for name in NAMES:
+        (line,) = [line for line in lines if line.strip().startswith(f"{name} ")]
+        heading = (EXAMPLES / name / "README.md").read_text(encoding="utf-8").splitlines()[0]
+        assert heading[2:40] in line
+
+
+def test_json_has_kind_and_method(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["examples", "--json"]) == 0
+    items = json.loads(capsys.readouterr().out)["items"]
+    assert [item["name"] for item in items] == NAMES
+    assert items[-1] == {
+        "name": "slope",
+        "title": "A creeping slope",
+        "forward_model": "section",
+        "method": "particle_swarm",
+    }
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_example_is_written_out_whole(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "new" / name
+    assert main(["examples", name, str(folder), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == {
+        path.name: path.read_bytes() for path in (EXAMPLES / name).iterdir()
+    }
+    assert sorted(document["files"]) == sorted(str(path) for path in folder.iterdir())
+
+
+def test_it_runs_where_it_was_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["examples", "formula", str(tmp_path)]) == 0
+    assert f"Next: geoswarm run {tmp_path / 'problem.yaml'}" in capsys.readouterr().err
+    assert main(["check", str(tmp_path / "problem.yaml")]) == 0
+
+
+def test_existing_files_are_named_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mine = tmp_path / "settlement.csv"
+    mine.write_text("x,y\n", encoding="utf-8")
+    assert main(["examples", "formula", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == f"Error: nothing was written, because these files exist: {mine}\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["settlement.csv"]
+    assert mine.read_text(encoding="utf-8") == "x,y\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["oedometre", "x"], "there is no example 'oedometre'; did you mean oedometer?; known: combined, formula, "),
+        (["xyz", "x"], "there is no example 'xyz'; known: combined, formula, "),
+        (["slope"], "give the folder to write it to: geoswarm examples slope DIRECTORY"),
+        (["slope", __file__], "is a file"),
+    ],
+)
+def test_what_cannot_be_written_is_said(arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["examples", *arguments]) == 2
+    assert told in capsys.readouterr().err

@@ -1,0 +1,165 @@
+"""Where compiled kernels are kept: a folder that can be written to, and that no other user can write to."""
+
+from __future__ import annotations
+
+import logging
+import os
+import stat
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from geoswarm.solver import kernel_cache
+from geoswarm.solver.kernel_cache import VARIABLE, alone, cache_folder, settle
+
+
+@pytest.fixture
+def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str, Path]]:
+    """A package, a user's cache folder and a temporary folder of the test's own; ``settle`` begins anew."""
+    found = {name: tmp_path / name for name in ("solver", "cache", "temporary")}
+    for folder in found.values():
+        folder.mkdir()
+    monkeypatch.setattr(kernel_cache, "cache_folder", lambda: cache_folder(found["solver"]))
+    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", str(found["temporary"]))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(found["cache"]))
+    monkeypatch.setenv(VARIABLE, "")
+    settle.cache_clear()
+    yield found
+    settle.cache_clear()
+
+
+def lock_up(folder: Path) -> None:
+    """Make a folder unusable, for root, too: a file stands in its place."""
+    if folder.is_dir():
+        folder.rmdir()
+    folder.write_text("", encoding="utf-8")
+
+
+def test_any_change_of_a_kernel_source_gives_another_cache_folder(tmp_path: Path) -> None:
+    (tmp_path / "constitutive").mkdir()
+    source = tmp_path / "constitutive" / "law.py"
+    source.write_text("a = 1\n", encoding="utf-8")
+    first = cache_folder(tmp_path)
+    assert cache_folder(tmp_path) == first
+    source.write_text("a = 2\n", encoding="utf-8")
+    assert cache_folder(tmp_path) != first
+    assert first.parent == tmp_path / "__pycache__"
+
+
+def test_the_package_comes_first(places: dict[str, Path], caplog: pytest.LogCaptureFixture) -> None:
+    assert settle() == cache_folder(places["solver"])
+    assert caplog.records == []
+    assert os.environ[VARIABLE] == ""
+
+
+def test_the_folder_that_the_user_names_comes_before_all(
+    places: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "named"))
+    assert settle() == tmp_path / "named"
+    assert not cache_folder(places["solver"]).exists()
+
+
+def test_a_package_that_cannot_be_written_gives_way_to_the_users_cache(
+    places: dict[str, Path], caplog: pytest.LogCaptureFixture
+) -> None:
+    lock_up(places["solver"] / "__pycache__")
+    folder = places["cache"] / "geoswarm" / cache_folder(places["solver"]).name
+    assert settle() == folder
+    assert os.environ[VARIABLE] == str(folder)  # for the processes that are started
+    assert caplog.records == []
+
+
+def test_with_neither_a_temporary_folder_of_ones_own_is_told_in_one_line(
+    places: dict[str, Path], caplog: pytest.LogCaptureFixture
+) -> None:
+    lock_up(places["solver"] / "__pycache__")
+    lock_up(places["cache"])
+    with caplog.at_level(logging.WARNING):
+        folder = settle()
+    assert folder is not None
+    assert folder.is_relative_to(places["temporary"])
+    assert stat.S_IMODE(folder.parent.stat().st_mode) == 0o700
+    (record,) = caplog.records
+    text = record.getMessage()
+    assert "\n" not in text
+    assert str(folder) in text
+    assert "set NUMBA_CACHE_DIR" in text
+    assert f"neither {cache_folder(places['solver'])} nor {places['cache']}" in text
+    settle.cache_clear()  # as in a process that this one starts
+    assert settle() == folder
+    assert len(caplog.records) == 1
+
+
+@pytest.mark.parametrize("how", ["open", "link"])
+def test_a_temporary_folder_that_others_can_write_to_is_not_used(
+    places: dict[str, Path], tmp_path: Path, how: str
+) -> None:
+    lock_up(places["solver"] / "__pycache__")
+    lock_up(places["cache"])
+    taken = places["temporary"] / f"geoswarm-{os.getuid()}"
+    if how == "open":
+        taken.mkdir()
+        taken.chmod(0o777)
+    else:
+        (tmp_path / "elsewhere").mkdir()
+        taken.symlink_to(tmp_path / "elsewhere")
+    folder = settle()
+    assert folder is not None
+    assert folder.parent != taken
+    assert stat.S_IMODE(folder.parent.stat().st_mode) == 0o700
+
+
+def test_without_any_folder_it_goes_on_without(places: dict[str, Path], caplog: pytest.LogCaptureFixture) -> None:
+    for folder in (places["solver"] / "__pycache__", places["cache"], places["temporary"]):
+        lock_up(folder)
+    assert settle() is None
+    assert "every process compiles the kernels anew" in caplog.text
+
+
+def test_what_was_compiled_in_a_package_that_is_now_read_only_is_taken_over(
+    places: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiled = cache_folder(places["solver"])
+    (compiled / "fem_1").mkdir(parents=True)
+    (compiled / "fem_1" / "kernel.nbc").write_bytes(b"code")
+    (compiled / "compiled-section").touch()
+    writable = kernel_cache._writable
+    monkeypatch.setattr(kernel_cache, "_writable", lambda folder: folder != compiled and writable(folder))
+    folder = settle()
+    assert folder is not None
+    assert (folder / "fem_1" / "kernel.nbc").read_bytes() == b"code"
+    assert (folder / "compiled-section").exists()
+    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
+
+
+def test_one_compiles_while_others_wait(tmp_path: Path) -> None:
+    program = (
+        "import sys; from pathlib import Path; from geoswarm.solver.kernel_cache import alone\n"
+        "with alone(Path(sys.argv[1])) as turn:\n"
+        "    print('mine', flush=True); sys.stdin.read()\n"
+    )
+    command = [sys.executable, "-c", program, str(tmp_path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdin is not None
+        assert other.stdout is not None
+        assert other.stdout.readline() == "mine\n"
+        with alone(tmp_path, unwanted=lambda: True) as turn:
+            assert not turn
+        entered = threading.Event()
+
+        def wait() -> None:
+            with alone(tmp_path) as turn:
+                assert turn
+                entered.set()
+
+        thread = threading.Thread(target=wait)
+        thread.start()
+        assert not entered.wait(0.3)
+        other.stdin.close()
+        assert entered.wait(60.0)
+        thread.join()

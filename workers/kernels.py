@@ -1,0 +1,56 @@
+"""Has the kernels of a job compiled before the job begins, so that no evaluation, limit or clock counts that time."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+
+from geoswarm.solver.kernel_cache import alone, settle
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.warm import groups_of, missing_kernels, note_compiled
+from geoswarm.workers.runner.evaluator import Evaluator
+
+__all__ = ["make_ready"]
+
+log = logging.getLogger(__name__)
+
+
+def make_ready(
+    evaluator: Evaluator,
+    problem: Problem,
+    *,
+    unwanted: Callable[[], bool] = lambda: False,
+    tell: Callable[[float | None], None] = lambda _seconds: None,
+) -> bool:
+    """Load the kernels that a problem needs; of several workers of a machine one compiles, the others wait for it.
+
+    Parameters
+    ----------
+    unwanted
+        Whether to give up; then the answer is False.
+    tell
+        Is told None when this worker begins to compile, and the time that it took [s].
+    """
+    groups = [group for group in groups_of(problem.forward_model) if group not in evaluator.loaded]
+    if not groups:
+        return True
+    if missing_kernels(problem.forward_model):
+        with alone(settle(), unwanted) as turn:
+            missing = [group for group in missing_kernels(problem.forward_model) if group in groups]
+            if turn and missing:
+                log.warning("compiling the kernels for this machine: once after an installation, about a minute")
+                tell(None)
+                began = time.monotonic()
+                for group in missing:
+                    evaluator.load(group, unwanted)
+                    if group in evaluator.loaded:
+                        note_compiled(group)
+                if not unwanted():
+                    seconds = time.monotonic() - began
+                    log.warning("kernels compiled in %.1f s", seconds)
+                    tell(seconds)
+    for group in groups:
+        if group not in evaluator.loaded and not unwanted():
+            evaluator.load(group, unwanted)
+    return not unwanted()
