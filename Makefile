@@ -59,6 +59,7 @@ test-all: setup servers check  ## all checks and all tests, with the long studie
 
 lock: $(INSTALLED)  ## renew requirements/: the newest versions that pyproject.toml admits, and their licences
 	@scripts/lock.sh $(BIN)/uv
+	$(MAKE) $(INSTALLED)  # the licences are read from what is installed
 	$(BIN)/python scripts/list_licences.py
 
 bench: setup  ## measure the speed of forward calculations and of the engine
