@@ -16,15 +16,15 @@ PYTEST := $(BIN)/python -m pytest
 JOBS ?= 2
 export PYTHON
 
-.PHONY: help setup servers demo test test-all check format bench clean
+.PHONY: help setup servers demo test test-all check format lock bench clean
 
 help:  ## list the commands
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 20
 
 setup: $(INSTALLED) $(WARM)  ## make .venv with everything that development needs (PYTHON=... chooses the interpreter)
 
-# The virtual environment is made again only when the project's metadata changed since.
-$(INSTALLED): pyproject.toml scripts/make_venv.sh scripts/find_python.sh
+# The virtual environment is brought up to date only when the metadata or the locked versions changed since.
+$(INSTALLED): pyproject.toml requirements/dev.txt scripts/make_venv.sh scripts/install_locked.py scripts/find_python.sh
 	@scripts/make_venv.sh $(VENV)
 	touch $@
 
@@ -56,6 +56,11 @@ test: setup servers check  ## all checks and the tests, without the long studies
 
 test-all: setup servers check  ## all checks and all tests, with the long studies
 	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "slow or not slow"
+
+lock: $(INSTALLED)  ## renew requirements/: the newest versions that pyproject.toml admits, and their licences
+	@scripts/lock.sh $(BIN)/uv
+	$(MAKE) $(INSTALLED)  # the licences are read from what is installed
+	$(BIN)/python scripts/list_licences.py
 
 bench: setup  ## measure the speed of forward calculations and of the engine
 	@for program in benchmarks/[a-z]*.py; do echo "== $$program"; $(BIN)/python "$$program"; done

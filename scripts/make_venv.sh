@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Make the virtual environment (or keep a sound one) and install geoswarm into it, editable, with everything that
-# development needs. pip's own configuration decides where packages come from.
+# Make the virtual environment (or keep a sound one) and install into it what requirements/dev.txt locks, then geoswarm,
+# editable. pip's own configuration decides where packages come from.
 #
 #   scripts/make_venv.sh FOLDER
 set -euo pipefail
@@ -15,5 +15,5 @@ if ! "$python" -c "$supported" >/dev/null 2>&1 || ! "$python" -m pip --version >
     echo "geoswarm: making $venv with $("$base" --version)"
     "$base" -m venv --clear "$venv"
 fi
-echo "geoswarm: installing into $venv (a few minutes the first time)"
-"$python" -m pip install --quiet --quiet --disable-pip-version-check --no-input --editable '.[server,plots,mesh,statistics,parquet,dev]'
+echo "geoswarm: installing into $venv (a minute or two the first time)"
+"$python" scripts/install_locked.py

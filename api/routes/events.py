@@ -40,7 +40,7 @@ async def events(
     after: Annotated[int | None, Query(ge=0, le=MAX_EVENT_ID, description="id of the last event received")] = None,
     last_event_id: Annotated[str | None, Header(description="sent by clients that reconnect; wins over after")] = None,
 ) -> Response:
-    """Follow a job: ``state`` and ``generation`` events, from the first one or after a given one.
+    """Follow a job: ``state``, ``generation`` and ``versions`` events, from the first one or after a given one.
 
     Comments keep a silent connection alive. The stream ends after the event that ends the job.
     """

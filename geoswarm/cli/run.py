@@ -102,8 +102,6 @@ def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
 
 
 def _summary(result: CalibrationResult) -> dict[str, Any]:
-    from geoswarm.solver.versions import versions
-
     return {
         "state": result.state,
         "stop_reasons": list(result.stop_reasons),
@@ -113,7 +111,6 @@ def _summary(result: CalibrationResult) -> dict[str, Any]:
         "generations": result.generations,
         "seconds": result.seconds,
         "seed": result.seed,
-        "versions": dict(versions()),
     }
 
 

@@ -13,6 +13,7 @@ FIELDS = {
     "id", "name", "state", "forward_model", "method", "stop_reasons", "objective", "parameters", "evaluations",
     "generations", "failed_evaluations", "created_at", "started_at", "finished_at", "seconds", "error", "seed",
     "free_parameters", "max_evaluations", "priority", "retrying", "owner", "last_event", "trend",
+    "versions", "warnings",
 }  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from geoswarm.cli import main
+from geoswarm.solver.versions import versions
 from tests.solver.problems import decay_document
 
 KEYS = ["state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed"]
@@ -90,6 +91,7 @@ def test_output_folder_holds_tables_figures_and_a_problem_that_runs_again(
     assert sorted(path.name for path in folder.iterdir()) == sorted(expected)
     result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     assert {key: result[key] for key in KEYS} == summary
+    assert result["versions"] == dict(versions())
     with (folder / "evaluations.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == summary["evaluations"]
