@@ -91,7 +91,7 @@ def test_the_first_job_of_an_installation(tmp_path: Path, monkeypatch: pytest.Mo
     problem = oedometer(
         method={"kind": "monte_carlo", "samples": 20},
         limits={"seconds_per_evaluation": 3},
-        failures={"timeout": "fail"},
+        failures={"policy": "fail"},
     )
     with open_engine(Settings(database_url=f"sqlite:///{tmp_path / 'jobs.db'}", workers=2)) as engine:
         job = wait_until_ended(engine.service, engine.service.submit(problem)[0].id)
