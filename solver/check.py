@@ -14,7 +14,7 @@ from geoswarm.solver.problem import Problem
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
 
 WARM_UP_LIMIT = 5.0
-"""A first calculation shorter than this [s] is repeated: it may have been compiling."""
+"""A first calculation shorter than this [s] is repeated: it may have been loading its kernels."""
 
 
 @dataclass(frozen=True, slots=True)

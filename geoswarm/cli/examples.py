@@ -63,6 +63,9 @@ def _write(name: str, directory: Path) -> list[Path]:
     if there:
         raise BadInputError(f"nothing was written, because these files exist: {', '.join(there)}")
     directory.mkdir(parents=True, exist_ok=True)
+    # Its commands name the folder of the checkout.
+    explanation = contents["README.md"].replace(f"examples/{name}/".encode(), f"{directory.as_posix()}/".encode())
+    contents["README.md"] = explanation
     for file, content in contents.items():
         (directory / file).write_bytes(content)
     return [directory / file for file in contents]

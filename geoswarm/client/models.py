@@ -209,7 +209,7 @@ class Generation:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened to a job: ``kind`` is state or generation, ``id`` grows with time."""
+    """Something that happened to a job: ``kind`` is state, generation or kernels, ``id`` grows with time."""
 
     id: int
     kind: str

@@ -9,6 +9,8 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.settings import Settings
 from tests.api.conftest import wait_for_end
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_job import LONG, SOON, counted, state, textbook
@@ -44,6 +46,16 @@ def goes_on(page: Page) -> None:
         arg=before,
         timeout=SOON,
     )
+
+
+def test_compiling_is_told(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}")
+    goes_on(page)
+    runtime = Runtime(embedded.service.store, Settings())
+    runtime.tell_kernels(job, None)
+    expect(page.locator("#connection")).to_contain_text("compiles the numerical kernels", timeout=SOON)
+    runtime.tell_kernels(job, 52.0)
+    expect(page.locator("#connection")).to_be_hidden(timeout=SOON)
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ import { thinned } from "./thin.js";
 
 const { job: id } = document.querySelector("main").dataset;
 const POINTS = 3000, MOST = 9000, INTERVAL = 200;
+const COMPILING = "A worker compiles the numerical kernels: once after an installation, about a minute.";
 
 for (const place of document.querySelectorAll("time.age")) {
   place.title = moment(place.dateTime);
@@ -72,6 +73,7 @@ async function run() {
     onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
     onEvent: ({ kind, data }) => {
       if (kind === "state") changed();
+      else if (kind === "kernels") connection(data.seconds === null ? COMPILING : null);
       else take(data);
     },
   });

@@ -6,7 +6,7 @@
 import { address, get } from "./http.js";
 
 export const ENDED = new Set(["finished", "failed", "cancelled"]);
-const KINDS = ["state", "generation"];
+const KINDS = ["state", "generation", "kernels"];
 const SHORTEST = 1000, LONGEST = 30000, POLL = 2000;
 
 /**

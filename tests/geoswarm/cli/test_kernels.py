@@ -1,0 +1,80 @@
+"""What a user sees while kernels are compiled."""
+
+from __future__ import annotations
+
+import io
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from geoswarm.cli import kernels
+from geoswarm.cli.kernels import COMPILING, ready
+from geoswarm.cli.submit import follow
+from geoswarm.client.models import Event
+from geoswarm.solver import warm
+from tests.solver.problems import decay_problem
+
+
+def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
+    def compile_kernels(_problem: Any, tell: Any) -> float:
+        for compiled in range(1, 4):
+            tell(compiled, 15)
+        return 52.0
+
+    monkeypatch.setattr(warm, "missing_kernels", lambda _spec: ("oedometer",))
+    monkeypatch.setattr(warm, "compile_kernels", compile_kernels)
+
+
+def test_a_pipe_gets_plain_lines(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    compiling(monkeypatch)
+    monkeypatch.setattr(kernels, "LINE_SECONDS", 0.0)
+    assert ready(decay_problem()) == 52.0
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.splitlines() == [
+        COMPILING,
+        *(f"{compiled} of about 15 kernels are compiled." for compiled in (1, 2, 3)),
+        "Kernels compiled in 52.0 s.",
+    ]
+
+
+def test_lines_are_rare(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    compiling(monkeypatch)
+    monkeypatch.setattr(kernels, "LINE_SECONDS", 1e6)
+    assert ready(decay_problem()) == 52.0
+    assert capsys.readouterr().err.splitlines() == [COMPILING, "Kernels compiled in 52.0 s."]
+
+
+def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    compiling(monkeypatch)
+    monkeypatch.setenv("TERM", "xterm")
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    assert ready(decay_problem()) == 52.0
+    assert "3 of about 15" in terminal.getvalue()
+    assert "━" in terminal.getvalue()
+
+
+def test_nothing_is_said_when_nothing_is_to_be_compiled(capsys: pytest.CaptureFixture[str]) -> None:
+    assert ready(decay_problem()) == 0.0
+    assert capsys.readouterr().err == ""
+
+
+def test_who_watches_a_job_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    job = SimpleNamespace(id="a", name="clay", max_evaluations=10, evaluations=0, generations=0, objective=None)
+
+    class Client:
+        def wait(self, _job_id: str, on_event: Any) -> Any:
+            on_event(Event(1, "kernels", {"seconds": None}))
+            on_event(Event(2, "kernels", {"seconds": 52.0}))
+            return job
+
+    client: Any = Client()
+    watched: Any = job
+    assert follow(client, watched) is job
+    assert capsys.readouterr().err.splitlines() == [COMPILING, "Kernels compiled in 52.0 s."]
