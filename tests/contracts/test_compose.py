@@ -21,6 +21,8 @@ import pytest
 from compose_spec import PyCompose
 
 from geoswarm.cli import cli
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store.database import _create_engine
 from tests.contracts.repository import PACKAGES, ROOT, project
 from tests.deployment.composition import FOREIGN, OWN, VARIABLE, compose, interpolated, service
 from tests.deployment.dockerfile import read_dockerfile
@@ -251,6 +253,20 @@ def test_postgresql_knows_its_settings(postgres_server: PostgresServer) -> None:
             row = connection.execute("SELECT min_val, max_val FROM pg_settings WHERE name = %s", [name]).fetchone()
             assert row is not None, name
             assert int(row[0]) <= int(value) <= int(row[1])
+
+
+def test_the_database_admits_the_connections_of_the_workers_that_the_documentation_promises() -> None:
+    """One service with its whole pool and listener, five for the rest, three for each worker process."""
+    engine = _create_engine(Settings(database_url="postgresql://u:p@127.0.0.1/jobs"))
+    service_takes = engine.pool.size() + engine.pool._max_overflow + 1  # type: ignore[attr-defined]  # QueuePool
+    page = (ROOT / "docs" / "operations.md").read_text(encoding="utf-8")
+    assert f"(connections - 3 - {service_takes} for each service - 5) / 3" in page
+    ((first, connections, second, more),) = re.findall(
+        r"(\d+) worker processes fit\s+into (\d+) connections, and (\d+)\s+into (\d+)", page
+    )
+    assert f"max_connections={connections}" in service("postgres").command
+    for count, admitted in ((first, connections), (second, more)):
+        assert int(count) == (int(admitted) - 3 - service_takes - 5) // 3
 
 
 def test_images_are_pinned_to_a_minor_version_and_a_release_of_debian() -> None:
