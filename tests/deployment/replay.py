@@ -32,6 +32,7 @@ class Image:
     environment: Mapping[str, str]
     folder: str
     entrypoint: Sequence[str]
+    default: Sequence[str]
 
     def path(self, inside: str) -> Path:
         """Return where a path of the image is on this machine."""
@@ -76,7 +77,7 @@ class Image:
     def _command(self, words: Sequence[str], environment: Mapping[str, str], entrypoint: bool) -> list[str]:
         given = [self.machine.rewritten(self.root, word) for word in words]
         variables = {**self.environment, **environment}
-        begin = [*self.entrypoint, *given] if entrypoint else given
+        begin = [*self.entrypoint, *(given or self.default)] if entrypoint else given
         return self.machine.command(self.root, begin, variables, self.folder)
 
 
@@ -117,7 +118,7 @@ def build_image(machine: Machine, context: Path, left_out: Sequence[str] = ()) -
                     if not dropped:
                         machine.build(root, instruction.text, environment, folder)
         if stage.name == stages()[-1].name:
-            image = Image(machine, root, environment, folder, stage.last("ENTRYPOINT"))
+            image = Image(machine, root, environment, folder, stage.last("ENTRYPOINT"), stage.last("CMD"))
     assert sorted(skipped) == sorted(left_out)
     assert image is not None
     return image

@@ -18,7 +18,7 @@ from tests.deployment.machines import Here
 from tests.deployment.replay import Image, build_image
 from tests.solver.problems import decay_document
 
-pytestmark = pytest.mark.timeout(1200)
+pytestmark = pytest.mark.timeout(3600)
 
 LEFT_OUT = ("useradd",)
 
