@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator
 
 from geoswarm.api.errors import ApiSettingsError
+from geoswarm.environment import SecretFileError, secret
 
 __all__ = ["LOOPBACK_HOSTS", "ApiSettings"]
 
@@ -79,6 +80,8 @@ class ApiSettings(BaseModel):
     def from_environment(cls, **overrides: Any) -> ApiSettings:
         """Read the environment variables of :data:`VARIABLES`; GEOSWARM_ALLOWED_HOSTS is comma-separated.
 
+        The key may also stand in the file that GEOSWARM_API_KEY_FILE names.
+
         ``overrides`` that are not None win over the environment.
 
         Raises
@@ -93,6 +96,11 @@ class ApiSettings(BaseModel):
         values: dict[str, Any] = {
             field: environment[variable] for field, variable in VARIABLES.items() if environment.get(variable)
         }
+        if overrides.get("api_key") is None:
+            try:
+                values |= {"api_key": secret(VARIABLES["api_key"], environment)}
+            except SecretFileError as error:
+                raise ApiSettingsError(str(error)) from None
         if "allowed_hosts" in values:
             values["allowed_hosts"] = [
                 host.strip().lower() for host in values["allowed_hosts"].split(",") if host.strip()

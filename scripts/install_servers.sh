@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# PostgreSQL and Redis for the tests, which start servers of their own on free loopback ports. Nothing happens when both
-# are installed.
+# PostgreSQL and Redis for the tests, which start servers of their own on free loopback ports, and debootstrap, in whose
+# Debian the slow tests replay the image. Nothing happens when all are installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 shopt -s nullglob
@@ -10,4 +10,5 @@ missing=()
 [ ${#postgres[@]} -gt 0 ] || command -v initdb >/dev/null || missing+=(postgresql)
 command -v redis-server >/dev/null || missing+=(redis-server)
 command -v setpriv >/dev/null || missing+=(util-linux)
-[ ${#missing[@]} -eq 0 ] || scripts/apt_install.sh "the tests' own PostgreSQL and Redis" "${missing[@]}"
+command -v debootstrap >/dev/null || [ -x /usr/sbin/debootstrap ] || missing+=(debootstrap)
+[ ${#missing[@]} -eq 0 ] || scripts/apt_install.sh "the tests' own PostgreSQL, Redis and Debian" "${missing[@]}"

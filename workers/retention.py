@@ -6,20 +6,24 @@ What backups, replicas and snapshots of the disk hold is beyond this program (do
 from __future__ import annotations
 
 import logging
+import threading
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from sqlalchemy import Connection
 
 from geoswarm.workers.coordinator.machine import ENDED_STATES
-from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError
+from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError, StoreUnavailableError
+from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store, jobs
+from geoswarm.workers.sweep import with_signals
 
-__all__ = ["Pruned", "delete_job", "prune"]
+__all__ = ["Pruned", "delete_job", "prune", "run_prune"]
 
 log = logging.getLogger(__name__)
 
 ROWS_A_TRANSACTION = 5000
+AGAIN_SECONDS = 300.0  # after a round in which the database did not answer
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +83,37 @@ def prune(
     if pruned and not dry_run:
         _vacuum(store)
     return pruned
+
+
+def run_prune(settings: Settings, older_than: float, states: Collection[str], every: float) -> None:
+    """Delete old jobs now and then every ``every`` [s] until SIGINT or SIGTERM: ``geoswarm prune --every``.
+
+    Between two rounds no connection to the database is kept. When it does not answer, the next try comes earlier.
+
+    Raises
+    ------
+    StoreUnavailableError
+        When the database cannot be reached at the start.
+    """
+    stop = threading.Event()
+    with_signals(stop.set)
+    wait = _round(settings, older_than, states, every)
+    while not stop.wait(wait):
+        try:
+            wait = _round(settings, older_than, states, every)
+        except StoreUnavailableError as error:
+            log.warning("prune: %s", error)
+            wait = min(every, AGAIN_SECONDS)
+
+
+def _round(settings: Settings, older_than: float, states: Collection[str], every: float) -> float:
+    store = Store(settings)
+    try:
+        pruned = prune(store, older_than, states)
+    finally:
+        store.close()
+    log.info("prune: %d jobs deleted", len(pruned))
+    return every
 
 
 def _delete_some(connection: Connection, job_id: str) -> bool:

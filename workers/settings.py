@@ -9,13 +9,15 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
+from geoswarm.environment import SecretFileError, secret
 from geoswarm.workers.errors import SettingsError
 
 __all__ = ["Settings", "mask_url"]
 
+SECRETS = {"GEOSWARM_DATABASE_URL": "database_url", "GEOSWARM_BROKER_URL": "broker_url"}
+"""Addresses with passwords: also taken from the file that the variable with ``_FILE`` behind its name points to."""
+
 ENVIRONMENT = {
-    "GEOSWARM_DATABASE_URL": "database_url",
-    "GEOSWARM_BROKER_URL": "broker_url",
     "GEOSWARM_WORKERS": "workers",
     "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
     "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
@@ -153,7 +155,7 @@ class Settings(BaseModel):
 
     @classmethod
     def from_environment(cls, **overrides: Any) -> Settings:
-        """Read the variables of :data:`ENVIRONMENT`; overrides that are not None win.
+        """Read the variables of :data:`SECRETS` and :data:`ENVIRONMENT`; overrides that are not None win.
 
         Raises
         ------
@@ -163,6 +165,12 @@ class Settings(BaseModel):
         values: dict[str, Any] = {
             field: os.environ[variable] for variable, field in ENVIRONMENT.items() if os.environ.get(variable)
         }
+        try:
+            for variable, field in SECRETS.items():
+                if overrides.get(field) is None and (value := secret(variable)) is not None:
+                    values[field] = value
+        except SecretFileError as error:
+            raise SettingsError(str(error)) from None
         values |= {field: value for field, value in overrides.items() if value is not None}
         try:
             return cls(**values)

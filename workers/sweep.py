@@ -30,7 +30,7 @@ from geoswarm.workers.store.workers import (
 )
 from geoswarm.workers.tally import tally
 
-__all__ = ["Sweeper", "run_sweep"]
+__all__ = ["Sweeper", "run_sweep", "with_signals"]
 
 log = logging.getLogger(__name__)
 

@@ -8,6 +8,8 @@ from typing import Any, TypeVar
 
 import click
 
+from geoswarm.cli.failures import BadInputError
+
 __all__ = [
     "api_key_option",
     "broker_option",
@@ -19,6 +21,22 @@ __all__ = [
 ]
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+
+
+def _from_file(context: click.Context, option: click.Parameter, value: str | None) -> str | None:
+    """Take an option that holds a secret from the file that its variable with ``_FILE`` names, if it is not given."""
+    from click.core import ParameterSource
+
+    from geoswarm.environment import SecretFileError, secret
+
+    given = option.name is not None and context.get_parameter_source(option.name) is ParameterSource.COMMANDLINE
+    if given or context.resilient_parsing or not isinstance(option.envvar, str):
+        return value
+    try:
+        return secret(option.envvar)
+    except SecretFileError as error:
+        raise BadInputError(str(error)) from None
+
 
 problem_argument = click.argument("problem", type=click.Path(path_type=Path), metavar="PROBLEM")
 """Path of a problem file; reading it reports what is wrong with it."""
@@ -32,6 +50,7 @@ api_key_option = click.option(
     "--api-key",
     envvar="GEOSWARM_API_KEY",
     show_envvar=True,
+    callback=_from_file,
     metavar="KEY",
     help="API key of the service.",
 )
@@ -40,6 +59,7 @@ database_option = click.option(
     "--database",
     envvar="GEOSWARM_DATABASE_URL",
     show_envvar=True,
+    callback=_from_file,
     metavar="URL",
     help="Database, e.g. postgresql+psycopg://user:password@host/name or sqlite:///FILE.",
 )
@@ -48,6 +68,7 @@ broker_option = click.option(
     "--broker",
     envvar="GEOSWARM_BROKER_URL",
     show_envvar=True,
+    callback=_from_file,
     metavar="URL",
     help="Redis for remote workers, e.g. redis://host:6379/0.",
 )

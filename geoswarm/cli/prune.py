@@ -4,36 +4,58 @@ from __future__ import annotations
 
 import click
 
+from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import database_option, json_option
-from geoswarm.cli.output import echo_json, echo_table
+from geoswarm.cli.output import echo_json, echo_table, note
+from geoswarm.cli.serve import logging_options, prepare
 from geoswarm.cli.spans import SPAN
 
 __all__ = ["prune_command"]
 
 ENDED = ("finished", "failed", "cancelled")
+SHORTEST_ROUND = 1.0  # s
 
 
 @click.command("prune")
 @click.option("--older-than", type=SPAN, required=True, metavar="SPAN", help="Time since a job ended, e.g. 90d or 12h.")
 @click.option("--state", "states", type=click.Choice(ENDED), multiple=True, help="Only jobs that ended like this.")
 @click.option("--dry-run", is_flag=True, help="Only show what would be deleted.")
+@click.option("--every", type=SPAN, metavar="SPAN", help="Do it now and again after this time, until Ctrl-C.")
 @json_option
 @database_option
+@logging_options
 def prune_command(
-    older_than: float, states: tuple[str, ...], dry_run: bool, as_json: bool, database: str | None
+    older_than: float,
+    states: tuple[str, ...],
+    dry_run: bool,
+    every: float | None,
+    as_json: bool,
+    database: str | None,
+    log_level: str,
+    log_format: str,
 ) -> None:
     """Delete old jobs for good.
 
     Works on the database of a service, which may run meanwhile. Deleted are jobs that ended, with everything that
     belongs to them; then the space is given back. Deleted data are overwritten in an SQLite file; backups are not
-    touched.
+    touched. With --every the command stays, for containers, which have no timer.
     """
-    from geoswarm.workers.retention import prune
+    from geoswarm.workers.retention import prune, run_prune
     from geoswarm.workers.settings import Settings
     from geoswarm.workers.store import Store
 
-    store = Store(Settings.from_environment(database_url=database))
+    settings = Settings.from_environment(database_url=database)
+    if every is not None:
+        if dry_run or as_json:
+            raise BadInputError("--every runs until it is stopped and goes with neither --dry-run nor --json")
+        if every < SHORTEST_ROUND:
+            raise BadInputError(f"--every {every:g}s: at least {SHORTEST_ROUND:g}s is accepted, for example 24h")
+        prepare("prune", log_level, log_format, settings)
+        note("geoswarm prune; Ctrl-C stops it.")
+        run_prune(settings, older_than, states or ENDED, every)
+        return
+    store = Store(settings)
     try:
         pruned = prune(store, older_than, states or ENDED, dry_run=dry_run)
     finally:

@@ -41,6 +41,7 @@ from geoswarm.client.models import (
     WarmStart,
     Worker,
 )
+from geoswarm.environment import SecretFileError, secret
 
 __all__ = [
     "API",
@@ -108,12 +109,12 @@ class Call(Generic[T]):
 
 
 def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str, dict[str, str]]:
-    """Base URL and headers from arguments or GEOSWARM_URL and GEOSWARM_API_KEY.
+    """Base URL and headers from arguments or GEOSWARM_URL and GEOSWARM_API_KEY (or the file GEOSWARM_API_KEY_FILE).
 
     Raises
     ------
     GeoswarmError
-        When the URL is not one of HTTP.
+        When the URL is not one of HTTP, or the file with the key cannot be used.
     """
     url = base_url or os.environ.get("GEOSWARM_URL") or DEFAULT_URL
     try:
@@ -122,7 +123,10 @@ def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str,
         raise GeoswarmError(f"the address {url!r} of the service is not a URL: {error}") from None
     if parsed.scheme not in ("http", "https") or not parsed.host:
         raise GeoswarmError(f"the address {url!r} of the service must look like {DEFAULT_URL}")
-    key = api_key or os.environ.get("GEOSWARM_API_KEY")
+    try:
+        key = api_key or secret("GEOSWARM_API_KEY")
+    except SecretFileError as error:
+        raise GeoswarmError(str(error)) from None
     return url, {"Authorization": f"Bearer {key}"} if key else {}
 
 

@@ -50,15 +50,16 @@ def test_the_three_processes_are_there_and_start_again() -> None:
 
 
 def test_the_procfile_starts_the_same() -> None:
+    """That they work with the environment of the example: tests/deployment/test_procfile.py."""
     lines = dict(line.split(": ", 1) for line in (ROOT / "deploy" / "Procfile").read_text().splitlines() if line)
-    assert set(lines) == {"api", "worker", "sweep"}
+    assert set(lines) == {"api", "worker", "sweep", "prune"}
     for command in lines.values():
         program, *arguments = shlex.split(re.sub(r"\$\{\w+:-(\w+)\}", r"\1", command))
         assert program == "geoswarm"
-        assert parsed(arguments).info_name in ("serve", "worker", "sweep")
+        assert parsed(arguments).info_name in ("serve", "worker", "sweep", "prune")
 
 
 def test_the_example_of_the_environment_holds_no_secret() -> None:
-    text = (UNITS / "geoswarm.env.example").read_text(encoding="utf-8")
+    text = (ROOT / "deploy" / "geoswarm.env.example").read_text(encoding="utf-8")
     assert set(re.findall(r":([^:@/\s]+)@", text)) == {"PASSWORD"}
-    assert re.search(r"^#GEOSWARM_API_KEY=$", text, flags=re.MULTILINE)
+    assert re.search(r"^GEOSWARM_API_KEY=$", text, flags=re.MULTILINE)

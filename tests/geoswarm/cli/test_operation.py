@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,7 @@ from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import line_problem
+from tests.integration.engines import wait_for
 
 
 @pytest.fixture
@@ -78,6 +81,43 @@ def test_a_broker_or_other_machines_need_a_key_in_the_database(url: str) -> None
     store.close()
     refuse_open_door("0.0.0.0", None, remote)
     assert not ApiSettings().needs_key
+
+
+def test_prune_every_stays_until_it_is_stopped(url: str) -> None:
+    store = Store(Settings(database_url=url))
+    service = JobService(store, MuteDoorbell())
+
+    def ended(name: str) -> str:
+        job = service.submit(parse_problem(line_problem(name=name)))[0].id
+        service.cancel(job)
+        with store.engine.begin() as connection:
+            connection.exec_driver_sql("UPDATE jobs SET finished_at = finished_at - 864000")
+        return job
+
+    ended("first")
+    command = [sys.executable, "-m", "geoswarm", "prune", "--older-than", "9d", "--every", "1s", "--database", url]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        wait_for(lambda: not service.list().items, "the first round")
+        ended("second")
+        wait_for(lambda: not service.list().items, "another round")
+        process.terminate()
+        assert process.stderr is not None
+        assert process.stderr.read() == "geoswarm prune; Ctrl-C stops it.\n"
+        assert process.wait(30) == 0
+    store.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--every", "24h", "--dry-run"], "--dry-run"),
+        (["--every", "24h", "--json"], "--json"),
+        (["--every", "0s"], "1s"),
+    ],
+)
+def test_prune_every_refuses(options: list[str], said: str, url: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["prune", "--older-than", "9d", *options, "--database", url]) == 2
+    assert said in capsys.readouterr().err
 
 
 def test_prune_shows_first_and_then_deletes(url: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,57 @@
+"""Secrets from the environment: a variable, or the file that the variable with ``_FILE`` behind its name points to.
+
+A file is what Docker, Kubernetes and systemd hand secrets over as: it is in no process list, no ``docker inspect`` and
+no environment that a child process inherits.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+__all__ = ["SecretFileError", "secret"]
+
+LONGEST = 4096  # bytes
+
+
+class SecretFileError(ValueError):
+    """A secret is given twice, or its file cannot be used; the message names variable and file, never what is in it."""
+
+
+def secret(name: str, environment: Mapping[str, str] | None = None) -> str | None:
+    """Return the value of a variable, or the one line of the file that ``NAME_FILE`` names; None: neither is set.
+
+    Parameters
+    ----------
+    name
+        The variable that holds the secret itself, for example ``GEOSWARM_API_KEY``.
+    environment
+        The process's own when not given.
+
+    Raises
+    ------
+    SecretFileError
+        When both are set, or the file cannot be read, is empty or holds more than one line.
+    """
+    variables = os.environ if environment is None else environment
+    value, named = variables.get(name), variables.get(f"{name}_FILE")
+    if not named:
+        return value or None
+    if value:
+        raise SecretFileError(f"{name} and {name}_FILE are both set; give the secret or the file with it")
+    return _only_line(f"{name}_FILE", Path(named))
+
+
+def _only_line(variable: str, path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(LONGEST + 1)
+        text = content.decode("utf-8").strip("\r\n")
+    except OSError as error:
+        raise SecretFileError(f"{variable}: {path} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SecretFileError(f"{variable}: {path} is not text in UTF-8") from None
+    if not text.strip() or len(text.splitlines()) > 1 or len(content) > LONGEST:
+        raise SecretFileError(f"{variable}: {path} must hold the secret on one line (at most {LONGEST} bytes)")
+    return text
