@@ -63,7 +63,7 @@ def test_the_file_is_what_the_compose_specification_admits() -> None:
 @pytest.mark.parametrize(
     ("path", "value"),
     [
-        ("services.api.comands", ["serve"]),
+        ("services.api.instructions", ["serve"]),
         ("services.api.read_only", "perhaps"),
         ("services.api.restart", "sometimes"),
         ("services.api.tmpfs", ["tmp"]),
