@@ -6,12 +6,14 @@ import os
 import subprocess
 import sys
 import sysconfig
-import venv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["Installation", "build", "install", "install_beside"]
+from tests.contracts.repository import ROOT
+
+__all__ = ["Installation", "build", "install", "install_beside", "uv"]
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class Installation:
         return self.folder / "bin" / "python"
 
     @property
-    def geoswarm(self) -> Path:
+    def script(self) -> Path:
         """The console script."""
         return self.folder / "bin" / "geoswarm"
 
@@ -33,6 +35,32 @@ class Installation:
     def packages(self) -> Path:
         """Its site-packages."""
         return Path(sysconfig.get_path("purelib", "venv", {"base": str(self.folder)}))
+
+    def environment(self, **more: str) -> dict[str, str]:
+        """A user's environment: nothing that leads to the checkout, and one numerical thread."""
+        kept = {name: value for name, value in os.environ.items() if name in ("PATH", "HOME", "LANG", "TMPDIR")}
+        one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+        return kept | one | more
+
+    def geoswarm(self, *arguments: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+        """Call the command line in ``folder``."""
+        return subprocess.run(
+            [self.script, *arguments],
+            cwd=folder,
+            env=self.environment(**environment),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+
+def uv(*arguments: str | Path, variables: Mapping[str, str] | None = None) -> str:
+    """Call uv in the repository; return what it printed."""
+    command = [sys.executable, "-m", "uv", *map(str, arguments)]
+    done = subprocess.run(command, cwd=ROOT, env=variables, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def build(target: Literal["wheel", "sdist"], source: Path, folder: Path) -> Path:
@@ -45,26 +73,26 @@ def build(target: Literal["wheel", "sdist"], source: Path, folder: Path) -> Path
     return made
 
 
-def install(wheel: Path, folder: Path, *, extras: str = "", python: str = sys.executable) -> Installation:
-    """Install a wheel and what it needs with pip into a new environment; ``extras`` as pip takes them."""
-    subprocess.run([python, "-m", "venv", str(folder)], check=True)
-    installation = Installation(folder)
-    wanted = f"{wheel}[{extras}]" if extras else str(wheel)
-    pip = [str(installation.python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet", wanted]
-    subprocess.run(pip, check=True, capture_output=True, text=True)
+def install(folder: Path, *extras: str) -> Installation:
+    """Build the wheel, and install it with what it needs into the new environment ``folder / "venv"``."""
+    installation = Installation(folder / "venv")
+    wheel = build("wheel", ROOT, folder / "wheel")
+    uv("venv", "--quiet", "--python", sys.executable, installation.folder)
+    wanted = f"{wheel}[{','.join(extras)}]" if extras else str(wheel)
+    uv("pip", "install", "--quiet", "--python", installation.python, wanted)
     return installation
 
 
-def install_beside(wheel: Path, folder: Path) -> Installation:
-    """Install a wheel into a new environment that borrows the dependencies of the present one.
+def install_beside(folder: Path) -> Installation:
+    """Build the wheel, and install it into a new environment that borrows the dependencies of the present one.
 
     A line with a folder in a .pth file takes in its packages, but not its .pth files, so the checkout, which is
     installed there in editable form, stays out of reach.
     """
-    venv.create(folder, with_pip=False)
-    installation = Installation(folder)
-    pip = [sys.executable, "-m", "pip", "--python", str(installation.python), "--disable-pip-version-check"]
-    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", str(wheel)], check=True, capture_output=True)
+    installation = Installation(folder / "venv")
+    wheel = build("wheel", ROOT, folder / "wheel")
+    uv("venv", "--quiet", "--python", sys.executable, installation.folder)
+    uv("pip", "install", "--quiet", "--python", installation.python, "--no-deps", "--offline", wheel)
     borrowed = sysconfig.get_path("purelib")
     (installation.packages / "borrowed.pth").write_text(f"{borrowed}\n", encoding="utf-8")
     return installation

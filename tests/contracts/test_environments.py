@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from tests.contracts.repository import ROOT
+from tests.installation import uv
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(3600)]
 
@@ -32,13 +33,6 @@ VARIES = re.compile(r"(^|/)(__pycache__/.*|[^/]+\.dist-info/(RECORD|direct_url\.
 """Byte code holds times of files; RECORD lists the scripts of bin/, whose first line is the environment's own path."""
 
 
-def uv(*arguments: str | Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "uv", *map(str, arguments)], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-
-
 def environment(folder: Path) -> Path:
     """Make an empty environment; return its interpreter."""
     uv("venv", "--quiet", "--python", sys.executable, folder)
@@ -46,8 +40,7 @@ def environment(folder: Path) -> Path:
 
 
 def installed(python: Path) -> str:
-    command = [sys.executable, "-m", "uv", "pip", "freeze", "--python", str(python)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    return uv("pip", "freeze", "--python", python)
 
 
 def hashes(folder: Path) -> dict[str, str]:

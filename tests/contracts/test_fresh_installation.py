@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from tests.contracts.repository import ROOT
-from tests.installation import build, install
+from tests.installation import Installation, build
 
 
 @pytest.mark.slow  # fetches every package of the server, compiles the kernels
 @pytest.mark.timeout(900)
 def test_the_demo_works_in_a_new_installation(tmp_path: Path) -> None:
-    installed = install(build("wheel", ROOT, tmp_path), tmp_path / "environment", extras="server")
+    wheel = build("wheel", ROOT, tmp_path)
+    installed = Installation(tmp_path / "environment")
+    subprocess.run([sys.executable, "-m", "venv", installed.folder], check=True)
+    pip = [installed.python, "-m", "pip", "--disable-pip-version-check", "install", "--quiet", f"{wheel}[server]"]
+    subprocess.run(pip, check=True, capture_output=True, text=True)
     home, empty = tmp_path / "home", tmp_path / "empty"
     home.mkdir()
     empty.mkdir()
     done = subprocess.run(
-        [installed.geoswarm, "demo", "--no-wait", "--port", "0", "--workers", "1"],
+        [installed.script, "demo", "--no-wait", "--port", "0", "--workers", "1"],
         cwd=empty,
         env={"HOME": str(home), "PATH": "/usr/bin:/bin", "LANG": "C.UTF-8"},
         capture_output=True,

@@ -18,7 +18,7 @@ import pytest
 
 from geoswarm import Client
 from tests.contracts.repository import ROOT
-from tests.installation import Installation, build, install_beside
+from tests.installation import Installation, install_beside
 
 PROBLEM: dict[str, Any] = {
     "name": "line",
@@ -42,8 +42,7 @@ if __name__ == "__main__":
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Installation:
-    folder = tmp_path_factory.mktemp("installed")
-    return install_beside(build("wheel", ROOT, folder), folder / "environment")
+    return install_beside(tmp_path_factory.mktemp("installed"))
 
 
 @pytest.fixture
@@ -80,7 +79,7 @@ def test_console_script_module_and_script_give_the_same(
 ) -> None:
     answers = []
     for command in (
-        [str(installed.geoswarm), "run", "problem.json", "--json"],
+        [str(installed.script), "run", "problem.json", "--json"],
         [str(installed.python), "-m", "geoswarm", "run", "problem.json", "--json"],
         [str(installed.python), "script.py"],
     ):
@@ -102,7 +101,7 @@ def test_what_runs_is_the_installation(installed: Installation, folder: Path, en
 
 def test_the_service_and_its_workers_work(installed: Installation, folder: Path, environment: dict[str, str]) -> None:
     database = f"sqlite:///{folder / 'jobs.db'}"
-    command = [str(installed.geoswarm), "serve", "--port", "0", "--workers", "1", "--database", database]
+    command = [str(installed.script), "serve", "--port", "0", "--workers", "1", "--database", database]
     with running(command, folder, environment) as process:
         assert process.stderr is not None
         line = process.stderr.readline()
@@ -124,8 +123,8 @@ def test_a_celery_worker_works(
     backends = ["--database", fresh_postgres_url, "--broker", fresh_redis_url]
     key = secrets.token_hex(16)
     environment |= {"GEOSWARM_API_KEY": key}
-    serve = [str(installed.geoswarm), "serve", "--port", str(free_port), *backends]
-    worker = [str(installed.geoswarm), "worker", "--concurrency", "1", *backends]
+    serve = [str(installed.script), "serve", "--port", str(free_port), *backends]
+    worker = [str(installed.script), "worker", "--concurrency", "1", *backends]
     with running(serve, folder, environment) as process:
         assert process.stderr is not None
         line = process.stderr.readline()

@@ -56,6 +56,7 @@ def test_compiling_is_told(embedded: Site, visit: Visit, job: str) -> None:
     expect(page.locator("#connection")).to_contain_text("compiles the numerical kernels", timeout=SOON)
     runtime.tell_kernels(job, 52.0)
     expect(page.locator("#connection")).to_be_hidden(timeout=SOON)
+    assert embedded.service.get(job).state == "running"
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.geoswarm.cli.installation import UV
+from tests.installation import uv
 
 PAGE = (Path(__file__).parents[2] / "docs" / "plug-ins.md").read_text(encoding="utf-8")
 
@@ -29,8 +29,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (source / "pyproject.toml").write_text(block("toml"), encoding="utf-8")
     (source / "geoswarm_terzaghi.py").write_text(block("python"), encoding="utf-8")
     options = ("--quiet", "--no-deps", "--no-build-isolation", "--python", sys.executable, "--target", str(target))
-    done = subprocess.run([*UV, "pip", "install", *options, str(source)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    uv("pip", "install", *options, source)
     return target
 
 

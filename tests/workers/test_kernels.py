@@ -94,7 +94,7 @@ def test_the_first_job_of_an_installation(tmp_path: Path, monkeypatch: pytest.Mo
         failures={"policy": "fail"},
     )
     with open_engine(Settings(database_url=f"sqlite:///{tmp_path / 'jobs.db'}", workers=2)) as engine:
-        job = wait_until_ended(engine.service, engine.service.submit(problem)[0].id)
+        job = wait_until_ended(engine.service, engine.service.submit(problem)[0].id, 250.0)
         rows = engine.service.store.read(lambda c: c.execute(events.select().order_by(events.c.id)).all())
     assert (job.state, job.evaluations, job.failed_evaluations) == ("finished", 20, 0)
     found = [(row.kind, json.loads(row.data)) for row in rows]

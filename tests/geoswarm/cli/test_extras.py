@@ -15,7 +15,7 @@ from geoswarm.cli.commands import COMMANDS, cli
 from geoswarm.cli.failures import Session, report
 from geoswarm.solver.extras import extra_of, needs_extra
 from tests.contracts.repository import project
-from tests.geoswarm.cli.installation import Installation, install
+from tests.installation import Installation, install
 from tests.solver.problems import decay_document
 
 URL = ("--url", "http://127.0.0.1:9")  # nothing listens there

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from geoswarm.solver.kernel_cache import cache_folder
-from tests.geoswarm.cli.installation import Installation, install
+from tests.installation import Installation, install
 
 OEDOMETER = {
     "name": "oedometer",
@@ -61,7 +61,7 @@ def test_kernels_are_compiled_once_before_the_search(installation: Installation,
     assert one["compile_seconds"] > one["seconds"]  # 16 runs of some milliseconds
     apart = {"seconds": 0, "compile_seconds": 0}
     assert one | apart == two | apart
-    kernels = cache_folder(installation.package / "solver")
+    kernels = cache_folder(installation.packages / "geoswarm" / "solver")
     assert sorted(path.name.split("_")[0] for path in kernels.iterdir() if path.is_dir()) == ["constitutive", "element"]
 
 
@@ -71,7 +71,7 @@ def locked(installation: Installation, folder: Path) -> Iterator[dict[str, str]]
     home, temporary = folder / "home", folder / "temporary"
     home.mkdir(mode=0o555)
     temporary.mkdir()
-    solver = installation.package / "solver"
+    solver = installation.packages / "geoswarm" / "solver"
     compiled = solver / "__pycache__"
     aside = compiled.rename(solver / "aside")
     folders = [solver, *(path for path in solver.rglob("*") if path.is_dir())]
@@ -91,7 +91,7 @@ def test_without_a_place_for_kernels_a_temporary_folder_is_told(
     less = [] if os.geteuid() else ["setpriv", f"--bounding-set={drop}", f"--inh-caps={drop}"]
     answers = [
         subprocess.run(
-            [*less, installation.python.with_name("geoswarm"), *arguments],
+            [*less, installation.script, *arguments],
             cwd=folder,
             env=installation.environment(**locked),
             capture_output=True,
@@ -105,7 +105,7 @@ def test_without_a_place_for_kernels_a_temporary_folder_is_told(
         assert answer.returncode == 0, answer.stderr
         (line,) = [line for line in answer.stderr.splitlines() if "NUMBA_CACHE_DIR" in line]
         assert line.startswith(f"the compiled kernels are kept in {kept}")
-        assert str(installation.package) in line
+        assert str(installation.packages / "geoswarm") in line
         assert locked["HOME"] in line
     first, second = (answer.stderr for answer in answers)
     assert COMPILING in first
