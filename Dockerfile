@@ -18,7 +18,7 @@ RUN find /opt/geoswarm -name '*.py' -exec touch -d '2000-01-01T00:00:00Z' {} + \
 RUN NUMBA_CACHE_DIR=/opt/geoswarm/kernels /opt/geoswarm/bin/python -m geoswarm.solver.warm
 
 FROM python:3.13.18-slim-trixie
-RUN useradd --system --uid 10001 --create-home --home-dir /var/lib/geoswarm geoswarm
+RUN groupadd --system --gid 10001 geoswarm && useradd --system --uid 10001 --gid 10001 --create-home --home-dir /var/lib/geoswarm geoswarm
 COPY LICENSE THIRD-PARTY-LICENSES.md /usr/share/doc/geoswarm/
 COPY deploy/image/start /usr/local/bin/
 COPY --from=build /opt/geoswarm /opt/geoswarm
