@@ -15,10 +15,11 @@ RUN /opt/geoswarm/bin/pip install --no-cache-dir --no-compile --disable-pip-vers
 # Layers keep whole seconds of a file's time, and compiled code is only used while its source has the time that it had.
 RUN find /opt/geoswarm -name '*.py' -exec touch -d '2000-01-01T00:00:00Z' {} + \
  && /opt/geoswarm/bin/python -m compileall -q -j 0 /opt/geoswarm/lib
-RUN NUMBA_CACHE_DIR=/opt/geoswarm/kernels /opt/geoswarm/bin/python -m geoswarm.solver.warm
+# -P: for the installed package, not for the sources in this folder; kernels know the path of their source.
+RUN NUMBA_CACHE_DIR=/opt/geoswarm/kernels /opt/geoswarm/bin/python -P -m geoswarm.solver.warm
 
 FROM python:3.13.18-slim-trixie
-RUN useradd --system --uid 10001 --create-home --home-dir /var/lib/geoswarm geoswarm
+RUN groupadd --system --gid 10001 geoswarm && useradd --system --uid 10001 --gid 10001 --create-home --home-dir /var/lib/geoswarm geoswarm
 COPY LICENSE THIRD-PARTY-LICENSES.md /usr/share/doc/geoswarm/
 COPY deploy/image/start /usr/local/bin/
 COPY --from=build /opt/geoswarm /opt/geoswarm
