@@ -30,7 +30,15 @@ UV_VARIABLES = {  # where pip's setting goes, and what stands between several va
     "proxy": (("HTTP_PROXY", "HTTPS_PROXY"), ""),
 }
 OF_NO_CONCERN = {
-    *("break-system-packages", "cache-dir", "default-timeout", "disable-pip-version-check", "no-cache-dir", "no-color"),
+    *(
+        "break-system-packages",
+        "cache-dir",
+        "config-file",
+        "default-timeout",
+        "disable-pip-version-check",
+        "no-cache-dir",
+        "no-color",
+    ),
     *("no-input", "no-warn-script-location", "prefer-binary", "progress-bar", "quiet", "require-virtualenv", "retries"),
     *("root-user-action", "timeout", "verbose"),
 }
