@@ -72,9 +72,9 @@ def test_the_tests_pass_with_other_versions(tmp_path: Path, resolution: str) -> 
     checkout = copy_of_the_checkout(tmp_path / "checkout")  # kernels of other versions are cached beside the sources
     uv("pip", "install", "--python", python, "--no-deps", "--no-build-isolation", "--editable", checkout)
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "NUMBA_CACHE"))}
-    run([python, "-m", "geoswarm.solver.warm"], checkout, clean)
+    expect_success([python, "-m", "geoswarm.solver.warm"], checkout, clean)
     options = ("-q", "-m", "not slow", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=short")
-    run([python, "-m", "pytest", *options, *TESTS], checkout, clean)
+    expect_success([python, "-m", "pytest", *options, *TESTS], checkout, clean)
 
 
 def copy_of_the_checkout(folder: Path) -> Path:
@@ -87,6 +87,6 @@ def copy_of_the_checkout(folder: Path) -> Path:
     return folder
 
 
-def run(command: list[str | Path], folder: Path, variables: dict[str, str]) -> None:
+def expect_success(command: list[str | Path], folder: Path, variables: dict[str, str]) -> None:
     done = subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-20_000:] + done.stderr[-4000:]
