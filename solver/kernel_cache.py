@@ -56,7 +56,7 @@ def settle() -> Path | None:
     A temporary folder is told in one line of the log, by the first process that needs it.
     """
     given, own = os.environ.get(VARIABLE), cache_folder()
-    wanted = [Path(given)] if given else [own]
+    wanted = [_below(Path(given), own.name) if given else own]
     with contextlib.suppress(RuntimeError):  # no home is known
         base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         wanted.append(Path(base) / "geoswarm" / own.name)
@@ -76,6 +76,11 @@ def settle() -> Path | None:
     if folder is not wanted[0]:
         os.environ[VARIABLE] = str(folder)  # for the processes that this one starts
     return folder
+
+
+def _below(folder: Path, name: str) -> Path:
+    """Return the part of a named folder that is for these sources, also where it is that part that was named."""
+    return folder if folder.name == name else folder / name
 
 
 def _writable(folder: Path) -> bool:
