@@ -92,6 +92,7 @@ class PhaseSteps:
     """What is added to the strength at the beginning of the load."""
     _begun: Work = field(default_factory=Work, init=False)
     """What was done before the present attempt at the load."""
+    _most_assemblies: int = field(init=False)
     _farthest: float = field(default=math.inf, init=False)
     """m: a part that has lost its strength may be moved by more than the size of the body without any force."""
     _increment: FloatArray = field(init=False)
@@ -109,6 +110,7 @@ class PhaseSteps:
         self._last = np.zeros(self.fixed.shape[0])
         self._carried = self.start_forces.copy()
         self._inner = np.zeros(self.fixed.shape[0])
+        self._most_assemblies = self.control.largest_assemblies
         if (self.body.constants[:, 0] == MOHR_COULOMB).any() or self.body.interfaces.size:
             self._farthest = float(np.ptp(self.positions, axis=0).max() + np.abs(self.target).max())
 
@@ -131,8 +133,10 @@ class PhaseSteps:
         more = missing_strength(body, begin.state) if where else None
         if more is not None:
             where, recorded = self._change_strength(begin, more, "steps")
-            if where:
-                self.body = associated(body)
+            flowing = associated(body)
+            same = np.array_equal(flowing.constants, body.constants)
+            if where and not (same and np.array_equal(flowing.interface_constants, body.interface_constants)):
+                self.body = flowing
                 where, recorded = self._change_strength(begin, more, "associated")
                 self.body = body
                 if not where and self._balance(recorded) < 0:
@@ -146,9 +150,11 @@ class PhaseSteps:
     def _change_strength(self, begin: Begin, more: Strength, path: Path) -> tuple[str, list[tuple[float, FloatArray]]]:
         """Apply the load from its beginning while ``more`` strength fades; as :meth:`_lead`."""
         self.path, self._more, self._begun = path, more, replace(self.work)
+        self._most_assemblies = math.ceil(0.5 * self.control.largest_assemblies)
         self._restart(begin)
         where, recorded = self._lead()
         self._more = None
+        self._most_assemblies = self.control.largest_assemblies
         return where, recorded
 
     def _lead(self) -> tuple[str, list[tuple[float, FloatArray]]]:
@@ -357,12 +363,12 @@ class PhaseSteps:
         if self.work.steps - self._begun.steps >= control.largest_steps:
             return f"more than {control.largest_steps} steps are needed{why}"
         if self._granted() <= 0:
-            return f"more than {control.largest_assemblies} assemblies of the balance are needed{why}"
+            return f"more than {self._most_assemblies} assemblies of the balance are needed{why}"
         return ""
 
     def _granted(self) -> int:
         """Assemblies that are left."""
-        return self.control.largest_assemblies - (self.work.assemblies - self._begun.assemblies)
+        return self._most_assemblies - (self.work.assemblies - self._begun.assemblies)
 
     def _give_up(self, where: str, why: str) -> None:
         raise DivergedError(f"phase {self.phase.name!r}: no equilibrium beyond {where}: {why}")
