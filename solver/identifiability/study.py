@@ -37,6 +37,13 @@ NOT_AT_OPTIMUM = (
     "first."
 )
 
+UNKNOWN_OPTIMUM = "Whether the best point is a minimum cannot be told, because no parameter has a standard error there."
+
+ON_BOUND = (
+    "The best fit lies on the {side} bound of {name}, and the data pull beyond it: widen the bound, unless what lies "
+    "beyond is impossible. Intervals of the other parameters hold for {name} on its bound or inside."
+)
+
 
 SELECTED = (
     "The history is long: {read} of its {total} successful evaluations were read, in whole generations, {rule}. "
@@ -168,7 +175,10 @@ def analyse(
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
     warnings = [warning for r in residuals for warning in r.warnings]
     if linearisation is not None and not linearisation.at_optimum:
-        warnings.insert(0, NOT_AT_OPTIMUM.format(far=float(np.nanmax(linearisation.distance))))
+        far = linearisation.far
+        warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
+    if linearisation is not None:
+        warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
     if points < samples.dimension:
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
     if samples.source in _BIASES:

@@ -2,8 +2,9 @@
 
 Rules, in this order (docs/statistics.md explains them):
 
-1. *Linearisation at the optimum*, when given. A parameter without influence is ``not_identified``. One that takes part
-   in a combination that the data leave open is ``in_combination``.
+1. *Linearisation at the optimum*, when given. Where its derivatives are too uncertain: ``undecided``. A parameter
+   without influence is ``not_identified``. One that takes part in a combination that the data leave open is
+   ``in_combination``.
 2. *Good fits of a sampling*, at least ten. With |r| >= 0.5 to another parameter, over natural values or search
    coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise, with at most half
    the prior width left and no bound contact: ``identified``; with contact on one side: ``bounded_on_one_side``; all
@@ -142,8 +143,11 @@ def _judge(
         return (
             "not_identified",
             evidence,
-            f"{name} has no influence on the measured series: the data say nothing of it.",
+            f"{name} has no influence on the measured series at the optimum: there, the data say nothing of it.",
         )
+    if linearisation is not None and linearisation.unclear:
+        evidence = Evidence("linearisation", good_fits, influence=influence, sampling_bias=swarm)
+        return "undecided", evidence, f"{name} is undecided: {linearisation.why_no_interval(name)}."
     tied = () if linearisation is None else linearisation.tied_to(name)
     if tied:
         evidence = Evidence(
