@@ -104,7 +104,7 @@ class Linearisation:
 
     @property
     def at_optimum(self) -> bool:
-        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum inside the bounds.
+        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum.
 
         False where no distance is known.
         """
@@ -257,12 +257,13 @@ def linearise(
 
 def _variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> FloatArray:
     """Variance of every weighted reading, shape (n,)."""
-    return weights * np.concatenate(
+    variances: FloatArray = weights * np.concatenate(
         [
             np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
             for o in calibration.objective.observed
         ]
     )
+    return variances
 
 
 def _mean_variance(calibration: Calibration, weights: FloatArray, noise: Noise) -> float:

@@ -11,14 +11,16 @@ Rules, in this order (docs/statistics.md explains them):
    else: ``not_identified``.
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
-   ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits.
+   ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits. ``not_identified``, too, where
+   stored runs fit as well as the optimum outside the region that the linearisation allows.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
+from geoswarm.solver.identifiability.basins import OtherFit
 from geoswarm.solver.identifiability.correlations import COORDINATES, Correlation, correlate
 from geoswarm.solver.identifiability.filtering import Filtered
 from geoswarm.solver.identifiability.projections import Projection
@@ -95,6 +97,7 @@ def judge(
     filtered: Filtered,
     projections: tuple[Projection, ...],
     linearisation: Linearisation | None = None,
+    others: tuple[OtherFit, ...] = (),
 ) -> tuple[Verdict, ...]:
     """Judge every parameter.
 
@@ -106,11 +109,17 @@ def judge(
         Of all samples with the filter's threshold.
     linearisation
         At the optimum, when it was made.
+    others
+        Sets of parameters that fit as well as the optimum, outside the region of its linearisation.
     """
     tied = _tied_pairs(filtered)
     verdicts = []
     for projection in projections:
         kind, evidence, sentence = _judge(samples, projection, tied, linearisation)
+        elsewhere = [other for other in others if projection.parameter in other.differs]
+        if linearisation is not None and elsewhere and evidence.basis == "linearisation" and evidence.width_ratio:
+            kind, evidence = "not_identified", replace(evidence, unimodal=False)
+            sentence = _several(projection.parameter, linearisation, elsewhere[0])
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
     return tuple(verdicts)
@@ -252,6 +261,15 @@ def _judge_linearisation(
             f"{name} is only bounded from {side}: {values}, beyond the {bound} bound.",
         )
     return "not_identified", evidence, f"{name} is not identified: {values}, {width:.0%} of the searched range."
+
+
+def _several(name: str, linearisation: Linearisation, other: OtherFit) -> str:
+    index = linearisation.names.index(name)
+    here, there = float(linearisation.optimum[index]), float(other.parameters[index])
+    return (
+        f"{name} has more than one solution: {here:.4g}, and {there:.4g} with other values of the parameters, fit the "
+        "measurements equally well; the interval at the optimum holds around the first alone."
+    )
 
 
 def _other(pair: Correlation, name: str) -> str:

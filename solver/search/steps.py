@@ -28,6 +28,7 @@ _GENERATIONS = 9
 _STRICTEST, _LOOSEST = 1e-6, 1e-3  # relative error of a derivative
 _OF_SINGULAR = 0.03  # of the smallest singular value over the largest, which the error must not reach
 _BLIND = 0.3  # relative error from which it says nothing of the step that is needed
+_STRIDE, _SHORTEST_BLIND = 0.125, 1e-6
 _FLAT = 1e-13  # change relative to the residuals
 
 
@@ -102,14 +103,14 @@ class StepSearch:
         every = self.every
         for index, tried in enumerate(self._trials(residuals)):
             first = np.flatnonzero(every.parameter == index)[:4]
-            rows.append(min(tried, key=lambda trial: trial.error).rows if tried else first)
+            rows.append(_best(tried).rows if tried else first)
         kept = np.concatenate(rows)
         plan = DifferenceDesign(every.optimum, every.positions[kept], every.parameter[kept], every.offset[kept])
         return plan, kept
 
     def _trials(self, residuals: FloatArray) -> list[list[_Trial]]:
         """Steps of each parameter that gave a derivative."""
-        good = np.isfinite(residuals).all(axis=1)
+        good = np.atleast_1d(np.isfinite(residuals).all(axis=1))
         trials: list[list[_Trial]] = [[] for _ in range(self._space.dimension)]
         first = 1
         for index, step in (move for moves in self.generations for move in moves):
@@ -127,7 +128,7 @@ class StepSearch:
     @staticmethod
     def _target(trials: list[list[_Trial]]) -> float:
         """Relative error that tells the parameters from each other."""
-        best = [min(tried, key=lambda trial: trial.error) for tried in trials if tried]
+        best = [_best(tried) for tried in trials if tried]
         known = [trial.column / trial.length for trial in best if trial.relative < _BLIND and trial.length > 0.0]
         if not known:
             return _LOOSEST
@@ -135,22 +136,30 @@ class StepSearch:
         return float(np.clip(_OF_SINGULAR * singular[-1] / singular[0], _STRICTEST, _LOOSEST))
 
 
+def _best(tried: list[_Trial]) -> _Trial:
+    """The step with the least relative error: in a response that oscillates, too long ones give small derivatives."""
+    return min(tried, key=lambda trial: trial.relative)
+
+
 def _next_step(tried: list[_Trial], target: float, scale: float) -> float | None:
     """The step to try next for one parameter; None when its derivative is good enough or gets no better."""
     if not tried:  # neighbours failed: nearer ones may not
         return None
-    best = min(tried, key=lambda trial: trial.error)
+    best = _best(tried)
     steps = sorted(trial.step for trial in tried)
     if best.length * best.step <= _FLAT * scale and best.error * best.step <= _FLAT * scale:
         return _MOST if steps[-1] < _MOST else None  # nothing moves: does a longer way?
     if best.relative <= target:
         return None
-    others = [trial.error for trial in tried if trial is not best]
-    if others and best.error > 0.5 * min(others) and best.relative < _BLIND:
+    if best.relative >= _BLIND:  # the errors tell nothing either: shorter first, as a response is bounded
+        shorter = steps[0] * _STRIDE
+        longer = steps[-1] / _STRIDE
+        return shorter if shorter >= _SHORTEST_BLIND else min(longer, _MOST) if steps[-1] < _MOST else None
+    others = [trial.relative for trial in tried if trial is not best]
+    if others and best.relative > 0.5 * min(others):
         return None
     if best.step == steps[0] and best.step > _LEAST:
-        gain = 0.125 if best.relative >= _BLIND else float(np.clip(0.5 * (target / best.relative) ** 0.25, 0.06, 0.5))
-        return max(best.step * gain, _LEAST)
+        return max(best.step * float(np.clip(0.5 * (target / best.relative) ** 0.25, 0.06, 0.5)), _LEAST)
     if best.step == steps[-1] and best.step < _MOST:
         return min(best.step * 4.0, _MOST)
     return None
