@@ -176,9 +176,13 @@ class Linearisation(Answer):
     noise: KnownOrEstimated | None
     combinations: list[Combination]
     correlation: list[list[Number]]
+    unclear: list[str] = Field(description="parameters whose sensitivities are too uncertain to say anything")
     derivative_error: Number
-    distance: list[Number] = Field(description="to the nearest minimum in standard errors")
-    at_optimum: bool
+    distance: list[Number] = Field(description="to the nearest minimum inside the bounds, in standard errors")
+    at_optimum: bool = Field(description="false also where no distance is known")
+    held: dict[str, Literal["lower", "upper"]] = Field(
+        description="parameters at a bound beyond which the data pull: the minimum lies on it"
+    )
 
 
 class LackOfFit(Answer):

@@ -54,8 +54,8 @@ def jacobian_from_samples(calibration: Calibration, samples: Samples) -> Jacobia
     singular = np.linalg.svd(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), compute_uv=False)
     if relative.max() > _LARGEST_ERROR * singular[-1] / singular[0]:
         raise StatisticsError(
-            f"stored evaluations are not dense enough for sensitivities: they are uncertain by {relative.max():.1%}, too "
-            "much to tell the parameters from each other; evaluate around the optimum"
+            f"stored evaluations are not dense enough for sensitivities: uncertain by {relative.max():.1%}, they "
+            "cannot tell the parameters from each other; evaluate around the optimum"
         )
     observed = calibration.objective.observed
     roots = [np.sqrt(o.weight * o.point_weights / o.y.size)[:, None] for o in observed]
