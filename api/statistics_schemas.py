@@ -340,7 +340,9 @@ class SensitivityRequest(_Request):
     """Sensitivities at the optimum of a job."""
 
     polish: bool = Field(True, description="go to the minimum first; false: one generation at the best evaluation")
-    step: float | None = Field(None, gt=0, le=0.1, description="largest difference in parts of the range; 0.005")
+    step: float | None = Field(
+        None, gt=0, le=0.1, description="largest difference in parts of the range; found for each parameter if absent"
+    )
     at: dict[str, float] | None = Field(None, description="another optimum: values of the free parameters")
 
 
