@@ -13,7 +13,7 @@ from geoswarm.solver.identifiability.sensitivity import from_evaluations
 from geoswarm.solver.identifiability.stored import jacobian_from_samples
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.report import report_of_result
+from geoswarm.solver.report import linearise_stored, report_of_result
 from tests.solver.identifiability.cases import X, free, problem_of
 
 NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)
@@ -121,3 +121,22 @@ def test_without_any_distance_nothing_is_said_to_be_an_optimum() -> None:
     assert not found.at_optimum
     samples = Samples.from_arrays(problem, np.array([[2.0, 2.0]]), np.array([5.0]))
     assert any("cannot be told" in w for w in analyse(calibration, samples, linearisation=found).warnings)
+
+
+@pytest.mark.slow
+def test_twenty_searches_of_each_kind_say_no_false_word() -> None:
+    """Measured: 0 of 20 call the parameter of two basins identified, 0 of 20 the one of one basin not."""
+    one = problem_of("b * exp(-a * x)", {"a": free(0.05, 5.0), "b": free()}, 4.0 * np.exp(-0.5 * X) + NOISE)
+    for seed in range(20):
+        problem = two_basins()
+        result = calibrate(problem, seed=seed)
+        report = report_of_result(problem, result)
+        assert report.statistics is not None
+        assert report.statistics.verdict("a").kind == "not_identified", seed
+        samples = Samples.from_result(problem, result)
+        stored = linearise_stored(problem, samples, seed)
+        unaided = analyse(Calibration(problem, seed), samples, linearisation=stored).verdict("a")
+        assert unaided.kind != "identified", seed
+        alone = report_of_result(one, calibrate(one, seed=seed)).statistics
+        assert alone is not None
+        assert {verdict.kind for verdict in alone.verdicts} == {"identified"}, seed
