@@ -252,7 +252,7 @@ class Proposer:
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
         if polishing:
-            pattern = polish_pattern(len(moved), scalar=scalar)
+            pattern = polish_pattern(len(moved))
         else:
             whole = self._space.integer.any()
             # responses jump between whole numbers, which says nothing of the slopes along the other parameters
