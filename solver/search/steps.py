@@ -8,7 +8,7 @@ residuals are read again from the runs.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -29,6 +29,7 @@ _STRICTEST, _LOOSEST = 1e-6, 1e-3  # relative error of a derivative
 _OF_SINGULAR = 0.03  # of the smallest singular value over the largest, which the error must not reach
 _BLIND = 0.3  # relative error from which it says nothing of the step that is needed
 _STRIDE, _SHORTEST_BLIND = 0.125, 1e-6
+_AGREES = 2.0  # errors that two derivatives may differ by
 _FLAT = 1e-13  # change relative to the residuals
 
 
@@ -123,7 +124,7 @@ class StepSearch:
             offsets = np.array([0.0, *self.every.offset[used]])
             column, error = derivative(offsets, residuals[[0, *used]])
             trials[index].append(_Trial(step, rows, column, float(np.linalg.norm(error))))
-        return trials
+        return [_cautious(tried) for tried in trials]
 
     @staticmethod
     def _target(trials: list[list[_Trial]]) -> float:
@@ -134,6 +135,24 @@ class StepSearch:
             return _LOOSEST
         singular = np.linalg.svd(np.stack(known, axis=1), compute_uv=False)
         return float(np.clip(_OF_SINGULAR * singular[-1] / singular[0], _STRICTEST, _LOOSEST))
+
+
+def _cautious(tried: list[_Trial]) -> list[_Trial]:
+    """Trials of one parameter with errors that agree with each other: one estimate may be small by chance.
+
+    Roughness that a shorter step shows is there with a longer one, too, divided by its length; and where a longer one
+    differs by more than its errors, the shorter is off: roughness grows as steps get shorter.
+    """
+    after = []
+    for trial in tried:
+        rough = [other.error * other.step / trial.step for other in tried if other.step < trial.step]
+        apart = [
+            float(np.linalg.norm(other.column - trial.column)) - _AGREES * other.error
+            for other in tried
+            if other.step > trial.step and other.relative < _BLIND
+        ]
+        after.append(replace(trial, error=max([trial.error, *rough, *apart])))
+    return after
 
 
 def _best(tried: list[_Trial]) -> _Trial:

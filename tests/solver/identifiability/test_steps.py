@@ -61,13 +61,15 @@ def test_uncertain_sensitivities_leave_the_verdict_open() -> None:
     assert "too uncertain" in verdict.sentence
 
 
-def test_a_rough_model_gets_longer_steps() -> None:
+@pytest.mark.parametrize("phase", range(5))
+def test_a_rough_model_gets_longer_steps(phase: int) -> None:
     y = 6.0 * X + 1.0 + 0.1 * np.sin(7.0 * X)
-    rough = problem_of("a * x + b + 1e-2 * sin(1e7 * a) + 1e-2 * cos(1e7 * b)", {"a": free(), "b": free()}, y)
+    roughness = f"1e-2 * sin(1e7 * a + {phase}) + 1e-2 * cos(1e7 * b + {phase})"
+    rough = problem_of(f"a * x + b + {roughness}", {"a": free(), "b": free()}, y)
     smooth = linearised(problem_of("a * x + b", {"a": free(), "b": free()}, y), [6.0, 1.0])
     found = found_at(rough, [6.0, 1.0])
-    assert found.derivative_error < linearised(rough, [6.0, 1.0]).derivative_error
-    np.testing.assert_allclose(found.standard_errors, smooth.standard_errors, rtol=0.1)
+    assert found.derivative_error <= linearised(rough, [6.0, 1.0]).derivative_error
+    np.testing.assert_allclose(found.standard_errors, smooth.standard_errors, rtol=0.2)
 
 
 def test_nothing_that_moves_is_said_to_have_no_influence() -> None:
