@@ -176,9 +176,13 @@ class Linearisation(Answer):
     noise: KnownOrEstimated | None
     combinations: list[Combination]
     correlation: list[list[Number]]
+    unclear: list[str] = Field(description="parameters whose sensitivities are too uncertain to say anything")
     derivative_error: Number
-    distance: list[Number] = Field(description="to the nearest minimum in standard errors")
-    at_optimum: bool
+    distance: list[Number] = Field(description="to the nearest minimum inside the bounds, in standard errors")
+    at_optimum: bool = Field(description="false also where no distance is known")
+    held: dict[str, Literal["lower", "upper"]] = Field(
+        description="parameters at a bound beyond which the data pull: the minimum lies on it"
+    )
 
 
 class LackOfFit(Answer):
@@ -336,7 +340,9 @@ class SensitivityRequest(_Request):
     """Sensitivities at the optimum of a job."""
 
     polish: bool = Field(True, description="go to the minimum first; false: one generation at the best evaluation")
-    step: float | None = Field(None, gt=0, le=0.1, description="largest difference in parts of the range; 0.005")
+    step: float | None = Field(
+        None, gt=0, le=0.1, description="largest difference in parts of the range; found for each parameter if absent"
+    )
     at: dict[str, float] | None = Field(None, description="another optimum: values of the free parameters")
 
 

@@ -22,7 +22,8 @@ REASONS = {
     "target_objective": "objective at or below the target",
     "stagnation_generations": "objective no longer lowered",
     "samples_completed": "all samples evaluated",
-    "polished": "best parameters polished",
+    "polished": "polished to a minimum",
+    "polish_unfinished": "polishing ended before a minimum",
     "design_completed": "all planned evaluations made",
 }
 """Stop reason -> words."""

@@ -96,7 +96,11 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
     echo_facts(None, facts)
     for reason in reasons:
         note(f"Note: {reason}")
-    if not linearisation["at_optimum"]:
+    for parameter, side in linearisation["held"].items():
+        note(f"Note: the best fit lies on the {side} bound of {parameter}, and the data pull beyond it")
+    if all(distance is None for distance in linearisation["distance"]):
+        note("Warning: whether this is a minimum cannot be told, because no parameter has a standard error")
+    elif not linearisation["at_optimum"]:
         note("Warning: this is not the minimum yet, so the intervals are off; let it be polished (--polish)")
 
 

@@ -18,10 +18,13 @@ from geoswarm.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.identifiability.polish import Polished
     from geoswarm.solver.local import CalibrationResult, GenerationRecord
     from geoswarm.solver.problem import Problem
 
 __all__ = ["run_command"]
+
+_WORTH = 1e-3  # a relative decrease of the objective that is told
 
 
 @click.command("run")
@@ -160,7 +163,25 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path, *, f
     report.write_evaluations(written[2], problem, result)
     report.write_generations(written[3], problem, result)
     report.write_responses(written[4], problem, result)
-    return written + report.report_of_result(problem, result).save(folder) if figures else written
+    if not figures:
+        return written
+    made = report.report_of_result(problem, result)
+    if made.optimum is not None:
+        report.write_result(written[0], problem, result, made.optimum)
+        _tell_polished(problem, made.optimum.polished)
+    return written + made.save(folder)
+
+
+def _tell_polished(problem: Problem, polished: Polished) -> None:
+    """Say that further runs for the report found a better fit than the search, where it is worth a word."""
+    if polished.objective >= polished.start_objective * (1.0 - _WORTH):
+        return
+    values = problem.values(polished.parameters.tolist())
+    better = ", ".join(f"{name} = {number(values[name], 5)}" for name in problem.free_names)
+    note(
+        f"Note: the search had not reached the minimum. Polished with {polished.evaluations} further runs: objective "
+        f"{number(polished.start_objective)} to {number(polished.objective)} at {better} (polished in result.json)"
+    )
 
 
 def show_result(problem: Problem, result: CalibrationResult) -> None:

@@ -74,6 +74,11 @@ class FormulaSpec(ForwardModelSpec):
         Annotated[FormulaSeries, BeforeValidator(_long_form, json_schema_input_type=str | FormulaSeries)],
     ] = Field(min_length=1, description="series by name: an expression, or a mapping with expression and units")
 
+    @property
+    def quick(self) -> bool:
+        """A formula always is."""
+        return True
+
     def build(self) -> FormulaModel:
         """Build the forward model."""
         return FormulaModel(self)

@@ -16,6 +16,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.follow_up import profile_search, sensitivity_search
+from geoswarm.solver.identifiability.differences import residual_rows
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
 from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
@@ -44,6 +45,7 @@ __all__ = [
 ]
 
 _LONGEST_NAME = 200
+_INCOMPLETE = "the sensitivities are not complete yet"
 _OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
 
 
@@ -229,17 +231,19 @@ def _sensitivity(
 ) -> Findings:
     search = sensitivity_search(calibration.space, method)
     start = evaluations[0].objective if evaluations else None
-    position = 0
-    while search.descending:
-        size = 2 * calibration.space.dimension + 1
-        if position + size > len(evaluations):
-            return Findings(start_objective=start, notes=("the descent to the minimum has not ended",))
-        _tell(calibration, search, evaluations[position : position + size])
-        position += size
-    plan = search.plan
-    last = evaluations[position : position + len(plan.positions)]
-    if len(last) < len(plan.positions):
-        return Findings(start_objective=start, notes=("the sensitivities are not complete yet",))
+    position = first = 0
+    while (due := search.ask()) is not None:
+        if search.descending:
+            first = position + len(due)  # of the differences
+        if position + len(due) > len(evaluations):
+            going_on = "the descent to the minimum has not ended" if search.descending else _INCOMPLETE
+            return Findings(start_objective=start, notes=(going_on,))
+        position += len(due)
+        _tell(calibration, search, evaluations[:position], len(due))
+    plan, last = search.plan, evaluations[first:position]
+    if search.steps is not None:
+        plan, rows = search.steps.chosen(residual_rows(calibration, last))
+        last = [last[row] for row in rows]
     try:
         found = from_evaluations(calibration, plan, last, noise=noise, level=level)
     except StatisticsError as error:
@@ -253,7 +257,7 @@ def _profiles(calibration: Calibration, method: ProfileMethod, evaluations: Sequ
     search = profile_search(calibration.space, method)
     position = 0
     while (due := search.ask()) is not None and position + len(due) <= len(evaluations):
-        _tell(calibration, search, evaluations[position : position + len(due)])
+        _tell(calibration, search, evaluations[position : position + len(due)], len(due))
         position += len(due)
     notes = []
     if search.failed:
@@ -280,12 +284,10 @@ def _indices(calibration: Calibration, evaluations: Sequence[Evaluation]) -> Fin
     return Findings(global_sensitivities=tuple(found), notes=tuple(dict.fromkeys(notes)))
 
 
-def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluation]) -> None:
-    objective = calibration.objective
-    failed = np.full(sum(o.y.size for o in objective.observed), np.nan)
-    rows = [objective.weighted_residuals(e.responses) if e.reason is None else failed for e in evaluations]
-    runs = Runs.of(np.array([e.parameters for e in evaluations]), np.array(rows))
-    search.tell(runs.objectives, runs)
+def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluation], count: int) -> None:
+    """Tell a search the last ``count`` of these evaluations; it may look back at the others."""
+    runs = Runs.of(np.array([e.parameters for e in evaluations]), residual_rows(calibration, evaluations))
+    search.tell(runs.objectives[-count:], runs)
 
 
 def join_findings(parts: Sequence[Findings]) -> Findings:

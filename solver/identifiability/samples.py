@@ -240,8 +240,12 @@ class Samples:
     @property
     def unit(self) -> FloatArray:
         """Place between the bounds in search coordinates, 0 to 1, shape (n, d)."""
+        return self.to_unit(self.parameters)
+
+    def to_unit(self, natural: FloatArray) -> FloatArray:
+        """Natural values, shape (..., d), as places between the bounds in search coordinates, 0 to 1."""
         lower = self.to_search(self.lower)
-        return (self.coordinates - lower) / (self.to_search(self.upper) - lower)
+        return (self.to_search(natural) - lower) / (self.to_search(self.upper) - lower)
 
     def select(self, chosen: BoolArray | IntArray) -> Samples:
         """The samples of a mask or of indices, shape (k,)."""

@@ -28,6 +28,7 @@ from geoswarm.solver.identifiability.differences import (
     design,
     differentiate,
 )
+from geoswarm.solver.identifiability.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
@@ -48,7 +49,12 @@ class Linearisation:
     combinations
         All d directions, the best determined first.
     without_influence
-        Parameters on which no measured value depends.
+        Parameters on which no measured value depends there, or less than its noise through the whole range.
+    unclear
+        Parameters whose derivatives are too uncertain to tell whether and how they act; with any of these, no parameter
+        has an interval.
+    held
+        Parameters at a bound beyond which the data pull, with ``lower`` or ``upper``: there the minimum lies on it.
     influences
         Length of the weighted derivative of each parameter over the longest one, shape (d,).
     noise
@@ -70,8 +76,8 @@ class Linearisation:
     derivative_error
         Largest estimated relative error of a derivative column.
     distance
-        How far, in standard errors, a Gauss-Newton step would move each parameter, shape (d,); nan where there is no
-        standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
+        How far, in standard errors, a Gauss-Newton step inside the bounds would move each parameter, shape (d,); nan
+        where there is no standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
     profile_increase
         How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
         without one, by the mean noise variance of the weighted points. nan without noise.
@@ -82,6 +88,8 @@ class Linearisation:
     optimum: FloatArray
     combinations: tuple[Combination, ...]
     without_influence: tuple[str, ...]
+    unclear: tuple[str, ...]
+    held: tuple[tuple[str, str], ...]
     influences: FloatArray
     noise: Noise | None
     degrees_of_freedom: int
@@ -96,8 +104,17 @@ class Linearisation:
 
     @property
     def at_optimum(self) -> bool:
-        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum."""
-        return not bool((self.distance > _FAR).any())
+        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum.
+
+        False where no distance is known.
+        """
+        return bool(np.isfinite(self.distance).any()) and not bool((self.distance > _FAR).any())
+
+    @property
+    def far(self) -> float | None:
+        """The largest distance from the minimum in standard errors; None where none is known."""
+        known = self.distance[np.isfinite(self.distance)]
+        return float(known.max()) if known.size else None
 
     def influence(self, name: str) -> float:
         """Length of the parameter's weighted derivative over the longest one, 0 to 1."""
@@ -133,6 +150,8 @@ class Linearisation:
 
     def why_no_interval(self, name: str) -> str:
         """Say why a parameter has no interval."""
+        if name in self.unclear:
+            return "its sensitivities are too uncertain to tell how it acts; the forward model is rough there"
         if name in self.without_influence:
             return "no measured value depends on it"
         tied = self.tied_to(name)
@@ -140,6 +159,8 @@ class Linearisation:
             return f"it acts only in combination with {' and '.join(tied)}"
         if self.noise is None:
             return "there are no more measured points than free parameters, so the noise cannot be estimated; give it"
+        if self.unclear:
+            return f"the sensitivities to {' and '.join(self.unclear)} are too uncertain"
         return "its interval would be wider than the searched range"
 
     def to_json(self) -> dict[str, Any]:
@@ -164,9 +185,11 @@ class Linearisation:
                 for c in self.combinations
             ],
             "correlation": [[_number(v) for v in row] for row in self.correlation().tolist()],
+            "unclear": list(self.unclear),
             "derivative_error": self.derivative_error,
             "distance": [_number(v) for v in self.distance],
             "at_optimum": self.at_optimum,
+            "held": dict(self.held),
         }
 
 
@@ -223,8 +246,28 @@ def linearise(
             dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True)),
         )
     )
-    spread = _Spread.of(calibration, weighted, weights, residuals, found, estimate, level)
-    return _assemble(calibration, jacobian, found, estimate, level, spread, int((weights > 0).sum()))
+    noise_level = 0.0 if estimate is None else float(np.sqrt(_mean_variance(calibration, weights, estimate)))
+    unclear = found.unclear(calibration.free_names, noise_level)
+    step = minimising_step(weighted, residuals, found, calibration.space.to_unit(jacobian.optimum))
+    spread = _Spread.of(calibration, weighted, weights, step, found, estimate, level)
+    if unclear:
+        spread = spread.without_intervals()
+    return _assemble(calibration, jacobian, found, estimate, level, spread, step, unclear, int((weights > 0).sum()))
+
+
+def _variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> FloatArray:
+    """Variance of every weighted reading, shape (n,)."""
+    variances: FloatArray = weights * np.concatenate(
+        [
+            np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
+            for o in calibration.objective.observed
+        ]
+    )
+    return variances
+
+
+def _mean_variance(calibration: Calibration, weights: FloatArray, noise: Noise) -> float:
+    return float(_variances(calibration, weights, noise).sum() / max(int((weights > 0).sum()), 1))
 
 
 def _blocks(leverage: FloatArray, sizes: Sequence[int]) -> list[float]:
@@ -248,7 +291,7 @@ class _Spread:
         calibration: Calibration,
         weighted: FloatArray,
         weights: FloatArray,
-        residuals: FloatArray,
+        step: MinimisingStep,
         found: Directions,
         noise: Noise | None,
         level: float,
@@ -259,15 +302,10 @@ class _Spread:
         if noise is None:
             return cls(covariance, nothing, nothing, nothing, nothing)
         quantile = _quantile(level, noise)
-        variances = weights * np.concatenate(
-            [
-                np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
-                for o in calibration.objective.observed
-            ]
-        )
-        mean_variance = float(variances.sum() / max(int((weights > 0).sum()), 1))
+        variances = _variances(calibration, weights, noise)
+        mean_variance = _mean_variance(calibration, weights, noise)
         # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
-        inverse = np.linalg.pinv(found.basis.T @ weighted) @ found.basis.T
+        inverse = found.inverse(weighted)
         scaled = inverse * np.sqrt(variances)
         full, curvature = scaled @ scaled.T, inverse @ inverse.T
         deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
@@ -280,8 +318,13 @@ class _Spread:
         increase = quantile**2 * np.where(found.determined, ratio, mean_variance)
         distance = np.full_like(deviations, np.nan)
         distance[deviations == 0.0] = 0.0  # a perfect fit
-        np.divide(np.abs(inverse @ residuals), deviations, out=distance, where=deviations > 0.0)
+        np.divide(np.abs(step.move), deviations, out=distance, where=deviations > 0.0)
         return cls(covariance, deviations, half, distance, increase)
+
+    def without_intervals(self) -> _Spread:
+        """The same, but for what the derivatives are too uncertain for."""
+        nothing = np.full_like(self.deviations, np.nan)
+        return _Spread(np.full_like(self.covariance, np.nan), nothing, nothing, self.distance, nothing)
 
 
 def _assemble(
@@ -291,6 +334,8 @@ def _assemble(
     noise: Noise | None,
     level: float,
     spread: _Spread,
+    step: MinimisingStep,
+    unclear: tuple[str, ...],
     points: int,
 ) -> Linearisation:
     space = calibration.space
@@ -304,7 +349,15 @@ def _assemble(
         optimum=jacobian.optimum,
         combinations=found.combinations,
         without_influence=tuple(
-            n for n, is_active in zip(calibration.free_names, found.active, strict=True) if not is_active
+            name
+            for name, is_active in zip(calibration.free_names, found.active, strict=True)
+            if not is_active and name not in unclear
+        ),
+        unclear=unclear,
+        held=tuple(
+            (name, "lower" if side < 0 else "upper")
+            for name, side in zip(calibration.free_names, step.held, strict=True)
+            if side
         ),
         influences=found.influences,
         noise=noise,

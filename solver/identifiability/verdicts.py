@@ -2,22 +2,25 @@
 
 Rules, in this order (docs/statistics.md explains them):
 
-1. *Linearisation at the optimum*, when given. A parameter without influence is ``not_identified``. One that takes part
-   in a combination that the data leave open is ``in_combination``.
+1. *Linearisation at the optimum*, when given. Where its derivatives are too uncertain: ``undecided``. A parameter
+   without influence is ``not_identified``. One that takes part in a combination that the data leave open is
+   ``in_combination``.
 2. *Good fits of a sampling*, at least ten. With |r| >= 0.5 to another parameter, over natural values or search
    coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise, with at most half
    the prior width left and no bound contact: ``identified``; with contact on one side: ``bounded_on_one_side``; all
    else: ``not_identified``.
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
-   ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits.
+   ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits. ``not_identified``, too, where
+   stored runs fit as well as the optimum outside the region that the linearisation allows.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
+from geoswarm.solver.identifiability.basins import OtherFit
 from geoswarm.solver.identifiability.correlations import COORDINATES, Correlation, correlate
 from geoswarm.solver.identifiability.filtering import Filtered
 from geoswarm.solver.identifiability.projections import Projection
@@ -94,6 +97,7 @@ def judge(
     filtered: Filtered,
     projections: tuple[Projection, ...],
     linearisation: Linearisation | None = None,
+    others: tuple[OtherFit, ...] = (),
 ) -> tuple[Verdict, ...]:
     """Judge every parameter.
 
@@ -105,11 +109,17 @@ def judge(
         Of all samples with the filter's threshold.
     linearisation
         At the optimum, when it was made.
+    others
+        Sets of parameters that fit as well as the optimum, outside the region of its linearisation.
     """
     tied = _tied_pairs(filtered)
     verdicts = []
     for projection in projections:
         kind, evidence, sentence = _judge(samples, projection, tied, linearisation)
+        elsewhere = [other for other in others if projection.parameter in other.differs]
+        if linearisation is not None and elsewhere and evidence.basis == "linearisation" and evidence.width_ratio:
+            kind, evidence = "not_identified", replace(evidence, unimodal=False)
+            sentence = _several(projection.parameter, linearisation, elsewhere[0])
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
     return tuple(verdicts)
@@ -142,8 +152,11 @@ def _judge(
         return (
             "not_identified",
             evidence,
-            f"{name} has no influence on the measured series: the data say nothing of it.",
+            f"{name} has no influence on the measured series at the optimum: there, the data say nothing of it.",
         )
+    if linearisation is not None and linearisation.unclear:
+        evidence = Evidence("linearisation", good_fits, influence=influence, sampling_bias=swarm)
+        return "undecided", evidence, f"{name} is undecided: {linearisation.why_no_interval(name)}."
     tied = () if linearisation is None else linearisation.tied_to(name)
     if tied:
         evidence = Evidence(
@@ -248,6 +261,15 @@ def _judge_linearisation(
             f"{name} is only bounded from {side}: {values}, beyond the {bound} bound.",
         )
     return "not_identified", evidence, f"{name} is not identified: {values}, {width:.0%} of the searched range."
+
+
+def _several(name: str, linearisation: Linearisation, other: OtherFit) -> str:
+    index = linearisation.names.index(name)
+    here, there = float(linearisation.optimum[index]), float(other.parameters[index])
+    return (
+        f"{name} has more than one solution: {here:.4g}, and {there:.4g} with other values of the parameters, fit the "
+        "measurements equally well; the interval at the optimum holds around the first alone."
+    )
 
 
 def _other(pair: Correlation, name: str) -> str:

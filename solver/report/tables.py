@@ -12,6 +12,7 @@ import numpy as np
 
 from geoswarm.solver.local import CalibrationResult
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.versions import versions
 
 __all__ = [
@@ -36,9 +37,14 @@ def parameter_column(name: str, taken: Collection[str] = _TAKEN) -> str:
     return f"parameter.{name}" if name in taken else name
 
 
-def result_document(problem: Problem, result: CalibrationResult) -> dict[str, Any]:
-    """Return the whole result but its history, JSON-able; values in base units."""
+def result_document(problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> dict[str, Any]:
+    """Return the whole result but its history, JSON-able; values in base units.
+
+    ``objective`` and ``parameters`` are the best of the search. Where the report polished them, ``polished`` has the
+    parameters that fit better, and how many further runs it took.
+    """
     best = result.best
+    polished = None if optimum is None else optimum.polished
     return {
         "name": problem.name,
         "state": result.state,
@@ -52,6 +58,12 @@ def result_document(problem: Problem, result: CalibrationResult) -> dict[str, An
         "seed": result.seed,
         "error": result.error,
         "versions": dict(versions()),
+        "polished": polished
+        and {
+            "objective": polished.objective,
+            "parameters": problem.values(polished.parameters.tolist()),
+            "evaluations": polished.evaluations,
+        },
         "best": best
         and {
             "generation": result.best_generation,
@@ -64,9 +76,9 @@ def result_document(problem: Problem, result: CalibrationResult) -> dict[str, An
     }
 
 
-def write_result(path: Path, problem: Problem, result: CalibrationResult) -> None:
+def write_result(path: Path, problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> None:
     """Write :func:`result_document` as JSON."""
-    _write_json(path, result_document(problem, result))
+    _write_json(path, result_document(problem, result, optimum))
 
 
 def write_problem(path: Path, problem: Problem, seed: int) -> None:

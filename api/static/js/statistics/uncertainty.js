@@ -59,7 +59,7 @@ export class Uncertainty {
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),
       element("td", {}, at.interval ? `${number(at.interval[0])} … ${number(at.interval[1])}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
     const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval`, "Influence"];
-    const where = linearisation.at_optimum ? "" : "The search had not reached the minimum: these values are those of a point near it.";
+    const where = linearisation.at_optimum || linearisation.distance.every((d) => d === null) ? "" : "The search had not reached the minimum: these values are those of a point near it.";
     return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...remarks];
   }
 
