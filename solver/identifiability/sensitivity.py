@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.combinations import Combination, Directions, find_directions
 from geoswarm.solver.identifiability.differences import (
@@ -28,11 +28,13 @@ from geoswarm.solver.identifiability.differences import (
     design,
     differentiate,
 )
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict, examine_fit
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
 
 _FAR = 0.2
+_AT_BOUND = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +77,8 @@ class Linearisation:
     profile_increase
         How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
         without one, by the mean noise variance of the weighted points. nan without noise.
+    fit
+        Whether the model describes the data; where it does not, no interval holds.
     """
 
     names: tuple[str, ...]
@@ -93,6 +97,7 @@ class Linearisation:
     derivative_error: float
     distance: FloatArray
     profile_increase: FloatArray
+    fit: FitVerdict
 
     @property
     def at_optimum(self) -> bool:
@@ -167,6 +172,7 @@ class Linearisation:
             "derivative_error": self.derivative_error,
             "distance": [_number(v) for v in self.distance],
             "at_optimum": self.at_optimum,
+            "fit": self.fit.to_json(),
         }
 
 
@@ -224,7 +230,20 @@ def linearise(
         )
     )
     spread = _Spread.of(calibration, weighted, weights, residuals, found, estimate, level)
-    return _assemble(calibration, jacobian, found, estimate, level, spread, int((weights > 0).sum()))
+    inner = _inner(calibration, jacobian.optimum)
+    fit = examine_fit(
+        calibration,
+        jacobian.responses,
+        {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
+        None if stated is None else stated.deviations,
+    )
+    return _assemble(calibration, jacobian, found, estimate, level, spread, int((weights > 0).sum()), fit)
+
+
+def _inner(calibration: Calibration, optimum: FloatArray) -> BoolArray:
+    """Parameters that do not lie at a bound, shape (d,): only they were fitted."""
+    unit = calibration.space.to_unit(optimum)
+    return np.asarray((unit > _AT_BOUND) & (unit < 1.0 - _AT_BOUND))
 
 
 def _blocks(leverage: FloatArray, sizes: Sequence[int]) -> list[float]:
@@ -292,6 +311,7 @@ def _assemble(
     level: float,
     spread: _Spread,
     points: int,
+    fit: FitVerdict,
 ) -> Linearisation:
     space = calibration.space
     span = space.search_upper - space.search_lower
@@ -317,6 +337,7 @@ def _assemble(
         derivative_error=found.derivative_error,
         distance=spread.distance,
         profile_increase=spread.profile_increase,
+        fit=fit,
     )
 
 

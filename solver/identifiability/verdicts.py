@@ -11,6 +11,9 @@ Rules, in this order (docs/statistics.md explains them):
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
    ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits.
+
+Before all of them stands the fit (:mod:`geoswarm.solver.identifiability.lack_of_fit`): where the model does not
+describe the data, or a stated error is not met, no parameter is called ``identified`` or ``bounded_on_one_side``.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from typing import Any, Literal, TypeAlias
 
 from geoswarm.solver.identifiability.correlations import COORDINATES, Correlation, correlate
 from geoswarm.solver.identifiability.filtering import Filtered
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.projections import Projection
 from geoswarm.solver.identifiability.proposals import Proposal, propose
 from geoswarm.solver.identifiability.samples import Samples
@@ -27,7 +31,15 @@ from geoswarm.solver.identifiability.sensitivity import Linearisation
 
 __all__ = ["FEWEST_GOOD_FITS", "WIDTH_LIMIT", "Evidence", "Verdict", "VerdictKind", "judge"]
 
-VerdictKind: TypeAlias = Literal["identified", "bounded_on_one_side", "in_combination", "not_identified", "undecided"]
+VerdictKind: TypeAlias = Literal[
+    "identified",
+    "bounded_on_one_side",
+    "in_combination",
+    "not_identified",
+    "undecided",
+    "lack_of_fit",
+    "error_not_met",
+]
 
 WIDTH_LIMIT = 0.5
 """A parameter that keeps more than this share of its prior width is not identified."""
@@ -94,6 +106,7 @@ def judge(
     filtered: Filtered,
     projections: tuple[Projection, ...],
     linearisation: Linearisation | None = None,
+    fit: FitVerdict | None = None,
 ) -> tuple[Verdict, ...]:
     """Judge every parameter.
 
@@ -105,14 +118,33 @@ def judge(
         Of all samples with the filter's threshold.
     linearisation
         At the optimum, when it was made.
+    fit
+        Whether the model describes the data; that of the linearisation when None.
     """
+    fit = fit or (None if linearisation is None else linearisation.fit)
     tied = _tied_pairs(filtered)
     verdicts = []
     for projection in projections:
         kind, evidence, sentence = _judge(samples, projection, tied, linearisation)
+        kind, sentence = _under_fit(projection.parameter, kind, sentence, fit)
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
     return tuple(verdicts)
+
+
+def _under_fit(name: str, kind: VerdictKind, sentence: str, fit: FitVerdict | None) -> tuple[VerdictKind, str]:
+    """What is left of a verdict where the model does not describe the data, or the stated error is not met."""
+    if fit is None or kind not in ("identified", "bounded_on_one_side"):
+        return kind, sentence
+    _, _, values = sentence.partition(": ")
+    if fit.kind == "lack_of_fit":
+        return "lack_of_fit", (
+            f"{name} is that of the closest curve only: the model does not describe the data, so this does not hold: "
+            f"{values}"
+        )
+    if fit.kind == "error_not_met":
+        return "error_not_met", f"{name} is less sure than this says, as the stated error is not met: {values}"
+    return kind, sentence
 
 
 def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
