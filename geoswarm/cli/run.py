@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.fit import show_fit
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.progress import progress_bar
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
     from geoswarm.solver.local import CalibrationResult, GenerationRecord
     from geoswarm.solver.problem import Problem
+    from geoswarm.solver.report import Report
 
 __all__ = ["run_command"]
 
@@ -62,10 +64,12 @@ def run_command(
     offer = _offer(loaded, earlier) if earlier else None
     with _reporting(loaded) as on_generation:
         result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer)
-    written = [] if output is None else write_output(loaded, result, output)
+    written, report = ([], None) if output is None else write_output(loaded, result, output)
+    fit = _fit(loaded, result, report)
     if as_json:
-        echo_json(_summary(result))
+        echo_json(_summary(result) | {"fit": fit})
     elif result.state == "finished":
+        show_fit(fit)
         show_result(loaded, result)
     if output is not None and not as_json:
         echo_facts(None, {"written to": str(output), "files": _listed(written)})
@@ -93,6 +97,24 @@ def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
             raise BadInputError(f"--warm-start: {folder} {offer}")
         offers.append(offer)
     return best_of(problem, offers)
+
+
+def _fit(problem: Problem, result: CalibrationResult, report: Report | None) -> dict[str, Any] | None:
+    """The verdict on the fit: that of the report, else from the runs of the search; None where nothing succeeded."""
+    from geoswarm.solver.calibration import Calibration
+    from geoswarm.solver.identifiability import Samples
+    from geoswarm.solver.identifiability.follow_ups import follow_up_of
+    from geoswarm.solver.identifiability.stored_fit import fit_of_samples
+    from geoswarm.solver.report.jsonable import jsonable
+
+    if result.best is None or follow_up_of(problem) is not None:
+        return None
+    if report is not None and report.statistics is not None:
+        found = report.statistics.fit
+    else:
+        found = fit_of_samples(Calibration(problem, result.seed), Samples.from_result(problem, result))
+    document: dict[str, Any] = jsonable(found.to_json())
+    return document
 
 
 def _summary(result: CalibrationResult) -> dict[str, Any]:
@@ -143,8 +165,8 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
             raise
 
 
-def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> list[Path]:
-    """Write all files of a result; without matplotlib the tables only, with a note on stderr."""
+def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> tuple[list[Path], Report | None]:
+    """Write all files of a result; without matplotlib the tables only, with a note on stderr, and no report."""
     from geoswarm.solver import report
 
     names = ("result.json", "problem.json", "evaluations.csv", "generations.csv", "responses.npz")
@@ -156,8 +178,9 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> l
     report.write_responses(written[4], problem, result)
     if not report.figures_available():
         note("Note: no report and no figures, because matplotlib is not installed: pip install 'geoswarm[plots]'")
-        return written
-    return written + report.report_of_result(problem, result).save(folder)
+        return written, None
+    made = report.report_of_result(problem, result)
+    return written + made.save(folder), made
 
 
 def show_result(problem: Problem, result: CalibrationResult) -> None:

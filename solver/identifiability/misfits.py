@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.consolidation import find_consolidation
 from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.problem.units import convert
 
-__all__ = ["DOES_NOT_HOLD", "Misfit", "remedies_of", "sentence_of"]
+__all__ = ["DOES_NOT_HOLD", "SHORT", "Misfit", "remedies_of", "sentence_of"]
 
 _NO_UNITS = ("", "1", "-", "dimensionless")
 _MOST_NAMED = 3
@@ -20,6 +21,9 @@ DOES_NOT_HOLD = {
     "error_not_met": "the stated error is not met: the interval is too narrow",
 }
 """What stands beside an interval, by the kind of the verdict on the fit."""
+
+SHORT = {"lack_of_fit": "model does not fit", "error_not_met": "stated error not met"}
+"""The same in the heading of a column."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,11 +139,12 @@ def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:
     patterns = [m for m in misfits if m.reason != "stated_error"]
     found = []
     staged = [m.series for m in patterns if stage_times(problem.forward_model, m.series).size > 1]
-    if staged:
+    primary = [p for p in find_consolidation(problem) if p.series in staged]
+    found += [p.sentence for p in primary]
+    if staged and not primary:
         found.append(
-            f"Primary consolidation is not part of the soil laws: leave out the readings of {staged[0]} before its end "
-            "in every stage (stage_x_from in the observation; 'geoswarm check' estimates the end), or calibrate "
-            "stage_settlement, the values at the ends of the stages."
+            "Primary consolidation is not part of the soil laws: leave out readings before its end in every stage "
+            "(stage_x_from in the observation), or calibrate stage_settlement, the values at the ends of the stages."
         )
     if patterns:
         found.append(

@@ -143,7 +143,7 @@ def _uneven(residuals: FloatArray) -> bool:
     """Whether the size of residuals grows or falls with x (rank correlation, 10 %)."""
     ranks = np.argsort(np.argsort(np.abs(residuals), kind="stable"), kind="stable")
     correlation = float(np.corrcoef(ranks, np.arange(len(ranks)))[0, 1])
-    return abs(correlation) * np.sqrt(len(ranks) - 1.0) > _UNEVEN
+    return bool(abs(correlation) * np.sqrt(len(ranks) - 1.0) > _UNEVEN)
 
 
 def _projected(weighted: FloatArray, basis: FloatArray) -> FloatArray:

@@ -129,7 +129,8 @@ def reweighted_problem(
         series = section["series"]
         section["weight"] = (weights or {}).get(series, effective[series])
         if point_weights and series in point_weights:
-            section["points"]["weight"] = list(point_weights[series])
+            observation = next(o for o in problem.observations if o.series == series)
+            section["points"] = observation.chosen_points().document() | {"weight": list(point_weights[series])}
     return parse_problem(document)
 
 

@@ -149,7 +149,11 @@ RIGHT: dict[str, Case] = {
         SATURATION,
         CURVE,
         EVEN[40],
-        {"y": lambda random, x, y: random.normal(0.0, 0.05, x.size) / np.sqrt(np.where(np.arange(x.size) % 3, 1.0, 9.0))},
+        {
+            "y": lambda random, x, y: (
+                random.normal(0.0, 0.05, x.size) / np.sqrt(np.where(np.arange(x.size) % 3, 1.0, 9.0))
+            )
+        },
         weights={"y": np.where(np.arange(40) % 3, 1.0, 9.0).tolist()},
     ),
     "two series of different noise": Case(
