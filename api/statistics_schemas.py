@@ -43,6 +43,7 @@ class Threshold(Answer):
     value: float
     origin: Literal["given", "statistics", "samples"]
     explanation: str
+    wanted: Number = Field(description="where it was raised to keep enough samples: what statistics would have")
 
 
 class CorrelationPair(Answer):

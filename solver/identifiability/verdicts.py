@@ -4,7 +4,8 @@ Rules, in this order (docs/statistics.md explains them):
 
 1. *Linearisation at the optimum*, when given. A parameter without influence is ``not_identified``. One that takes part
    in a combination that the data leave open is ``in_combination``.
-2. *Good fits of a sampling*, at least ten. With |r| >= 0.5 to another parameter, over natural values or search
+2. *Good fits of a sampling*, at least ten, below a threshold that is at most twice what statistics would have: above,
+   they describe how thin the sampling is, and are left aside. With |r| >= 0.5 to another parameter, over natural values or search
    coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise, with at most half
    the prior width left and no bound contact: ``identified``; with contact on one side: ``bounded_on_one_side``; all
    else: ``not_identified``.
@@ -125,7 +126,7 @@ def judge(
     tied = _tied_pairs(filtered)
     verdicts = []
     for projection in projections:
-        kind, evidence, sentence = _judge(samples, projection, tied, linearisation)
+        kind, evidence, sentence = _judge(samples, projection, tied, linearisation, filtered.thin)
         kind, sentence = _under_fit(projection.parameter, kind, sentence, fit)
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
@@ -163,7 +164,11 @@ def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
 
 
 def _judge(
-    samples: Samples, projection: Projection, tied_pairs: tuple[Correlation, ...], linearisation: Linearisation | None
+    samples: Samples,
+    projection: Projection,
+    tied_pairs: tuple[Correlation, ...],
+    linearisation: Linearisation | None,
+    thin: str | None,
 ) -> tuple[VerdictKind, Evidence, str]:
     name = projection.parameter
     swarm = not samples.unbiased.any()
@@ -190,12 +195,14 @@ def _judge(
             "changing them together changes nothing that was measured, so none of them has an interval of its own."
         )
         return "in_combination", evidence, sentence
-    if good_fits >= FEWEST_GOOD_FITS:
+    if good_fits >= FEWEST_GOOD_FITS and thin is None:
         return _judge_sampling(projection, tied_pairs, influence)
     if linearisation is not None:
         return _judge_linearisation(samples, name, linearisation, good_fits, swarm)
     evidence = Evidence("none", good_fits, sampling_bias=swarm)
-    if swarm:
+    if thin is not None and not swarm:
+        reason = thin
+    elif swarm:
         reason = "a swarm crowds where it was drawn to, so the spread of its particles proves nothing"
     else:
         reason = f"only {good_fits} samples fit well, at least {FEWEST_GOOD_FITS} are needed"
