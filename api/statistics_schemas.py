@@ -201,6 +201,17 @@ class Combination(Answer):
     open: bool = Field(description="the data leave it open")
 
 
+class Dependence(Answer):
+    """A series whose residuals are correlated, or of uneven size; intervals allow for it."""
+
+    series: str
+    kind: Literal["correlated", "uneven"]
+    rho: float = Field(description="correlation of neighbouring readings")
+    readings: int
+    effective: float = Field(description="how many independent ones they are worth")
+    sentence: str
+
+
 class Linearisation(Answer):
     """Standard errors and intervals at the optimum."""
 
@@ -214,6 +225,7 @@ class Linearisation(Answer):
     distance: list[Number] = Field(description="to the nearest minimum in standard errors")
     at_optimum: bool
     fit: FitVerdict = Field(description="intervals hold only where the model describes the data")
+    dependence: list[Dependence]
 
 
 class LackOfFit(Answer):

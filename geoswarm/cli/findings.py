@@ -98,6 +98,8 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
     echo_facts(None, facts)
     for reason in reasons:
         note(f"Note: {reason}")
+    for one in linearisation["dependence"]:
+        note(f"Note: {one['sentence']}")
     if not linearisation["at_optimum"]:
         note("Warning: this is not the minimum yet, so the intervals are off; let it be polished (--polish)")
 

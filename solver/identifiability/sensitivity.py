@@ -12,15 +12,16 @@ that singular values compare what a move through the whole searched range would 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.combinations import Combination, Directions, find_directions
+from geoswarm.solver.identifiability.dependence import Dependence, dependence_of, noise_root
 from geoswarm.solver.identifiability.differences import (
     DifferenceDesign,
     Jacobian,
@@ -79,6 +80,8 @@ class Linearisation:
         without one, by the mean noise variance of the weighted points. nan without noise.
     fit
         Whether the model describes the data; where it does not, no interval holds.
+    dependence
+        Series whose residuals are correlated, or of uneven size; intervals allow for it.
     """
 
     names: tuple[str, ...]
@@ -98,6 +101,7 @@ class Linearisation:
     distance: FloatArray
     profile_increase: FloatArray
     fit: FitVerdict
+    dependence: tuple[Dependence, ...] = ()
 
     @property
     def at_optimum(self) -> bool:
@@ -173,6 +177,7 @@ class Linearisation:
             "distance": [_number(v) for v in self.distance],
             "at_optimum": self.at_optimum,
             "fit": self.fit.to_json(),
+            "dependence": [asdict(one) | {"sentence": one.sentence} for one in self.dependence],
         }
 
 
@@ -229,7 +234,6 @@ def linearise(
             dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True)),
         )
     )
-    spread = _Spread.of(calibration, weighted, weights, residuals, found, estimate, level)
     inner = _inner(calibration, jacobian.optimum)
     fit = examine_fit(
         calibration,
@@ -237,7 +241,36 @@ def linearise(
         {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
         None if stated is None else stated.deviations,
     )
-    return _assemble(calibration, jacobian, found, estimate, level, spread, int((weights > 0).sum()), fit)
+    dependence = _dependence(calibration, residuals, weights, found, fit)
+    spread = _Spread.of(calibration, weighted, weights, residuals, found, estimate, level, dependence)
+    return _assemble(
+        calibration,
+        jacobian,
+        found,
+        estimate,
+        level,
+        spread,
+        int((weights > 0).sum()),
+        fit,
+        tuple(one for one, _ in dependence),
+    )
+
+
+def _dependence(
+    calibration: Calibration, residuals: FloatArray, weights: FloatArray, found: Directions, fit: FitVerdict
+) -> list[tuple[Dependence, IntArray]]:
+    """Series whose residuals are correlated or of uneven size, and their readings in the order of x."""
+    departing = []
+    start = 0
+    patterned = {m.series for m in fit.misfits if m.reason == "pattern"}
+    for o in calibration.objective.observed:
+        places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
+        places = places[np.argsort(o.x[places - start], kind="stable")]
+        start += o.y.size
+        one = dependence_of(o.series, residuals[places], found.basis[places], o.series in patterned)
+        if one is not None:
+            departing.append((one, places))
+    return departing
 
 
 def _inner(calibration: Calibration, optimum: FloatArray) -> BoolArray:
@@ -271,13 +304,15 @@ class _Spread:
         found: Directions,
         noise: Noise | None,
         level: float,
+        dependence: list[tuple[Dependence, IntArray]],
     ) -> _Spread:
         dimension = weighted.shape[1]
         nothing = np.full(dimension, np.nan)
         covariance = np.full((dimension, dimension), np.nan)
         if noise is None:
             return cls(covariance, nothing, nothing, nothing, nothing)
-        quantile = _quantile(level, noise)
+        lost = sum(one.readings - one.effective for one, _ in dependence)
+        quantile = _quantile(level, noise, lost)
         variances = weights * np.concatenate(
             [
                 np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
@@ -289,6 +324,8 @@ class _Spread:
         inverse = np.linalg.pinv(found.basis.T @ weighted) @ found.basis.T
         scaled = inverse * np.sqrt(variances)
         full, curvature = scaled @ scaled.T, inverse @ inverse.T
+        if dependence:
+            full = noise_root(inverse, np.sqrt(variances), residuals, found.leverage, dependence)
         deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
         half = quantile * deviations
         half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
@@ -312,6 +349,7 @@ def _assemble(
     spread: _Spread,
     points: int,
     fit: FitVerdict,
+    dependence: tuple[Dependence, ...],
 ) -> Linearisation:
     space = calibration.space
     span = space.search_upper - space.search_lower
@@ -338,13 +376,15 @@ def _assemble(
         distance=spread.distance,
         profile_increase=spread.profile_increase,
         fit=fit,
+        dependence=dependence,
     )
 
 
-def _quantile(level: float, noise: Noise) -> float:
+def _quantile(level: float, noise: Noise, lost: float) -> float:
+    """Student's, whose degrees of freedom are fewer by those that correlated readings lose; normal for known noise."""
     if np.isinf(noise.degrees_of_freedom):
         return float(ndtri(0.5 + level / 2.0))
-    return float(stdtrit(noise.degrees_of_freedom, 0.5 + level / 2.0))
+    return float(stdtrit(max(noise.degrees_of_freedom - lost, 2.0), 0.5 + level / 2.0))
 
 
 def _number(value: float) -> float | None:

@@ -174,6 +174,8 @@ def analyse(
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
     fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
     warnings = [] if fit.kind in ("describes", "lack_of_fit") else [w for r in residuals for w in r.warnings]
+    if linearisation is not None:
+        warnings = [*(one.sentence for one in linearisation.dependence), *warnings]
     if fit.kind != "describes":
         warnings.insert(0, " ".join((fit.sentence, *fit.remedies)))
     if linearisation is not None and not linearisation.at_optimum:

@@ -209,3 +209,34 @@ WRONG: dict[str, Case] = {
     for name, shape in SHAPES.items()
 }
 """Lines fitted to data with a systematic deviation of at most twice the noise."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """How 95 % intervals of a case did: share that holds the truth by parameter, and share of fits that are warned."""
+
+    covered: FloatArray
+    warned: float
+
+
+def coverage(case: Case, repeats: int, seed: int = 11) -> Coverage:
+    """Repeat an experiment."""
+    random = np.random.default_rng(seed)
+    truth = np.array(list(case.values.values()))
+    held, warned = [], 0
+    for _ in range(repeats):
+        found = fitted(case, random)
+        held.append((found.intervals[:, 0] <= truth) & (truth <= found.intervals[:, 1]))
+        warned += found.fit.wrong or bool(found.dependence)
+    return Coverage(np.mean(held, axis=0), warned / repeats)
+
+
+DEPARTING: dict[str, Case] = {
+    f"correlated noise, {rho}": Case(SATURATION, CURVE, EVEN[40], {"y": autocorrelated(0.05, rho)}) for rho in (0.5, 0.8)
+} | {
+    "noise that grows as x squared": RIGHT["noise that grows as x squared"],
+    "bias below the noise": Case(
+        SATURATION, CURVE, EVEN[200], {"y": normal(0.05)}, wrong={"y": lambda x: 0.04 * np.sin(1.5 * x)}
+    ),
+}
+"""Noise that is not independent and even, and a bias: what intervals do under them."""
