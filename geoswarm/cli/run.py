@@ -193,7 +193,7 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
     unit = objective_unit(problem)
     echo_table(
         problem.name,
-        ("parameter", "", "identified", "lower", "upper", "initial", "scale", "unit"),
+        ("parameter", "", "best fit", "lower", "upper", "initial", "scale", "unit"),
         _parameter_rows(problem, result.parameters),
         right=(2, 3, 4, 5),
     )

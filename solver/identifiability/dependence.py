@@ -54,12 +54,12 @@ class Dependence:
         """What it means for intervals."""
         if self.kind == "correlated":
             return (
-                f"{self.series}: neighbouring residuals are correlated ({self.rho:.2f}), so {self.readings} readings are "
-                f"worth {self.effective:.0f} independent ones; intervals allow for that."
+                f"{self.series}: neighbouring residuals are correlated ({self.rho:.2f}), so {self.readings} readings "
+                f"are worth {self.effective:.0f} independent ones; intervals allow for that."
             )
         return (
-            f"{self.series}: the size of the residuals changes with x; intervals allow for that, and weights from their "
-            "spread would make better use of the readings (geoswarm reweight --weighting by_spread)."
+            f"{self.series}: the size of the residuals changes with x; intervals allow for that, and weights from "
+            "their spread would make better use of the readings (geoswarm reweight --weighting by_spread)."
         )
 
 

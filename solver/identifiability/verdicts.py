@@ -6,9 +6,9 @@ Rules, in this order (docs/statistics.md explains them):
    in a combination that the data leave open is ``in_combination``.
 2. *Good fits of a sampling*, at least ten, below a threshold that is at most twice what statistics would have: above,
    they describe how thin the sampling is, and are left aside. With |r| >= 0.5 to another parameter, over natural
-   values or search coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise, with at most half
-   the prior width left and no bound contact: ``identified``; with contact on one side: ``bounded_on_one_side``; all
-   else: ``not_identified``.
+   values or search coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise,
+   with at most half the prior width left and no bound contact: ``identified``; with contact on one side:
+   ``bounded_on_one_side``; all else: ``not_identified``.
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
    ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits.

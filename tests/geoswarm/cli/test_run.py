@@ -69,7 +69,7 @@ def test_the_written_problem_has_the_seed_that_was_used(tmp_path: Path, capsys: 
 def test_table_shows_what_was_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", write(tmp_path)]) == 0
     text = capsys.readouterr().out
-    for words in ("amplitude", "identified", "0.7", "objective at or below the target", "share of the objective"):
+    for words in ("amplitude", "best fit", "0.7", "objective at or below the target", "share of the objective"):
         assert words in text
 
 
