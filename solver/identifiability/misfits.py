@@ -110,20 +110,35 @@ def _how_far(misfits: Sequence[Misfit]) -> str:
     whole = next((m for m in misfits if m.stage is None), None)
     worst = max(misfits, key=lambda m: abs(m.largest))
     stages = sorted(m.stage for m in misfits if m.stage is not None)
-    places = f"stage{'s' if len(stages) > 1 else ''} {_listed([str(s) for s in stages])} " if stages else ""
+    places = f"stage{'s' if len(stages) > 1 else ''} {_listed(_spans(stages))} " if stages else ""
     side = "above" if worst.largest > 0 else "below"
     least = min(m.probability for m in misfits)
-    chance = f"below {0.002:g}" if least <= 0.002 else f"{least:.2g}"
+    chance = "below 0.2%" if least <= 0.002 else f"of {least:.1%}"
     if all(m.reason == "repeats" for m in misfits):
         reason = "more than the scatter of repeats explains"
     else:
-        reason = f"a pattern that noise has with a probability of {chance}"
+        reason = f"noise has such a pattern with a probability {chance}"
     rest = "" if whole is None else f", root mean square {_amount(whole.deviation, whole.unit)}"
     at = f"{worst.x:.4g} {worst.x_unit}".strip()
     return (
         f"it misses {places or 'the readings '}by up to {_amount(abs(worst.largest), worst.unit)} (calculated {side} "
         f"measured, near {at}){rest}; {reason}"
     )
+
+
+def _spans(numbers: Sequence[int]) -> list[str]:
+    """Numbers in words, three or more in a row as "2 to 6"."""
+    groups: list[list[int]] = []
+    for number in numbers:
+        if groups and number == groups[-1][-1] + 1:
+            groups[-1].append(number)
+        else:
+            groups.append([number])
+    return [
+        word
+        for group in groups
+        for word in ([f"{group[0]} to {group[-1]}"] if len(group) > 2 else [str(number) for number in group])
+    ]
 
 
 def _amount(value: float, unit: str) -> str:

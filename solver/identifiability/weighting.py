@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -217,7 +217,7 @@ def reweight(
         fitted = {series: values[samples.best] for series, values in samples.responses.items()}
         point_weights = spread_weights(problem, fitted) | dict(point_weights or {})
     elif weighting is not None:
-        weights = scheme_weights(problem, weighting, noise=noise)
+        weights = scheme_weights(problem, cast(Weighting, weighting), noise=noise)
     changed = reweighted_problem(problem, weights=weights, point_weights=point_weights)
     objective = LeastSquares(
         [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight) for o in changed.observations]

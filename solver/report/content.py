@@ -346,7 +346,9 @@ def _notes(statistics: Statistics) -> tuple[str, ...]:
         notes.append("Widths and correlations come from the Monte Carlo samples alone; the swarm's are biased.")
     if statistics.samples.failed:
         notes.append(f"{statistics.samples.failed} evaluations failed and take no part.")
-    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings))
+    fit = statistics.fit  # stands at the head
+    told = {" ".join((fit.sentence, *fit.remedies))} if fit.wrong else set()
+    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings if warning not in told))
 
 
 def _r(value: float | None) -> str:
