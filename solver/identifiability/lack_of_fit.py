@@ -30,7 +30,7 @@ from geoswarm.solver.objective import ObservedSeries
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
 
-__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "untested"]
+__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "is_exact", "untested"]
 
 FitKind: TypeAlias = Literal["describes", "lack_of_fit", "error_not_met", "untested"]
 
@@ -40,6 +40,7 @@ LEVEL = 0.04
 _OTHER_LEVEL = 0.01  # each, of the test against repeats, and of that against the stated error
 _ERROR_RATIO = 1.2  # residuals that exceed the stated error by less are let pass: intervals are that much too narrow
 _FEWEST_FREE = 4  # readings beyond the parameters
+_ROUNDING = 1e-10  # of the readings: less is no spread
 _EXACT = 1e-4  # of the range of a series: residuals that are numerical, not measured
 _FAR = 4.0  # mean square of what a step to the minimum would take away, over that of the rest
 _MOST_POINTS = 2000  # more are averaged in blocks
@@ -224,11 +225,12 @@ def _spread(readings: _Readings, residuals: FloatArray) -> FloatArray:
         free = own.size - basis.shape[1]
         if free < _FEWEST_FREE - 1:
             left, free = residuals[own], own.size
-        spread[own] = max(float(np.sqrt(np.sum(left**2) / free)), 1e-300)
+        least = _ROUNDING * max(float(np.abs(readings.observed[index].y).max()), 1e-290)
+        spread[own] = max(float(np.sqrt(np.sum(left**2) / free)), least * float(readings.inside[own].max()))
     return spread
 
 
-def _exact(o: ObservedSeries, residuals: FloatArray) -> bool:
+def is_exact(o: ObservedSeries, residuals: FloatArray) -> bool:
     """Whether the residuals are numerical: nothing that anybody has measured so well."""
     scale = max(float(np.ptp(o.y)), 1e-6 * float(np.abs(o.y).max()))
     return float(np.sqrt(np.mean(residuals**2))) <= _EXACT * scale
@@ -246,7 +248,7 @@ def _patterns(
     chosen = [
         (part, place)
         for part, place in zip(parts, places, strict=True)
-        if known or not _exact(readings.observed[place[0]], (residuals / readings.inside)[part.indices])
+        if known or not is_exact(readings.observed[place[0]], (residuals / readings.inside)[part.indices])
     ]
     if not chosen:
         return []
@@ -302,7 +304,7 @@ def _repeats(readings: _Readings, residuals: FloatArray, rank: int, known: Mappi
         own = readings.of(index)
         natural = (residuals / readings.inside)[own]
         lack = repeats_test(readings.x[own], residuals[own], readings.inside[own] ** 2, rank)
-        if lack is None or lack.probability is None or _exact(readings.observed[index], natural):
+        if lack is None or lack.probability is None or is_exact(readings.observed[index], natural):
             continue
         if known is not None and lack.noise * _ERROR_RATIO < known[readings.observed[index].series]:
             continue  # the stated error covers more than the repeats show

@@ -29,7 +29,7 @@ from geoswarm.solver.identifiability.differences import (
     design,
     differentiate,
 )
-from geoswarm.solver.identifiability.lack_of_fit import FitVerdict, examine_fit
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict, examine_fit, is_exact
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
@@ -241,7 +241,7 @@ def linearise(
         {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
         None if stated is None else stated.deviations,
     )
-    dependence = _dependence(calibration, residuals, weights, found, fit)
+    dependence = _dependence(calibration, jacobian, residuals, weights, found, fit)
     spread = _Spread.of(calibration, weighted, weights, residuals, found, estimate, level, dependence)
     return _assemble(
         calibration,
@@ -257,7 +257,12 @@ def linearise(
 
 
 def _dependence(
-    calibration: Calibration, residuals: FloatArray, weights: FloatArray, found: Directions, fit: FitVerdict
+    calibration: Calibration,
+    jacobian: Jacobian,
+    residuals: FloatArray,
+    weights: FloatArray,
+    found: Directions,
+    fit: FitVerdict,
 ) -> list[tuple[Dependence, IntArray]]:
     """Series whose residuals are correlated or of uneven size, and their readings in the order of x."""
     departing = []
@@ -267,6 +272,8 @@ def _dependence(
         places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
         places = places[np.argsort(o.x[places - start], kind="stable")]
         start += o.y.size
+        if is_exact(o, jacobian.responses[o.series] - o.y):
+            continue
         one = dependence_of(o.series, residuals[places], found.basis[places], o.series in patterned)
         if one is not None:
             departing.append((one, places))

@@ -13,7 +13,7 @@ from geoswarm.cli import main
 from geoswarm.solver import report
 from tests.solver.problems import decay_document
 
-KEYS = ["state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed"]
+KEYS = ["state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed", "fit"]
 
 
 def write(folder: Path, **changes: Any) -> str:
