@@ -10,6 +10,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.consolidation import find_consolidation
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
 
@@ -68,6 +69,8 @@ class CheckReport:
         The one forward calculation.
     estimated_seconds
         Time of the planned evaluations on one worker, at most ``max_seconds`` [s]; None without a plan.
+    warnings
+        What in the measurements the model does not contain, and what to do, in sentences.
     """
 
     name: str
@@ -78,6 +81,7 @@ class CheckReport:
     planned_evaluations: int | None
     test_run: TestRunReport
     estimated_seconds: float | None
+    warnings: tuple[str, ...] = ()
 
 
 def check_problem(
@@ -115,6 +119,7 @@ def check_problem(
         forward_model=problem.forward_model.kind,
         method=problem.method.kind,
         free_parameters=problem.free_names,
+        warnings=tuple(found.sentence for found in find_consolidation(problem)),
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
         test_run=_report(run, problem, problem.values(point.tolist())),

@@ -13,6 +13,8 @@ VERDICTS = {
     "in_combination": "only in combination",
     "not_identified": "not identified",
     "undecided": "undecided",
+    "lack_of_fit": "the model does not fit",
+    "error_not_met": "stated error not met",
 }
 """Kind of verdict -> words."""
 

@@ -11,7 +11,7 @@ import click
 from geoswarm.cli.failures import FailedRunError
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
-from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number
 
 if TYPE_CHECKING:
     from geoswarm.solver.check import CheckReport
@@ -60,10 +60,17 @@ def _show(problem: Problem, check: CheckReport) -> None:
             "forward model": check.forward_model,
             "method": check.method.replace("_", " "),
             "free parameters": ", ".join(check.free_parameters),
-            "measured points": str(check.data_points),
+            "measured points": f"{check.data_points}{_left_out(problem)}",
             "test run": f"{run.state} in {duration(run.seconds)}",
             "objective there": with_unit(number(run.objective), objective_unit(problem)),
             "cost": cost,
         },
     )
+    for warning in check.warnings:
+        note(f"Warning: {warning}")
     echo_table("Test run", ("parameter", "", "value", "unit"), parameter_rows(problem, run.parameters), right=(2,))
+
+
+def _left_out(problem: Problem) -> str:
+    count = sum(observation.left_out for observation in problem.observations)
+    return f" ({count} more take no part)" if count else ""

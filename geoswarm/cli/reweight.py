@@ -22,8 +22,9 @@ __all__ = ["reweight_command"]
 @click.option("--weight", "weights", multiple=True, metavar="SERIES=WEIGHT", help="New weight w of a series.")
 @click.option(
     "--weighting",
-    type=click.Choice(("by_error", "by_count", "by_range")),
-    help="Scheme that chooses the weights: precision of the readings, number of readings, range of the readings.",
+    type=click.Choice(("by_error", "by_count", "by_range", "by_spread")),
+    help="Scheme that chooses the weights: precision, number or range of the readings of a series; by_spread: of "
+    "the points, by the spread of the residuals.",
 )
 @noise_option
 @click.option(

@@ -11,6 +11,7 @@ import click
 
 from geoswarm.cli.failures import BadInputError, FailedRunError
 from geoswarm.cli.figures import figures_missing
+from geoswarm.cli.fit import show_fit
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.identifiability.polish import Polished
     from geoswarm.solver.local import CalibrationResult, GenerationRecord
     from geoswarm.solver.problem import Problem
+    from geoswarm.solver.report import Report
 
 __all__ = ["run_command"]
 
@@ -71,10 +73,14 @@ def run_command(
     compile_seconds = ready(loaded)
     with _reporting(loaded) as on_generation:
         result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer)
-    written = [] if output is None else write_output(loaded, result, output, figures=not without_figures)
+    written, report = (
+        ([], None) if output is None else write_output(loaded, result, output, figures=not without_figures)
+    )
+    fit = _fit(loaded, result, report)
     if as_json:
-        echo_json(_summary(result) | {"compile_seconds": compile_seconds})
+        echo_json(_summary(result) | {"compile_seconds": compile_seconds, "fit": fit})
     elif result.state == "finished":
+        show_fit(fit)
         show_result(loaded, result)
     if output is not None and not as_json:
         echo_facts(None, {"written to": str(output), "files": _listed(written)})
@@ -102,6 +108,24 @@ def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
             raise BadInputError(f"--warm-start: {folder} {offer}")
         offers.append(offer)
     return best_of(problem, offers)
+
+
+def _fit(problem: Problem, result: CalibrationResult, report: Report | None) -> dict[str, Any] | None:
+    """The verdict on the fit: that of the report, else from the runs of the search; None where nothing succeeded."""
+    from geoswarm.solver.calibration import Calibration
+    from geoswarm.solver.identifiability import Samples
+    from geoswarm.solver.identifiability.follow_ups import follow_up_of
+    from geoswarm.solver.identifiability.stored_fit import fit_of_samples
+    from geoswarm.solver.report.jsonable import jsonable
+
+    if result.best is None or follow_up_of(problem) is not None:
+        return None
+    if report is not None and report.statistics is not None:
+        found = report.statistics.fit
+    else:
+        found = fit_of_samples(Calibration(problem, result.seed), Samples.from_result(problem, result))
+    document: dict[str, Any] = jsonable(found.to_json())
+    return document
 
 
 def _summary(result: CalibrationResult) -> dict[str, Any]:
@@ -152,8 +176,10 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
             raise
 
 
-def write_output(problem: Problem, result: CalibrationResult, folder: Path, *, figures: bool) -> list[Path]:
-    """Write all files of a result; without ``figures`` the tables only."""
+def write_output(
+    problem: Problem, result: CalibrationResult, folder: Path, *, figures: bool
+) -> tuple[list[Path], Report | None]:
+    """Write all files of a result; without ``figures`` the tables only, and no report."""
     from geoswarm.solver import report
 
     names = ("result.json", "problem.json", "evaluations.csv", "generations.csv", "responses.npz")
@@ -164,12 +190,12 @@ def write_output(problem: Problem, result: CalibrationResult, folder: Path, *, f
     report.write_generations(written[3], problem, result)
     report.write_responses(written[4], problem, result)
     if not figures:
-        return written
+        return written, None
     made = report.report_of_result(problem, result)
     if made.optimum is not None:
         report.write_result(written[0], problem, result, made.optimum)
         _tell_polished(problem, made.optimum.polished)
-    return written + made.save(folder)
+    return written + made.save(folder), made
 
 
 def _tell_polished(problem: Problem, polished: Polished) -> None:
@@ -194,7 +220,7 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
     unit = objective_unit(problem)
     echo_table(
         problem.name,
-        ("parameter", "", "identified", "lower", "upper", "initial", "scale", "unit"),
+        ("parameter", "", "best fit", "lower", "upper", "initial", "scale", "unit"),
         _parameter_rows(problem, result.parameters),
         right=(2, 3, 4, 5),
     )

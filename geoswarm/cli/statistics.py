@@ -11,6 +11,7 @@ import click
 
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.fit import show_fit
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
 from geoswarm.cli.source import as_folder, known_noise, noise_option, threshold_check
@@ -83,6 +84,7 @@ def statistics_command(
 def _show(name: str, found: Mapping[str, Any]) -> None:
     samples, threshold = found["samples"], found["threshold"]
     click.secho(name, bold=True)
+    show_fit(found["fit"])
     for verdict in found["verdicts"]:
         click.echo(f"  {verdict['sentence']}")
     rows = [
@@ -115,7 +117,10 @@ def _show(name: str, found: Mapping[str, Any]) -> None:
         "failed": str(samples["failed"]),
     }
     echo_facts(None, facts)
+    told = "" if found["fit"]["kind"] == "describes" else found["fit"]["sentence"]
     for warning in found["warnings"]:
+        if told and warning.startswith(told):
+            continue
         note(f"Warning: {warning}")
 
 

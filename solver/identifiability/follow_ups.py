@@ -19,8 +19,11 @@ from geoswarm.solver.follow_up import profile_search, sensitivity_search
 from geoswarm.solver.identifiability.differences import residual_rows
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.sensitivity import Linearisation, from_evaluations
+from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.problem import (
     FollowUpMethod,
     MonteCarloMethod,
@@ -67,6 +70,8 @@ class Findings:
         Why something could not be had, in sentences.
     responses
         Calculated values there, by series, base units; empty without a linearisation.
+    fit
+        Whether the model describes the data; None where nothing was evaluated at an optimum.
     """
 
     linearisation: Linearisation | None = None
@@ -76,10 +81,12 @@ class Findings:
     global_sensitivities: tuple[GlobalSensitivity, ...] = ()
     notes: tuple[str, ...] = ()
     responses: Mapping[str, FloatArray] = field(default_factory=dict)
+    fit: FitVerdict | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
         return {
+            "fit": None if self.fit is None else self.fit.to_json(),
             "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
             "objective": self.objective,
             "start_objective": self.start_objective,
@@ -218,7 +225,7 @@ def findings_of(
     if isinstance(method, SensitivityMethod):
         return _sensitivity(calibration, method, evaluations, noise, level)
     if isinstance(method, ProfileMethod):
-        return _profiles(calibration, method, evaluations)
+        return _profiles(calibration, method, evaluations, noise)
     return _indices(calibration, evaluations)
 
 
@@ -250,10 +257,15 @@ def _sensitivity(
         if noise is not None:
             raise
         return Findings(start_objective=start, notes=(str(error),))
-    return Findings(found, last[0].objective, start, responses=dict(last[0].responses))
+    return Findings(found, last[0].objective, start, responses=dict(last[0].responses), fit=found.fit)
 
 
-def _profiles(calibration: Calibration, method: ProfileMethod, evaluations: Sequence[Evaluation]) -> Findings:
+def _profiles(
+    calibration: Calibration,
+    method: ProfileMethod,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+) -> Findings:
     search = profile_search(calibration.space, method)
     position = 0
     while (due := search.ask()) is not None and position + len(due) <= len(evaluations):
@@ -264,7 +276,9 @@ def _profiles(calibration: Calibration, method: ProfileMethod, evaluations: Sequ
         notes.append(f"the evaluation of the optimum failed ({evaluations[0].reason}): {evaluations[0].message}")
     elif not search.finished:
         notes.append("the profiles are not complete yet")
-    return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes))
+    samples = Samples.from_evaluations(calibration.problem, evaluations)
+    fit = None if search.objective is None else fit_of_samples(calibration, samples, noise=noise)
+    return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes), fit=fit)
 
 
 def _indices(calibration: Calibration, evaluations: Sequence[Evaluation]) -> Findings:
@@ -309,4 +323,5 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         tuple(indices.values()),
         tuple(notes),
         with_optimum.responses,
+        with_optimum.fit or next((part.fit for part in parts if part.fit is not None), None),
     )

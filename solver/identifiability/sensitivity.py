@@ -12,15 +12,16 @@ that singular values compare what a move through the whole searched range would 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.combinations import Combination, Directions, find_directions
+from geoswarm.solver.identifiability.dependence import Dependence, dependence_of, noise_root
 from geoswarm.solver.identifiability.differences import (
     DifferenceDesign,
     Jacobian,
@@ -28,12 +29,14 @@ from geoswarm.solver.identifiability.differences import (
     design,
     differentiate,
 )
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict, examine_fit, is_exact
 from geoswarm.solver.identifiability.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
 
 _FAR = 0.2
+_AT_BOUND = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +84,10 @@ class Linearisation:
     profile_increase
         How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
         without one, by the mean noise variance of the weighted points. nan without noise.
+    fit
+        Whether the model describes the data; where it does not, no interval holds.
+    dependence
+        Series whose residuals are correlated, or of uneven size; intervals allow for it.
     """
 
     names: tuple[str, ...]
@@ -101,6 +108,8 @@ class Linearisation:
     derivative_error: float
     distance: FloatArray
     profile_increase: FloatArray
+    fit: FitVerdict
+    dependence: tuple[Dependence, ...] = ()
 
     @property
     def at_optimum(self) -> bool:
@@ -190,6 +199,8 @@ class Linearisation:
             "distance": [_number(v) for v in self.distance],
             "at_optimum": self.at_optimum,
             "held": dict(self.held),
+            "fit": self.fit.to_json(),
+            "dependence": [asdict(one) | {"sentence": one.sentence} for one in self.dependence],
         }
 
 
@@ -249,10 +260,30 @@ def linearise(
     noise_level = 0.0 if estimate is None else float(np.sqrt(_mean_variance(calibration, weights, estimate)))
     unclear = found.unclear(calibration.free_names, noise_level)
     step = minimising_step(weighted, residuals, found, calibration.space.to_unit(jacobian.optimum))
-    spread = _Spread.of(calibration, weighted, weights, step, found, estimate, level)
+    inner = _inner(calibration, jacobian.optimum)
+    fit = examine_fit(
+        calibration,
+        jacobian.responses,
+        {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
+        None if stated is None else stated.deviations,
+    )
+    dependence = _dependence(calibration, jacobian, residuals, weights, found, fit)
+    spread = _Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence)
     if unclear:
         spread = spread.without_intervals()
-    return _assemble(calibration, jacobian, found, estimate, level, spread, step, unclear, int((weights > 0).sum()))
+    return _assemble(
+        calibration,
+        jacobian,
+        found,
+        estimate,
+        level,
+        spread,
+        step,
+        unclear,
+        int((weights > 0).sum()),
+        fit,
+        tuple(one for one, _ in dependence),
+    )
 
 
 def _variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> FloatArray:
@@ -268,6 +299,36 @@ def _variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> F
 
 def _mean_variance(calibration: Calibration, weights: FloatArray, noise: Noise) -> float:
     return float(_variances(calibration, weights, noise).sum() / max(int((weights > 0).sum()), 1))
+
+
+def _dependence(
+    calibration: Calibration,
+    jacobian: Jacobian,
+    residuals: FloatArray,
+    weights: FloatArray,
+    found: Directions,
+    fit: FitVerdict,
+) -> list[tuple[Dependence, IntArray]]:
+    """Series whose residuals are correlated or of uneven size, and their readings in the order of x."""
+    departing = []
+    start = 0
+    patterned = {m.series for m in fit.misfits if m.reason == "pattern"}
+    for o in calibration.objective.observed:
+        places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
+        places = places[np.argsort(o.x[places - start], kind="stable")]
+        start += o.y.size
+        if is_exact(o, jacobian.responses[o.series] - o.y):
+            continue
+        one = dependence_of(o.series, residuals[places], found.basis[places], o.series in patterned)
+        if one is not None:
+            departing.append((one, places))
+    return departing
+
+
+def _inner(calibration: Calibration, optimum: FloatArray) -> BoolArray:
+    """Parameters that do not lie at a bound, shape (d,): only they were fitted."""
+    unit = calibration.space.to_unit(optimum)
+    return np.asarray((unit > _AT_BOUND) & (unit < 1.0 - _AT_BOUND))
 
 
 def _blocks(leverage: FloatArray, sizes: Sequence[int]) -> list[float]:
@@ -291,23 +352,28 @@ class _Spread:
         calibration: Calibration,
         weighted: FloatArray,
         weights: FloatArray,
+        residuals: FloatArray,
         step: MinimisingStep,
         found: Directions,
         noise: Noise | None,
         level: float,
+        dependence: list[tuple[Dependence, IntArray]],
     ) -> _Spread:
         dimension = weighted.shape[1]
         nothing = np.full(dimension, np.nan)
         covariance = np.full((dimension, dimension), np.nan)
         if noise is None:
             return cls(covariance, nothing, nothing, nothing, nothing)
-        quantile = _quantile(level, noise)
+        lost = sum(one.readings - one.effective for one, _ in dependence)
+        quantile = _quantile(level, noise, lost)
         variances = _variances(calibration, weights, noise)
         mean_variance = _mean_variance(calibration, weights, noise)
         # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
         inverse = found.inverse(weighted)
         scaled = inverse * np.sqrt(variances)
         full, curvature = scaled @ scaled.T, inverse @ inverse.T
+        if dependence:
+            full = noise_root(inverse, np.sqrt(variances), residuals, found.leverage, dependence)
         deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
         half = quantile * deviations
         half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
@@ -337,6 +403,8 @@ def _assemble(
     step: MinimisingStep,
     unclear: tuple[str, ...],
     points: int,
+    fit: FitVerdict,
+    dependence: tuple[Dependence, ...],
 ) -> Linearisation:
     space = calibration.space
     span = space.search_upper - space.search_lower
@@ -370,13 +438,16 @@ def _assemble(
         derivative_error=found.derivative_error,
         distance=spread.distance,
         profile_increase=spread.profile_increase,
+        fit=fit,
+        dependence=dependence,
     )
 
 
-def _quantile(level: float, noise: Noise) -> float:
+def _quantile(level: float, noise: Noise, lost: float) -> float:
+    """Student's, whose degrees of freedom are fewer by those that correlated readings lose; normal for known noise."""
     if np.isinf(noise.degrees_of_freedom):
         return float(ndtri(0.5 + level / 2.0))
-    return float(stdtrit(noise.degrees_of_freedom, 0.5 + level / 2.0))
+    return float(stdtrit(max(noise.degrees_of_freedom - lost, 2.0), 0.5 + level / 2.0))
 
 
 def _number(value: float) -> float | None:

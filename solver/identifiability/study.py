@@ -13,11 +13,13 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.basins import OtherFit, equivalent_objective, other_fits
 from geoswarm.solver.identifiability.correlations import Correlations, correlate
 from geoswarm.solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.noise import known_noise, noise_objective, problem_noise
 from geoswarm.solver.identifiability.projections import Projection, project
 from geoswarm.solver.identifiability.residuals import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.sensitivity import Linearisation
+from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.verdicts import Verdict, judge
 from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
 
@@ -86,6 +88,8 @@ class Statistics:
         Share of each series in the objective of the best sample.
     warnings
         What to be careful about, in sentences.
+    fit
+        Whether the model describes the data at all: it stands before the verdicts.
     residuals_at_optimum
         The residuals are those of a polished optimum, not of the best sample.
     """
@@ -101,6 +105,7 @@ class Statistics:
     residuals: tuple[SeriesResiduals, ...]
     weights: tuple[SeriesWeight, ...]
     warnings: tuple[str, ...]
+    fit: FitVerdict
     residuals_at_optimum: bool = False
 
     def verdict(self, parameter: str) -> Verdict:
@@ -119,6 +124,7 @@ class Statistics:
                 "kept": filtered.kept,
                 "kept_unbiased": filtered.kept_unbiased,
             },
+            "fit": self.fit.to_json(),
             "threshold": asdict(filtered.threshold),
             "correlations": [_correlation_json(c) for c in (self.pearson, self.pearson_search, self.spearman)],
             "projections": [_projection_json(projection) for projection in self.projections],
@@ -182,7 +188,12 @@ def analyse(
     at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
-    warnings = [warning for r in residuals for warning in r.warnings]
+    fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
+    warnings = [] if fit.kind in ("describes", "lack_of_fit") else [w for r in residuals for w in r.warnings]
+    if linearisation is not None:
+        warnings = [*(one.sentence for one in linearisation.dependence), *warnings]
+    if fit.kind != "describes":
+        warnings.insert(0, " ".join((fit.sentence, *fit.remedies)))
     if linearisation is not None and not linearisation.at_optimum:
         far = linearisation.far
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
@@ -208,11 +219,12 @@ def analyse(
         pearson_search=pearson_search,
         spearman=correlate(filtered.samples, method="spearman"),
         projections=projections,
-        verdicts=judge(samples, filtered, projections, linearisation, others),
+        verdicts=judge(samples, filtered, projections, linearisation, others, fit),
         linearisation=linearisation,
         residuals=residuals,
         weights=shares(calibration.problem, misfits) if misfits else (),
         warnings=tuple(warnings),
+        fit=fit,
         residuals_at_optimum=bool(at_optimum),
     )
 

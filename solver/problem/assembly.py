@@ -99,7 +99,7 @@ class _Assembly:
         spec, model = self._forward_model()
         parameters, complete = self._parameters()
         constraints = self._constraints(settings, parameters, complete)
-        observations = self._weighted(settings, self._observations(model))
+        observations = self._weighted(settings, self._observations(spec, model))
         if model is not None and parameters:
             declared = self.document["parameters"]
             self.issues += check_against_model(parameters, declared, model, self._kind)
@@ -250,7 +250,7 @@ class _Assembly:
             constraints.append(expression)
         return tuple(constraints)
 
-    def _observations(self, model: ForwardModel | None) -> tuple[Observation, ...]:
+    def _observations(self, spec: ForwardModelSpec | None, model: ForwardModel | None) -> tuple[Observation, ...]:
         sections = self.document.get("observations", [])
         if not isinstance(sections, list) or not 1 <= len(sections) <= _MOST_OBSERVATIONS:
             if "observations" in self.document:
@@ -267,9 +267,9 @@ class _Assembly:
             self.issues += found
             if points is not None and not found:
                 complete.append((path, checked, points))
-        if model is None:
+        if model is None or spec is None:
             return ()
-        observations, found = build_observations(complete, model, self._kind)
+        observations, found = build_observations(complete, model, spec)
         self.issues += found or _preparation_issues(model, observations)
         return observations
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.forward.base import ForwardModel, SeriesInfo
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
 from geoswarm.solver.problem.issues import did_you_mean, number
 from geoswarm.solver.problem.sections import ObservationSection
+from geoswarm.solver.problem.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.tables import TableError, read_table
 from geoswarm.solver.problem.units import UnitError, convert
 
@@ -50,7 +52,11 @@ class Observation:
     x_unit, y_unit
         Units of ``points``; None stands for the base unit.
     points
-        The points as the user gave them.
+        The points as the user gave them, those that take no part, too.
+    chosen
+        Which of ``points`` take part, shape (k,), m of them; None for all.
+    selection
+        What the user left out and how: x_from, x_to, stage_x_from, leave_out_stages, as far as given.
     given_weight
         Weight as the user gave it.
     error, given_error
@@ -68,6 +74,8 @@ class Observation:
     given_weight: float
     error: float | None = None
     given_error: float | None = None
+    chosen: BoolArray | None = None
+    selection: Mapping[str, Any] = field(default_factory=dict)
 
     def document(self) -> dict[str, Any]:
         """The observation's section in the canonical form, points inlined."""
@@ -78,7 +86,25 @@ class Observation:
             **{name: unit for name, unit in units.items() if unit is not None},
             "weight": self.given_weight,
             **({} if self.given_error is None else {"error": self.given_error}),
+            **self.selection,
         }
+
+    @property
+    def left_out(self) -> int:
+        """Number of points that take no part."""
+        return 0 if self.chosen is None else int((~self.chosen).sum())
+
+    def chosen_points(self) -> Points:
+        """The points that take part, in the user's units."""
+        if self.chosen is None:
+            return self.points
+        kept = np.flatnonzero(self.chosen).tolist()
+        weight = self.points.weight
+        return Points(
+            [self.points.x[i] for i in kept],
+            [self.points.y[i] for i in kept],
+            None if weight is None else [weight[i] for i in kept],
+        )
 
 
 def read_points(section: ObservationSection, path: str, folder: Path | None) -> tuple[Points | None, list[Issue]]:
@@ -130,9 +156,10 @@ def _weight_issues(points: Points, path: str) -> list[Issue]:
 
 
 def build_observations(
-    sections: list[tuple[str, ObservationSection, Points]], model: ForwardModel, kind: str
+    sections: list[tuple[str, ObservationSection, Points]], model: ForwardModel, spec: ForwardModelSpec
 ) -> tuple[tuple[Observation, ...], list[Issue]]:
     """Check sections (path, section, points) against the model's series and convert them."""
+    kind = spec.kind
     infos = {info.name: info for info in model.series}
     observations: list[Observation] = []
     issues: list[Issue] = []
@@ -153,7 +180,7 @@ def build_observations(
             issues.append(Issue(f"{path}.series", message))
             continue
         seen[name] = path
-        observation, found = _build(path, section, points, infos[name])
+        observation, found = _build(path, section, points, infos[name], spec)
         issues += found
         if observation is not None:
             observations.append(observation)
@@ -163,7 +190,7 @@ def build_observations(
 
 
 def _build(
-    path: str, section: ObservationSection, points: Points, info: SeriesInfo
+    path: str, section: ObservationSection, points: Points, info: SeriesInfo, spec: ForwardModelSpec
 ) -> tuple[Observation | None, list[Issue]]:
     issues: list[Issue] = []
     converted = []
@@ -182,11 +209,18 @@ def _build(
     if issues:
         return None, issues
     x, y = converted
+    chosen, issues = chosen_points(section, path, x, info, spec)
+    if issues:
+        return None, issues
+    kept = np.flatnonzero(chosen)
     place = f"{path}.points.x" if section.points is not None else f"{path}.file"
-    x, message = _checked_x(x, points.x, section.x_unit or info.x_unit, info)
+    x, message = _checked_x(x[kept], points.x, kept, section.x_unit or info.x_unit, info)
     if message is not None:
         return None, [Issue(place, message)]
-    weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)
+    y = y[kept]
+    weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)[kept]
+    if not weights.any():
+        return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
     for array in (x, y, weights):
         array.flags.writeable = False
     deviation = section.error
@@ -206,16 +240,23 @@ def _build(
             given_weight=section.weight,
             error=deviation,
             given_error=section.error,
+            chosen=None if chosen.all() else chosen,
+            selection={name: getattr(section, name) for name in SELECTION if getattr(section, name) not in (None, [])},
         ),
         [],
     )
 
 
-def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -> tuple[FloatArray, str | None]:
-    """Points x fit for the series, or what is wrong with them; messages show x as the user ``given`` it in ``unit``."""
+def _checked_x(
+    x: FloatArray, given: list[float], kept: IntArray, unit: str, info: SeriesInfo
+) -> tuple[FloatArray, str | None]:
+    """Points x fit for the series, or what is wrong with them.
+
+    Messages show x as the user ``given`` it in ``unit``; ``kept`` are the places of x, shape (m,), in it.
+    """
 
     def shown(index: int) -> str:
-        return f"x = {number(given[index])}{_suffix(unit)} (point {index + 1})"
+        return f"x = {number(given[kept[index]])}{_suffix(unit)} (point {kept[index] + 1})"
 
     if info.x_integer:
         whole = np.round(x)

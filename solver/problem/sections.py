@@ -97,6 +97,17 @@ class ObservationSection(Section):
     y_unit: str | None = Field(None, description="unit of y in the data; the series' base unit if absent")
     weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
     error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
+    x_from: float | None = Field(None, description="points of a smaller x, in x_unit, take no part")
+    x_to: float | None = Field(None, description="points of a larger x, in x_unit, take no part")
+    stage_x_from: float | None = Field(
+        None,
+        ge=0,
+        description="of a test in stages: readings sooner after their load than this, in x_unit, take no part (those "
+        "before the end of primary consolidation, which the soil laws do not contain)",
+    )
+    leave_out_stages: list[Annotated[int, Field(ge=1)]] = Field(
+        default=[], max_length=1000, description="numbers of stages, from 1, whose readings take no part"
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> ObservationSection:

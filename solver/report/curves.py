@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.problem import Observation, Problem
+from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.problem.units import convert
 
 __all__ = [
@@ -144,17 +144,8 @@ def load_times(problem: Problem, series: str) -> FloatArray:
 
     Empty for every other series. Times count from the series' zero; loads before it are left out.
     """
-    spec: Any = problem.forward_model
-    part, dot, inner = series.partition(".")
-    if dot and hasattr(spec, "parts"):
-        spec, series = spec.parts[part], inner
-    stages = getattr(spec, "stages", ())
-    if not stages or series.startswith("stage_"):
-        return np.empty(0)
-    durations = np.array([stage.duration for stage in stages])
-    starts = np.concatenate([[0.0], np.cumsum(durations)[:-1]])
-    starts = starts - starts[getattr(spec, "zero_at_stage", 1) - 1]
-    return np.asarray(starts[starts >= 0.0], dtype=np.float64)
+    starts = stage_times(problem.forward_model, series)
+    return np.asarray(starts[starts >= 0.0])
 
 
 def _calculate(
