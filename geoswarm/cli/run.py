@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,6 +13,7 @@ from geoswarm.cli.failures import BadInputError, FailedRunError
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.progress import progress_bar
+from geoswarm.cli.run_folder import kept, open_folder, show_finished, summary, write_output
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
@@ -42,13 +43,22 @@ __all__ = ["run_command"]
     metavar="DIR",
     help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
 )
+@click.option("--resume", is_flag=True, help="Go on with the run that was cut off in the folder of --output.")
 @json_option
 def run_command(
-    problem: Path, workers: int, output: Path | None, seed: int | None, earlier: tuple[Path, ...], as_json: bool
+    problem: Path,
+    workers: int,
+    output: Path | None,
+    seed: int | None,
+    earlier: tuple[Path, ...],
+    resume: bool,
+    as_json: bool,
 ) -> None:
     """Calibrate a problem to its end, with figures and tables.
 
-    The number of workers changes the time, never the result. Exit code 1 when no forward run succeeded.
+    The number of workers changes the time, never the result. With --output every forward run is kept as it finishes:
+    after Ctrl-C, a full disk or a crash the same command with --resume goes on to the same result. Exit code 1 when no
+    forward run succeeded.
     """
     from geoswarm.solver.local import calibrate
     from geoswarm.solver.problem import load_problem
@@ -57,18 +67,25 @@ def run_command(
     loaded = load_problem(problem)
     if loaded.limits != Limits():
         click.echo("note: limits hold in the service only; here a run that hangs must be ended by hand", err=True)
-    if output is not None:
-        _make_folder(output)
+    if resume and output is None:
+        raise BadInputError("--resume needs --output DIR, the folder of the run that was cut off")
     offer = _offer(loaded, earlier) if earlier else None
-    with _reporting(loaded) as on_generation:
-        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer)
-    written = [] if output is None else write_output(loaded, result, output)
+    folder = None if output is None else open_folder(output, loaded, seed, offer, resume)
+    if output is not None and folder is None:
+        show_finished(output, loaded, as_json)
+        return
+    seed = seed if folder is None else folder.run.seed
+    with kept(folder, problem), _reporting(loaded) as on_generation:
+        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer, keeper=folder)
     if as_json:
-        echo_json(_summary(result))
+        echo_json(summary(result))
     elif result.state == "finished":
         show_result(loaded, result)
-    if output is not None and not as_json:
-        echo_facts(None, {"written to": str(output), "files": _listed(written)})
+    if folder is not None:
+        with kept(folder, problem):
+            written = write_output(loaded, result, folder)
+        if not as_json:
+            echo_facts(None, {"written to": str(output), "files": _listed(written)})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
 
@@ -95,32 +112,12 @@ def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
     return best_of(problem, offers)
 
 
-def _summary(result: CalibrationResult) -> dict[str, Any]:
-    return {
-        "state": result.state,
-        "stop_reasons": list(result.stop_reasons),
-        "objective": result.objective,
-        "parameters": result.parameters,
-        "evaluations": result.evaluations,
-        "generations": result.generations,
-        "seconds": result.seconds,
-        "seed": result.seed,
-    }
-
-
 def _listed(files: list[Path]) -> str:
     """File names, the forms of one figure together: fit.png/svg/csv."""
     forms: dict[str, list[str]] = {}
     for file in files:
         forms.setdefault(file.stem, []).append(file.suffix[1:])
     return ", ".join(f"{stem}.{'/'.join(suffixes)}" for stem, suffixes in forms.items())
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BadInputError(f"--output {folder}: {error.strerror}") from error
 
 
 @contextmanager
@@ -141,23 +138,6 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
                 best = ", ".join(f"{name} = {number(value, 5)}" for name, value in last[0].parameters.items())
                 note(f"Best after {last[0].evaluations} evaluations: objective {number(last[0].objective)} at {best}")
             raise
-
-
-def write_output(problem: Problem, result: CalibrationResult, folder: Path) -> list[Path]:
-    """Write all files of a result; without matplotlib the tables only, with a note on stderr."""
-    from geoswarm.solver import report
-
-    names = ("result.json", "problem.json", "evaluations.csv", "generations.csv", "responses.npz")
-    written = [folder / name for name in names]
-    report.write_result(written[0], problem, result)
-    report.write_problem(written[1], problem, result.seed)
-    report.write_evaluations(written[2], problem, result)
-    report.write_generations(written[3], problem, result)
-    report.write_responses(written[4], problem, result)
-    if not report.figures_available():
-        note("Note: no report and no figures, because matplotlib is not installed: pip install 'geoswarm[plots]'")
-        return written
-    return written + report.report_of_result(problem, result).save(folder)
 
 
 def show_result(problem: Problem, result: CalibrationResult) -> None:
