@@ -29,7 +29,7 @@ A problem says what to calculate, what to identify, what was measured, how to se
 - YAML is read as YAML 1.2 (`1e-7` is a number, `yes` is text); a key that is given twice is an error.
 - Numbers are numbers: `"3"` and `true` are refused where a number is wanted, and so are NaN and infinity.
 - Every mistake is reported with its path, such as `parameters.c.lower`, and all of them at once.
-- A problem file has at most {yaml_size} MB as YAML and {json_size} MB as JSON, a CSV file {table_size} MB,
+- A problem file has at most {yaml_size} MB as YAML and {json_size} MB as JSON, a CSV or XLSX file {table_size} MB,
   an expression {length} characters.
 """
 
@@ -70,12 +70,19 @@ further part of `kind: combined`. Objectives are in the series' base units squar
 Inside, units are kN, m, day and degree. `x_unit` and `y_unit` name the units of the data and may be any unit of the
 right dimension: `s`, `min`, `h`, `day`, `um`, `mm`, `cm`, `m`, `Pa`, `kPa`, `MPa`, `bar`, `kN/m^2`, `%` ...
 
-### CSV files
+Without them the unit in a heading holds, such as `settlement [mm]` or `time in min`, or in a comment (`# x in min, y
+in mm`); without that, the series' base unit.
 
-The first line that is neither empty nor a `#` comment is the header. It names the columns `x`, `y` and, if wanted,
-`weight`, in any order and in upper or lower case; other columns are ignored. Columns of other names are given by
-`x_column`, `y_column` and `weight_column`. Columns are separated by comma, semicolon or tab; next to semicolons or
-tabs, and in quotes, numbers may have a decimal comma. The file's path is relative to the problem file.
+### CSV and XLSX files
+
+The problem file, the command line and the form at `/new` read files alike. The first line of a CSV file that is
+neither empty nor a `#` comment is the header; in a workbook it is the line above the first row of numbers, of the
+first sheet with cells or of `sheet`. It names the columns `x`, `y` and, if wanted, `weight`, in any order and in
+upper or lower case; other columns are ignored. Columns of other names are given by `x_column`, `y_column` and
+`weight_column`, with or without the unit in the heading. A column of dates (`2024-03-01 08:30`, `01.03.2024 08:30`)
+can be x: days since `x_origin`, or since the first reading. Columns of a CSV file are separated by comma, semicolon
+or tab; next to semicolons or tabs, and in quotes, numbers may have a decimal comma. A row with more cells than
+headings is refused: a comma inside a number has split it. The file's path is relative to the problem file.
 """
 
 STOPPING = """\

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +11,12 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import ForwardModel, SeriesInfo
+from geoswarm.solver.problem.cells import moment_in
+from geoswarm.solver.problem.columns import Columns, Heading, read_table
 from geoswarm.solver.problem.issues import did_you_mean, number
 from geoswarm.solver.problem.sections import ObservationSection
-from geoswarm.solver.problem.tables import TableError, read_table
-from geoswarm.solver.problem.units import UnitError, convert
+from geoswarm.solver.problem.tables import TableError
+from geoswarm.solver.problem.units import UnitError, convert, same_unit
 
 __all__ = ["Observation", "Points", "build_observations", "read_points"]
 
@@ -23,11 +25,16 @@ _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, re
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point."""
+    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point.
+
+    ``x_heading`` and ``y_heading`` are those of the file that they were read from.
+    """
 
     x: list[float]
     y: list[float]
     weight: list[float] | None = None
+    x_heading: Heading | None = field(default=None, compare=False)
+    y_heading: Heading | None = field(default=None, compare=False)
 
     def document(self) -> dict[str, list[float]]:
         """The ``points`` section."""
@@ -99,10 +106,12 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         )
         return None, [Issue(f"{path}.file", message)]
     try:
-        table = read_table(folder / section.file, section.x_column, section.y_column, section.weight_column)
+        origin = None if section.x_origin is None else moment_in(section.x_origin)
+        wanted = Columns(section.x_column, section.y_column, section.weight_column, section.sheet, origin)
+        table = read_table(folder / section.file, wanted)
     except TableError as error:
         return None, [Issue(f"{path}.file", message) for message in error.messages]
-    points = Points(table.x, table.y, table.weight)
+    points = Points(table.x, table.y, table.weight, table.x_heading, table.y_heading)
     return points, _weight_issues(points, f"{path}.file")
 
 
@@ -167,10 +176,16 @@ def _build(
 ) -> tuple[Observation | None, list[Issue]]:
     issues: list[Issue] = []
     converted = []
-    for axis, values, unit, base in (
-        ("x", points.x, section.x_unit, info.x_unit),
-        ("y", points.y, section.y_unit, info.y_unit),
+    units: dict[str, str | None] = {}
+    for axis, values, given, base, heading in (
+        ("x", points.x, section.x_unit, info.x_unit, points.x_heading),
+        ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
+        unit, wrong = _unit(axis, given, base, heading)
+        units[axis] = unit
+        if wrong is not None:
+            issues.append(Issue(f"{path}.{axis}_{'unit' if given else 'column'}", wrong))
+            continue
         try:
             array = np.array(values, dtype=np.float64) if unit is None else convert(values, unit, base)
         except UnitError as error:
@@ -183,15 +198,15 @@ def _build(
         return None, issues
     x, y = converted
     place = f"{path}.points.x" if section.points is not None else f"{path}.file"
-    x, message = _checked_x(x, points.x, section.x_unit or info.x_unit, info)
+    x, message = _checked_x(x, points.x, units["x"] or info.x_unit, info)
     if message is not None:
         return None, [Issue(place, message)]
     weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)
     for array in (x, y, weights):
         array.flags.writeable = False
     deviation = section.error
-    if deviation is not None and section.y_unit is not None:  # a difference: offsets of a unit do not matter
-        low, high = convert([0.0, deviation], section.y_unit, info.y_unit)
+    if deviation is not None and units["y"] is not None:  # a difference: offsets of a unit do not matter
+        low, high = convert([0.0, deviation], units["y"], info.y_unit)
         deviation = float(high - low)
     return (
         Observation(
@@ -200,8 +215,8 @@ def _build(
             y,
             weights,
             section.weight,
-            section.x_unit,
-            section.y_unit,
+            units["x"],
+            units["y"],
             points,
             given_weight=section.weight,
             error=deviation,
@@ -209,6 +224,28 @@ def _build(
         ),
         [],
     )
+
+
+def _unit(axis: str, given: str | None, base: str, heading: Heading | None) -> tuple[str | None, str | None]:
+    """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong."""
+    if heading is None or (heading.unit is None and not heading.dates):
+        return given, None
+    if heading.dates and given is not None and not same_unit(given, "day"):
+        message = f"column '{heading.name}' holds dates, which are read as days: leave {axis}_unit out, not {given}"
+        return given, message
+    if given is not None or heading.unit is None:
+        return given, None
+    try:
+        convert([1.0], heading.unit, base)
+    except UnitError:
+        if not heading.certain or same_unit(base, "1"):  # a formula without units takes the numbers as they are
+            return None, None
+        other = "series has" if axis == "y" else "series needs"
+        return (
+            None,
+            f"column '{heading.name}' is in {heading.unit}, but the {other} {base}; name another, or give {axis}_unit",
+        )
+    return heading.unit, None
 
 
 def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -> tuple[FloatArray, str | None]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.forward.registry import AnyForwardModelSpec
 from geoswarm.solver.problem.base import Section
+from geoswarm.solver.problem.cells import moment_in
 from geoswarm.solver.problem.follow_ups import FOLLOW_UPS, FollowUpMethod
 from geoswarm.solver.problem.running import Failures, Limits
 from geoswarm.solver.problem.weighting import Weighting
@@ -80,21 +81,40 @@ class PointsSection(Section):
     )
 
 
+def _moment(text: str) -> str:
+    if moment_in(text) is None:
+        raise PydanticCustomError("moment", "must be a date with or without time, such as 2024-03-01 08:30")
+    return text
+
+
+Moment: TypeAlias = Annotated[str, AfterValidator(_moment)]
+
+_OF_A_FILE = ("sheet", "x_column", "y_column", "weight_column", "x_origin")
+
+
 class ObservationSection(Section):
     """Measured points of one series."""
 
     series: str = Field(description="name of a series of the forward model")
     points: PointsSection | None = Field(None, description="the points themselves; give these or file")
     file: str | None = Field(
-        None, min_length=1, description="CSV file with columns x, y[, weight], relative to this file"
+        None, min_length=1, description="CSV or XLSX file with columns x, y[, weight], relative to this file"
     )
+    sheet: str | None = Field(None, min_length=1, description="sheet of an XLSX file; the first with cells if absent")
     x_column: str | None = Field(None, min_length=1, description="header of the file's x column, if it is not x")
     y_column: str | None = Field(None, min_length=1, description="header of the file's y column, if it is not y")
     weight_column: str | None = Field(
         None, min_length=1, description="header of the weight column, if it is not weight"
     )
-    x_unit: str | None = Field(None, description="unit of x in the data; the series' base unit if absent")
-    y_unit: str | None = Field(None, description="unit of y in the data; the series' base unit if absent")
+    x_origin: Moment | None = Field(
+        None, description='where x holds dates: the one at which x is 0 ("2024-03-01 08:30"); the first if absent'
+    )
+    x_unit: str | None = Field(
+        None, description="unit of x in the data; that of its heading, or the series' base unit, if absent"
+    )
+    y_unit: str | None = Field(
+        None, description="unit of y in the data; that of its heading, or the series' base unit, if absent"
+    )
     weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
     error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
 
@@ -103,7 +123,7 @@ class ObservationSection(Section):
         if (self.points is None) == (self.file is None):
             given = "both are given" if self.file else "none is given"
             raise PydanticCustomError("one_source", "give either points or file; {given}", {"given": given})
-        columns = [name for name in ("x_column", "y_column", "weight_column") if getattr(self, name) is not None]
+        columns = [name for name in _OF_A_FILE if getattr(self, name) is not None]
         if self.file is None and columns:
             raise PydanticCustomError(
                 "columns", "{columns} can only be given with file", {"columns": ", ".join(columns)}

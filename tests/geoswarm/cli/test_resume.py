@@ -80,7 +80,12 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
 
     runs: list[int] = []
     evaluate = Calibration.evaluate
-    monkeypatch.setattr(Calibration, "evaluate", lambda self, x: (runs.append(1), evaluate(self, x))[1])
+
+    def counted(self: Calibration, parameters: Any) -> Any:
+        runs.append(1)
+        return evaluate(self, parameters)
+
+    monkeypatch.setattr(Calibration, "evaluate", counted)
     assert main(["run", problem, "--output", str(output), "--resume"]) == 0
     assert "going on after 20 runs" in capsys.readouterr().err
     assert len(runs) == 20  # of 40: no run is done twice
