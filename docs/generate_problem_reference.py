@@ -222,7 +222,10 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
             what = f"{each} of `{used_by}`" if law is None else f"An entry of `{used_by}` with law `{law}`"
             parts += [f"{what}: {first_line(definition)}", fields(definition, definitions)]
     if kind == "formula":
-        parts.append("Every name in an expression other than `x` is a parameter, without limits.")
+        parts.append(
+            "Every name in an expression other than `x` is a parameter, without limits, or a further quantity that was "
+            "measured at the points: `inputs: {T: temperature}` in the observation of the series names its column."
+        )
     elif kind == "combined":
         parts.append(
             "Series are named `part.series`. Parts share parameters by name; a parameter `part.name` is the value for "

@@ -55,7 +55,7 @@ def create_command(
         echo_json({"key": key} | jsonable(view))
         return
     click.echo(key)
-    note("Keep it now: it is not shown again. A service that was started without keys asks for one after a restart.")
+    note("Keep it now: it is not shown again. A service on this database asks for a key from now on.")
 
 
 @keys_command.command("list")

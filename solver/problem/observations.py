@@ -27,19 +27,22 @@ _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, re
 class Points:
     """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point.
 
-    ``x_heading`` and ``y_heading`` are those of the file that they were read from.
+    ``inputs`` are further quantities at the points, by name. ``x_heading`` and ``y_heading`` are those of the file that
+    they were read from.
     """
 
     x: list[float]
     y: list[float]
     weight: list[float] | None = None
+    inputs: dict[str, list[float]] = field(default_factory=dict)
     x_heading: Heading | None = field(default=None, compare=False)
     y_heading: Heading | None = field(default=None, compare=False)
 
-    def document(self) -> dict[str, list[float]]:
+    def document(self) -> dict[str, Any]:
         """The ``points`` section."""
         lists = {"x": self.x, "y": self.y} | ({} if self.weight is None else {"weight": self.weight})
-        return {name: [float(value) for value in values] for name, values in lists.items()}
+        document: dict[str, Any] = {name: [float(value) for value in values] for name, values in lists.items()}
+        return document | ({"inputs": self.inputs} if self.inputs else {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,6 +65,8 @@ class Observation:
         Weight as the user gave it.
     error, given_error
         Standard deviation of a reading in the base unit and as the user gave it; None when it is not known.
+    inputs
+        Further quantities at the points, each of shape (m,), that a formula uses.
     """
 
     series: str
@@ -75,6 +80,7 @@ class Observation:
     given_weight: float
     error: float | None = None
     given_error: float | None = None
+    inputs: dict[str, FloatArray] = field(default_factory=dict)
 
     def document(self) -> dict[str, Any]:
         """The observation's section in the canonical form, points inlined."""
@@ -97,7 +103,7 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         Where relative files lie; None when no files may be read (problems that came over the network).
     """
     if section.points is not None:
-        points = Points(section.points.x, section.points.y, section.points.weight)
+        points = Points(section.points.x, section.points.y, section.points.weight, section.points.inputs or {})
         return points, _length_issues(points, f"{path}.points")
     assert section.file is not None
     if folder is None:
@@ -107,17 +113,19 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         return None, [Issue(f"{path}.file", message)]
     try:
         origin = None if section.x_origin is None else moment_in(section.x_origin)
-        wanted = Columns(section.x_column, section.y_column, section.weight_column, section.sheet, origin)
+        wanted = Columns(
+            section.x_column, section.y_column, section.weight_column, section.sheet, origin, section.inputs or {}
+        )
         table = read_table(folder / section.file, wanted)
     except TableError as error:
         return None, [Issue(f"{path}.file", message) for message in error.messages]
-    points = Points(table.x, table.y, table.weight, table.x_heading, table.y_heading)
+    points = Points(table.x, table.y, table.weight, table.inputs, table.x_heading, table.y_heading)
     return points, _weight_issues(points, f"{path}.file")
 
 
 def _length_issues(points: Points, path: str) -> list[Issue]:
     n = len(points.x)
-    lists = {"y": points.y, "weight": points.weight}
+    lists = {"y": points.y, "weight": points.weight} | {f"inputs.{name}": v for name, v in points.inputs.items()}
     issues = [
         Issue(f"{path}.{name}", f"has {len(values)} values, but x has {n}; give one for each x")
         for name, values in lists.items()
@@ -221,6 +229,7 @@ def _build(
             given_weight=section.weight,
             error=deviation,
             given_error=section.error,
+            inputs={name: np.array(values, dtype=np.float64) for name, values in points.inputs.items()},
         ),
         [],
     )

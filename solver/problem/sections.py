@@ -79,6 +79,9 @@ class PointsSection(Section):
     weight: list[Annotated[float, Field(ge=0)]] | None = Field(
         None, description="weights w_h of the points; all 1 if absent"
     )
+    inputs: dict[str, list[float]] | None = Field(
+        None, description="further quantities at the points that a formula uses by name, one value for each x"
+    )
 
 
 def _moment(text: str) -> str:
@@ -89,7 +92,7 @@ def _moment(text: str) -> str:
 
 Moment: TypeAlias = Annotated[str, AfterValidator(_moment)]
 
-_OF_A_FILE = ("sheet", "x_column", "y_column", "weight_column", "x_origin")
+_OF_A_FILE = ("sheet", "x_column", "y_column", "weight_column", "inputs", "x_origin")
 
 
 class ObservationSection(Section):
@@ -105,6 +108,9 @@ class ObservationSection(Section):
     y_column: str | None = Field(None, min_length=1, description="header of the file's y column, if it is not y")
     weight_column: str | None = Field(
         None, min_length=1, description="header of the weight column, if it is not weight"
+    )
+    inputs: dict[str, str] | None = Field(
+        None, description="columns of further quantities that a formula uses, header by name: {T: temperature}"
     )
     x_origin: Moment | None = Field(
         None, description='where x holds dates: the one at which x is 0 ("2024-03-01 08:30"); the first if absent'
