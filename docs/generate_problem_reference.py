@@ -83,6 +83,14 @@ upper or lower case; other columns are ignored. Columns of other names are given
 can be x: days since `x_origin`, or since the first reading. Columns of a CSV file are separated by comma, semicolon
 or tab; next to semicolons or tabs, and in quotes, numbers may have a decimal comma. A row with more cells than
 headings is refused: a comma inside a number has split it. The file's path is relative to the problem file.
+
+### Readings in disorder, or very many
+
+`sort: true` puts readings in the order of x. Where several have one x, `repeated_x: average` takes their mean and
+`shift` spreads them evenly up to the next x. A logger's many readings become few by `resample: {per_decade: 20}`,
+means of the readings in intervals of equal length in log x, or `{every: 10}`, of so many in a row; above 20 000
+points of a series a warning asks for it. A mean weighs as much as its readings together. In the canonical problem
+stand the points that come of it.
 """
 
 STOPPING = """\

@@ -28,6 +28,12 @@ _SECONDS_PER_TASK = 0.05
 """Shorter evaluations are handed out several at a time."""
 
 
+_GUARD = (
+    "each of them reads the script that was started: in a script, calibrate(workers={workers}) must stand below "
+    "if __name__ == '__main__':"
+)
+
+
 @contextmanager
 def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Iterator[EvaluateGeneration]:
     """Give a function that evaluates all positions of a generation, shape (n, d), and returns them in order."""
@@ -44,6 +50,8 @@ def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Ite
 
         yield evaluate_here
         return
+    if getattr(multiprocessing.current_process(), "_inheriting", False):  # the script is being read by a child
+        raise WorkerLostError(_GUARD.format(workers=workers))
     before = set(multiprocessing.active_children())
     # spawn: a forked child would inherit the locks of Numba's and BLAS's threads in whatever state they are
     pool = ProcessPoolExecutor(
@@ -74,6 +82,10 @@ def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Ite
     try:
         yield evaluate_shared
     except BrokenProcessPool as error:
+        if not seconds:
+            raise WorkerLostError(
+                f"the {workers} worker processes ended before their first evaluation; {_GUARD.format(workers=workers)}"
+            ) from error
         raise WorkerLostError(
             f"one of the {workers} worker processes ended unexpectedly (out of memory, or killed); "
             "the service (geoswarm serve) survives such losses, an in-process run does not"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from geoswarm.cli.failures import BadInputError
@@ -10,19 +12,41 @@ from geoswarm.cli.output import note
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
 
-__all__ = ["connect", "find_calibration", "find_job"]
+__all__ = ["SLOW_ANSWER", "connect", "find_calibration", "find_job"]
 
 LATEST = "latest"
 _SEARCHED_PAGES, _PAGE = 10, 200
 _SHORTEST_PREFIX = 4
+_UNAUTHORIZED = 401
+SLOW_ANSWER = 900.0
+"""For what the service calculates before it answers, such as a posterior sample [s]."""
 _LONGEST_CHAIN = 10
 
 
-def connect(url: str, api_key: str | None) -> Client:
-    """Return a client, a context manager; nothing is sent yet."""
-    from geoswarm.client import Client
+@contextmanager
+def connect(url: str, api_key: str | None, timeout: float = 60.0) -> Iterator[Client]:
+    """Give a client; nothing is sent yet.
 
-    return Client(url, api_key=api_key)
+    Parameters
+    ----------
+    timeout
+        How long an answer may take [s].
+
+    Raises
+    ------
+    BadInputError
+        When the service asks for another key.
+    """
+    from geoswarm.client import Client, UnauthorizedError
+
+    try:
+        with Client(url, api_key=api_key, timeout=timeout) as client:
+            yield client
+    except UnauthorizedError as error:
+        if error.status != _UNAUTHORIZED:
+            raise
+        given = "another one" if api_key else "one"
+        raise BadInputError(f"{error}\nGive {given} with --api-key KEY or in GEOSWARM_API_KEY.") from error
 
 
 def find_job(client: Client, job: str) -> Job:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from geoswarm.cli.databases import existing_store
 from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import database_option, json_option
 from geoswarm.cli.output import echo_json, echo_table
@@ -30,10 +31,8 @@ def prune_command(
     touched.
     """
     from geoswarm.workers.retention import prune
-    from geoswarm.workers.settings import Settings
-    from geoswarm.workers.store import Store
 
-    store = Store(Settings.from_environment(database_url=database))
+    store = existing_store(database)
     try:
         pruned = prune(store, older_than, states or ENDED, dry_run=dry_run)
     finally:

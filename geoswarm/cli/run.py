@@ -14,6 +14,7 @@ from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.progress import progress_bar
 from geoswarm.cli.run_folder import kept, open_folder, show_finished, summary, write_output
+from geoswarm.cli.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
@@ -65,10 +66,16 @@ def run_command(
     from geoswarm.solver.problem.running import Limits
 
     loaded = load_problem(problem)
+    warn_of_many_points(loaded)
     if loaded.limits != Limits():
         click.echo("note: limits hold in the service only; here a run that hangs must be ended by hand", err=True)
     if resume and output is None:
         raise BadInputError("--resume needs --output DIR, the folder of the run that was cut off")
+    if loaded.warm_start and not earlier:
+        raise BadInputError(
+            "warm_start.jobs: only the service knows its jobs. 'geoswarm submit' runs this problem there; here, give "
+            "--warm-start DIR, the folder of an earlier run, or leave warm_start out"
+        )
     offer = _offer(loaded, earlier) if earlier else None
     folder = None if output is None else open_folder(output, loaded, seed, offer, resume)
     if output is not None and folder is None:
@@ -142,7 +149,7 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
 
 def show_result(problem: Problem, result: CalibrationResult) -> None:
     """Write the tables of a finished calibration."""
-    from geoswarm.cli.labels import with_unit
+    from geoswarm.cli.labels import root_mean_square, with_unit
     from geoswarm.solver.report import objective_unit, series_shares
 
     if result.parameters is None or result.best is None:
@@ -155,10 +162,18 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
         right=(2, 3, 4, 5),
     )
     rows = [
-        (s.series, number(s.weight), number(s.misfit), f"{s.share:.0%}")
+        (
+            s.series,
+            number(s.weight),
+            number(s.misfit),
+            root_mean_square(problem, s.series, s.misfit),
+            f"{s.share:.0%}",
+        )
         for s in series_shares(problem, result.best.misfits)
     ]
-    echo_table(None, ("series", "weight", "misfit", "share of the objective"), rows, right=(1, 2, 3))
+    echo_table(
+        None, ("series", "weight", "misfit", "root mean square", "share of the objective"), rows, right=(1, 2, 3, 4)
+    )
     failed = f", {result.failed_evaluations} failed" if result.failed_evaluations else ""
     echo_facts(
         None,

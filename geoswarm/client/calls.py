@@ -113,7 +113,7 @@ def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str,
     Raises
     ------
     GeoswarmError
-        When the URL is not one of HTTP.
+        When the URL is not one of HTTP, or the key cannot be sent.
     """
     url = base_url or os.environ.get("GEOSWARM_URL") or DEFAULT_URL
     try:
@@ -123,6 +123,10 @@ def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str,
     if parsed.scheme not in ("http", "https") or not parsed.host:
         raise GeoswarmError(f"the address {url!r} of the service must look like {DEFAULT_URL}")
     key = api_key or os.environ.get("GEOSWARM_API_KEY")
+    if key and not (key.isascii() and key.isprintable()):
+        wrong = next(character for character in key if not (character.isascii() and character.isprintable()))
+        where = "the API key" if api_key else "the API key in GEOSWARM_API_KEY"
+        raise GeoswarmError(f"{where} has the character {wrong!r}; keys are printable ASCII, such as gsw_0f3a...")
     return url, {"Authorization": f"Bearer {key}"} if key else {}
 
 

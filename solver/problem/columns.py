@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem.cells import Sheet, file_content, moment_in, number_in, read_cells
 from geoswarm.solver.problem.headings import guess_unit, known_unit, units_in_comments
+from geoswarm.solver.problem.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables import TableError
 from geoswarm.solver.problem.workbooks import Cell
 
@@ -79,10 +81,12 @@ def read_table(path: Path, columns: Columns = Columns()) -> Table:
     TableError
         Missing or unreadable file, missing column, or cells that are no finite numbers.
     """
-    sheet = read_cells(file_content(path), path.name, columns.sheet)
+    content = file_content(path)
+    numbers = plain_numbers(content)
+    sheet = read_cells(content, path.name, columns.sheet) if numbers is None else numbers[0]
     if not sheet.header and not sheet.rows:
         raise TableError(f"{path.name} is empty; a header line x,y is expected")
-    reader = _Reader(path.name, sheet)
+    reader = _Reader(path.name, sheet, None if numbers is None else numbers[1])
     places = {
         role: reader.place(name or role, role)
         for role, name in (("x", columns.x), ("y", columns.y), ("weight", columns.weight))
@@ -108,8 +112,9 @@ def read_table(path: Path, columns: Columns = Columns()) -> Table:
 
 
 class _Reader:
-    def __init__(self, name: str, sheet: Sheet) -> None:
+    def __init__(self, name: str, sheet: Sheet, numbers: FloatArray | None) -> None:
         self._name = name
+        self._numbers = numbers
         self._sheet = sheet
         width = max((len(cells) for _, cells in sheet.rows[:1]), default=0)
         self.names = sheet.header or [f"column {place + 1}" for place in range(width)]
@@ -148,6 +153,8 @@ class _Reader:
 
     def moments(self, place: int, origin: datetime | None) -> tuple[list[float], bool]:
         """Days since the origin, if most cells are dates."""
+        if self._numbers is not None:
+            return [], False
         cells = [self._cell(row, place) for _, row in self._sheet.rows]
         sample = [cell for cell in cells if cell != ""][:20]
         if sum(moment_in(cell) is not None for cell in sample) * 2 <= len(sample):
@@ -163,6 +170,9 @@ class _Reader:
         return days, True
 
     def numbers(self, place: int) -> list[float]:
+        if self._numbers is not None:
+            column: list[float] = self._numbers[:, place].tolist()
+            return column
         values = []
         for line, row in self._sheet.rows:
             cell = self._cell(row, place)

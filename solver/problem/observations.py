@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from geoswarm.solver.forward.base import ForwardModel, SeriesInfo
 from geoswarm.solver.problem.cells import moment_in
 from geoswarm.solver.problem.columns import Columns, Heading, read_table
 from geoswarm.solver.problem.issues import did_you_mean, number
+from geoswarm.solver.problem.preparation import Readings, prepared
 from geoswarm.solver.problem.sections import ObservationSection
 from geoswarm.solver.problem.tables import TableError
 from geoswarm.solver.problem.units import UnitError, convert, same_unit
@@ -104,7 +105,8 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
     """
     if section.points is not None:
         points = Points(section.points.x, section.points.y, section.points.weight, section.points.inputs or {})
-        return points, _length_issues(points, f"{path}.points")
+        issues = _length_issues(points, f"{path}.points")
+        return points if issues else _prepared(points, section), issues
     assert section.file is not None
     if folder is None:
         message = (
@@ -120,7 +122,17 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
     except TableError as error:
         return None, [Issue(f"{path}.file", message) for message in error.messages]
     points = Points(table.x, table.y, table.weight, table.inputs, table.x_heading, table.y_heading)
-    return points, _weight_issues(points, f"{path}.file")
+    issues = _weight_issues(points, f"{path}.file")
+    return points if issues else _prepared(points, section), issues
+
+
+def _prepared(points: Points, section: ObservationSection) -> Points:
+    """The readings as the section wants them; the canonical problem has what comes of it."""
+    if not section.sort and section.repeated_x is None and section.resample is None:
+        return points
+    given = Readings(points.x, points.y, points.weight, points.inputs)
+    found = prepared(given, sort=section.sort, repeated_x=section.repeated_x, resample=section.resample)
+    return replace(points, x=found.x, y=found.y, weight=found.weight, inputs=found.inputs)
 
 
 def _length_issues(points: Points, path: str) -> list[Issue]:
@@ -285,7 +297,10 @@ def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -
         falling = np.diff(x) <= 0
         if falling.any():
             index = int(np.argmax(falling))
-            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}"
+            remedy = (
+                "repeated_x: average or shift makes them differ" if x[index] == x[index + 1] else "sort: true sorts"
+            )
+            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}; {remedy}"
     return x, None
 
 

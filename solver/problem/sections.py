@@ -11,6 +11,7 @@ from geoswarm.solver.forward.registry import AnyForwardModelSpec
 from geoswarm.solver.problem.base import Section
 from geoswarm.solver.problem.cells import moment_in
 from geoswarm.solver.problem.follow_ups import FOLLOW_UPS, FollowUpMethod
+from geoswarm.solver.problem.preparation import Resample
 from geoswarm.solver.problem.running import Failures, Limits
 from geoswarm.solver.problem.weighting import Weighting
 
@@ -120,6 +121,14 @@ class ObservationSection(Section):
     )
     y_unit: str | None = Field(
         None, description="unit of y in the data; that of its heading, or the series' base unit, if absent"
+    )
+    sort: bool = Field(False, description="put the readings in the order of x first")
+    repeated_x: Literal["average", "shift"] | None = Field(
+        None,
+        description="readings at equal x: average takes their mean, shift spreads them evenly up to the next x",
+    )
+    resample: Resample | None = Field(
+        None, description="means of neighbouring readings in place of very many: {per_decade: 20} or {every: 10}"
     )
     weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
     error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
