@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.connection import SLOW_ANSWER, connect, find_calibration
 from geoswarm.cli.fit import interval_heading, show_fit
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
@@ -39,8 +39,8 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
         name, calibration = stored.problem.name, Calibration(stored.problem, stored.record.seed)
         found = jsonable(sample_posterior(calibration, stored.samples, noise=known).to_json())
     else:
-        with connect(url, api_key) as client:
-            job = find_job(client, source)
+        with connect(url, api_key, SLOW_ANSWER) as client:
+            job = find_calibration(client, source)
             name, found = job.name, client.posterior(job.id, noise=known)
     if as_json:
         echo_json(found)

@@ -16,12 +16,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtri, stdtrit
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.combinations import Combination, Directions, find_directions
-from geoswarm.solver.identifiability.dependence import Dependence, dependence_of, noise_root
+from geoswarm.solver.identifiability.dependence import Dependence, dependence_of
 from geoswarm.solver.identifiability.differences import (
     DifferenceDesign,
     Jacobian,
@@ -32,6 +31,7 @@ from geoswarm.solver.identifiability.differences import (
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict, examine_fit, is_exact
 from geoswarm.solver.identifiability.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.spread import Spread, mean_variance
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
 
@@ -257,7 +257,7 @@ def linearise(
             dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True)),
         )
     )
-    noise_level = 0.0 if estimate is None else float(np.sqrt(_mean_variance(calibration, weights, estimate)))
+    noise_level = 0.0 if estimate is None else float(np.sqrt(mean_variance(calibration, weights, estimate)))
     unclear = found.unclear(calibration.free_names, noise_level)
     step = minimising_step(weighted, residuals, found, calibration.space.to_unit(jacobian.optimum))
     inner = _inner(calibration, jacobian.optimum)
@@ -268,7 +268,7 @@ def linearise(
         None if stated is None else stated.deviations,
     )
     dependence = _dependence(calibration, jacobian, residuals, weights, found, fit)
-    spread = _Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence)
+    spread = Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence)
     if unclear:
         spread = spread.without_intervals()
     return _assemble(
@@ -284,21 +284,6 @@ def linearise(
         fit,
         tuple(one for one, _ in dependence),
     )
-
-
-def _variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> FloatArray:
-    """Variance of every weighted reading, shape (n,)."""
-    variances: FloatArray = weights * np.concatenate(
-        [
-            np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
-            for o in calibration.objective.observed
-        ]
-    )
-    return variances
-
-
-def _mean_variance(calibration: Calibration, weights: FloatArray, noise: Noise) -> float:
-    return float(_variances(calibration, weights, noise).sum() / max(int((weights > 0).sum()), 1))
 
 
 def _dependence(
@@ -336,70 +321,13 @@ def _blocks(leverage: FloatArray, sizes: Sequence[int]) -> list[float]:
     return [float(part.sum()) for part in np.split(leverage, np.cumsum(sizes)[:-1])]
 
 
-@dataclass(frozen=True, slots=True)
-class _Spread:
-    """Spread of the estimates in parts of the range: covariance (d, d), deviations, half widths, ... each (d,)."""
-
-    covariance: FloatArray
-    deviations: FloatArray
-    half: FloatArray
-    distance: FloatArray
-    profile_increase: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        calibration: Calibration,
-        weighted: FloatArray,
-        weights: FloatArray,
-        residuals: FloatArray,
-        step: MinimisingStep,
-        found: Directions,
-        noise: Noise | None,
-        level: float,
-        dependence: list[tuple[Dependence, IntArray]],
-    ) -> _Spread:
-        dimension = weighted.shape[1]
-        nothing = np.full(dimension, np.nan)
-        covariance = np.full((dimension, dimension), np.nan)
-        if noise is None:
-            return cls(covariance, nothing, nothing, nothing, nothing)
-        lost = sum(one.readings - one.effective for one, _ in dependence)
-        quantile = _quantile(level, noise, lost)
-        variances = _variances(calibration, weights, noise)
-        mean_variance = _mean_variance(calibration, weights, noise)
-        # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
-        inverse = found.inverse(weighted)
-        scaled = inverse * np.sqrt(variances)
-        full, curvature = scaled @ scaled.T, inverse @ inverse.T
-        if dependence:
-            full = noise_root(inverse, np.sqrt(variances), residuals, found.leverage, dependence)
-        deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
-        half = quantile * deviations
-        half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
-        deviations = np.where(np.isnan(half), np.nan, deviations)
-        shown = np.ix_(~np.isnan(half), ~np.isnan(half))
-        covariance[shown] = full[shown]
-        ratio = np.where(found.determined, np.diag(full) / np.where(found.determined, np.diag(curvature), 1.0), np.nan)
-        increase = quantile**2 * np.where(found.determined, ratio, mean_variance)
-        distance = np.full_like(deviations, np.nan)
-        distance[deviations == 0.0] = 0.0  # a perfect fit
-        np.divide(np.abs(step.move), deviations, out=distance, where=deviations > 0.0)
-        return cls(covariance, deviations, half, distance, increase)
-
-    def without_intervals(self) -> _Spread:
-        """The same, but for what the derivatives are too uncertain for."""
-        nothing = np.full_like(self.deviations, np.nan)
-        return _Spread(np.full_like(self.covariance, np.nan), nothing, nothing, self.distance, nothing)
-
-
 def _assemble(
     calibration: Calibration,
     jacobian: Jacobian,
     found: Directions,
     noise: Noise | None,
     level: float,
-    spread: _Spread,
+    spread: Spread,
     step: MinimisingStep,
     unclear: tuple[str, ...],
     points: int,
@@ -441,13 +369,6 @@ def _assemble(
         fit=fit,
         dependence=dependence,
     )
-
-
-def _quantile(level: float, noise: Noise, lost: float) -> float:
-    """Student's, whose degrees of freedom are fewer by those that correlated readings lose; normal for known noise."""
-    if np.isinf(noise.degrees_of_freedom):
-        return float(ndtri(0.5 + level / 2.0))
-    return float(stdtrit(max(noise.degrees_of_freedom - lost, 2.0), 0.5 + level / 2.0))
 
 
 def _number(value: float) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,14 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
+from geoswarm.solver.problem.cells import moment_in
+from geoswarm.solver.problem.columns import Columns, Heading, read_table
 from geoswarm.solver.problem.issues import did_you_mean, number
+from geoswarm.solver.problem.preparation import Readings, prepared
 from geoswarm.solver.problem.sections import ObservationSection
 from geoswarm.solver.problem.selection import SELECTION, chosen_points
-from geoswarm.solver.problem.tables import TableError, read_table
-from geoswarm.solver.problem.units import UnitError, convert
+from geoswarm.solver.problem.tables import TableError
+from geoswarm.solver.problem.units import UnitError, convert, same_unit
 
 __all__ = ["Observation", "Points", "build_observations", "read_points"]
 
@@ -25,16 +28,24 @@ _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, re
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point."""
+    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point.
+
+    ``inputs`` are further quantities at the points, by name. ``x_heading`` and ``y_heading`` are those of the file that
+    they were read from.
+    """
 
     x: list[float]
     y: list[float]
     weight: list[float] | None = None
+    inputs: dict[str, list[float]] = field(default_factory=dict)
+    x_heading: Heading | None = field(default=None, compare=False)
+    y_heading: Heading | None = field(default=None, compare=False)
 
-    def document(self) -> dict[str, list[float]]:
+    def document(self) -> dict[str, Any]:
         """The ``points`` section."""
         lists = {"x": self.x, "y": self.y} | ({} if self.weight is None else {"weight": self.weight})
-        return {name: [float(value) for value in values] for name, values in lists.items()}
+        document: dict[str, Any] = {name: [float(value) for value in values] for name, values in lists.items()}
+        return document | ({"inputs": self.inputs} if self.inputs else {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +72,8 @@ class Observation:
         Weight as the user gave it.
     error, given_error
         Standard deviation of a reading in the base unit and as the user gave it; None when it is not known.
+    inputs
+        Further quantities at the points, each of shape (m,), that a formula uses.
     """
 
     series: str
@@ -76,6 +89,7 @@ class Observation:
     given_error: float | None = None
     chosen: BoolArray | None = None
     selection: Mapping[str, Any] = field(default_factory=dict)
+    inputs: dict[str, FloatArray] = field(default_factory=dict)
 
     def document(self) -> dict[str, Any]:
         """The observation's section in the canonical form, points inlined."""
@@ -100,10 +114,12 @@ class Observation:
             return self.points
         kept = np.flatnonzero(self.chosen).tolist()
         weight = self.points.weight
-        return Points(
-            [self.points.x[i] for i in kept],
-            [self.points.y[i] for i in kept],
-            None if weight is None else [weight[i] for i in kept],
+        return replace(
+            self.points,
+            x=[self.points.x[i] for i in kept],
+            y=[self.points.y[i] for i in kept],
+            weight=None if weight is None else [weight[i] for i in kept],
+            inputs={name: [values[i] for i in kept] for name, values in self.points.inputs.items()},
         )
 
 
@@ -116,8 +132,9 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         Where relative files lie; None when no files may be read (problems that came over the network).
     """
     if section.points is not None:
-        points = Points(section.points.x, section.points.y, section.points.weight)
-        return points, _length_issues(points, f"{path}.points")
+        points = Points(section.points.x, section.points.y, section.points.weight, section.points.inputs or {})
+        issues = _length_issues(points, f"{path}.points")
+        return points if issues else _prepared(points, section), issues
     assert section.file is not None
     if folder is None:
         message = (
@@ -125,16 +142,30 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         )
         return None, [Issue(f"{path}.file", message)]
     try:
-        table = read_table(folder / section.file, section.x_column, section.y_column, section.weight_column)
+        origin = None if section.x_origin is None else moment_in(section.x_origin)
+        wanted = Columns(
+            section.x_column, section.y_column, section.weight_column, section.sheet, origin, section.inputs or {}
+        )
+        table = read_table(folder / section.file, wanted)
     except TableError as error:
         return None, [Issue(f"{path}.file", message) for message in error.messages]
-    points = Points(table.x, table.y, table.weight)
-    return points, _weight_issues(points, f"{path}.file")
+    points = Points(table.x, table.y, table.weight, table.inputs, table.x_heading, table.y_heading)
+    issues = _weight_issues(points, f"{path}.file")
+    return points if issues else _prepared(points, section), issues
+
+
+def _prepared(points: Points, section: ObservationSection) -> Points:
+    """The readings as the section wants them; the canonical problem has what comes of it."""
+    if not section.sort and section.repeated_x is None and section.resample is None:
+        return points
+    given = Readings(points.x, points.y, points.weight, points.inputs)
+    found = prepared(given, sort=section.sort, repeated_x=section.repeated_x, resample=section.resample)
+    return replace(points, x=found.x, y=found.y, weight=found.weight, inputs=found.inputs)
 
 
 def _length_issues(points: Points, path: str) -> list[Issue]:
     n = len(points.x)
-    lists = {"y": points.y, "weight": points.weight}
+    lists = {"y": points.y, "weight": points.weight} | {f"inputs.{name}": v for name, v in points.inputs.items()}
     issues = [
         Issue(f"{path}.{name}", f"has {len(values)} values, but x has {n}; give one for each x")
         for name, values in lists.items()
@@ -194,10 +225,16 @@ def _build(
 ) -> tuple[Observation | None, list[Issue]]:
     issues: list[Issue] = []
     converted = []
-    for axis, values, unit, base in (
-        ("x", points.x, section.x_unit, info.x_unit),
-        ("y", points.y, section.y_unit, info.y_unit),
+    units: dict[str, str | None] = {}
+    for axis, values, given, base, heading in (
+        ("x", points.x, section.x_unit, info.x_unit, points.x_heading),
+        ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
+        unit, wrong = _unit(axis, given, base, heading)
+        units[axis] = unit
+        if wrong is not None:
+            issues.append(Issue(f"{path}.{axis}_{'unit' if given else 'column'}", wrong))
+            continue
         try:
             array = np.array(values, dtype=np.float64) if unit is None else convert(values, unit, base)
         except UnitError as error:
@@ -209,12 +246,12 @@ def _build(
     if issues:
         return None, issues
     x, y = converted
-    chosen, issues = chosen_points(section, path, x, info, spec)
+    chosen, issues = chosen_points(section, path, x, units["x"], info, spec)
     if issues:
         return None, issues
     kept = np.flatnonzero(chosen)
     place = f"{path}.points.x" if section.points is not None else f"{path}.file"
-    x, message = _checked_x(x[kept], points.x, kept, section.x_unit or info.x_unit, info)
+    x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info)
     if message is not None:
         return None, [Issue(place, message)]
     y = y[kept]
@@ -224,8 +261,8 @@ def _build(
     for array in (x, y, weights):
         array.flags.writeable = False
     deviation = section.error
-    if deviation is not None and section.y_unit is not None:  # a difference: offsets of a unit do not matter
-        low, high = convert([0.0, deviation], section.y_unit, info.y_unit)
+    if deviation is not None and units["y"] is not None:  # a difference: offsets of a unit do not matter
+        low, high = convert([0.0, deviation], units["y"], info.y_unit)
         deviation = float(high - low)
     return (
         Observation(
@@ -234,17 +271,40 @@ def _build(
             y,
             weights,
             section.weight,
-            section.x_unit,
-            section.y_unit,
+            units["x"],
+            units["y"],
             points,
             given_weight=section.weight,
             error=deviation,
             given_error=section.error,
             chosen=None if chosen.all() else chosen,
             selection={name: getattr(section, name) for name in SELECTION if getattr(section, name) not in (None, [])},
+            inputs={name: np.array(values, dtype=np.float64)[kept] for name, values in points.inputs.items()},
         ),
         [],
     )
+
+
+def _unit(axis: str, given: str | None, base: str, heading: Heading | None) -> tuple[str | None, str | None]:
+    """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong."""
+    if heading is None or (heading.unit is None and not heading.dates):
+        return given, None
+    if heading.dates and given is not None and not same_unit(given, "day"):
+        message = f"column '{heading.name}' holds dates, which are read as days: leave {axis}_unit out, not {given}"
+        return given, message
+    if given is not None or heading.unit is None:
+        return given, None
+    try:
+        convert([1.0], heading.unit, base)
+    except UnitError:
+        if not heading.certain or same_unit(base, "1"):  # a formula without units takes the numbers as they are
+            return None, None
+        other = "series has" if axis == "y" else "series needs"
+        return (
+            None,
+            f"column '{heading.name}' is in {heading.unit}, but the {other} {base}; name another, or give {axis}_unit",
+        )
+    return heading.unit, None
 
 
 def _checked_x(
@@ -280,7 +340,10 @@ def _checked_x(
         falling = np.diff(x) <= 0
         if falling.any():
             index = int(np.argmax(falling))
-            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}"
+            remedy = (
+                "repeated_x: average or shift makes them differ" if x[index] == x[index + 1] else "sort: true sorts"
+            )
+            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}; {remedy}"
     return x, None
 
 

@@ -24,7 +24,7 @@ SELECTION = ("x_from", "x_to", "stage_x_from", "leave_out_stages")
 
 
 def chosen_points(
-    section: ObservationSection, path: str, x: FloatArray, info: SeriesInfo, spec: ForwardModelSpec
+    section: ObservationSection, path: str, x: FloatArray, unit: str | None, info: SeriesInfo, spec: ForwardModelSpec
 ) -> tuple[BoolArray, list[Issue]]:
     """Whether each point takes part, shape (m,), and what is wrong with the choice.
 
@@ -34,12 +34,14 @@ def chosen_points(
         Of the observation, for messages.
     x
         Of all points, shape (m,), base units.
+    unit
+        Of the data, in which the choice is given; None: the base unit.
     """
     chosen = np.ones(len(x), dtype=np.bool_)
     low, high = section.x_from, section.x_to
     if low is not None and high is not None and low > high:
         return chosen, [Issue(f"{path}.x_to", f"{number(high)} is below x_from, {number(low)}")]
-    given = x if section.x_unit is None else convert(x, info.x_unit, section.x_unit)
+    given = x if unit is None else convert(x, info.x_unit, unit)
     slack = 1e-9 * float(np.abs(given).max(initial=0.0))
     if low is not None:
         chosen &= given >= low - slack
@@ -58,8 +60,8 @@ def chosen_points(
         if section.stage_x_from is not None:
             since = x - starts[stages - 1]
             least = section.stage_x_from
-            if section.x_unit is not None:
-                zero, moved = convert([0.0, least], section.x_unit, info.x_unit)
+            if unit is not None:
+                zero, moved = convert([0.0, least], unit, info.x_unit)
                 least = float(moved - zero)
             chosen &= since >= least * (1.0 - 1e-9)
         chosen &= ~np.isin(stages, section.leave_out_stages)

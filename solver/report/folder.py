@@ -57,6 +57,11 @@ def run_of_folder(folder: Path) -> StoredRun:
     FolderError
         When a file is missing or cannot be read.
     """
+    if (folder / "run.journal").is_file():
+        raise FolderError(
+            f"{folder} holds a run that was cut off, or is still running; 'geoswarm run {folder / 'problem.json'} "
+            f"--output {folder} --resume' goes on with it"
+        )
     missing = [name for name in _NEEDED if not (folder / name).is_file()]
     if missing:
         raise FolderError(
