@@ -65,7 +65,7 @@ class Spread:
         lost = sum(one.readings - one.effective for one, _ in dependence)
         quantile = _quantile(level, noise, lost)
         variances = _variances(calibration, weights, noise)
-        mean_variance = mean_variance(calibration, weights, noise)
+        mean = mean_variance(calibration, weights, noise)
         # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
         inverse = found.inverse(weighted)
         scaled = inverse * np.sqrt(variances)
@@ -79,7 +79,7 @@ class Spread:
         shown = np.ix_(~np.isnan(half), ~np.isnan(half))
         covariance[shown] = full[shown]
         ratio = np.where(found.determined, np.diag(full) / np.where(found.determined, np.diag(curvature), 1.0), np.nan)
-        increase = quantile**2 * np.where(found.determined, ratio, mean_variance)
+        increase = quantile**2 * np.where(found.determined, ratio, mean)
         distance = np.full_like(deviations, np.nan)
         distance[deviations == 0.0] = 0.0  # a perfect fit
         np.divide(np.abs(step.move), deviations, out=distance, where=deviations > 0.0)
