@@ -104,4 +104,4 @@ def test_the_first_job_of_an_installation(tmp_path: Path, monkeypatch: pytest.Mo
     assert job.seconds is not None
     assert kernel_events[1] > job.seconds
     assert [kind for kind, _ in found].index("kernels") < [kind for kind, _ in found].index("generation")
-    assert [path.name.split("-")[1] for path in (tmp_path / "kernels").glob("compiled-*")] == ["oedometer"]
+    assert [path.name.split("-")[1] for path in (tmp_path / "kernels").glob("*/compiled-*")] == ["oedometer"]
