@@ -99,7 +99,7 @@ def run_command(
             report = report_of_result(loaded, result)
     fit = fit_of_run(loaded, result, report)
     if as_json:
-        echo_json(summary(result) | {"compile_seconds": compile_seconds, "fit": fit})
+        echo_json(summary(result) | {"fit": fit, "compile_seconds": compile_seconds})
     elif result.state == "finished":
         show_fit(fit)
         show_result(loaded, result)

@@ -19,8 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.cli import main
-from geoswarm.solver import report
+from geoswarm.cli import main, run
 from tests.solver.problems import decay_document
 
 CUTS = ("interrupt", "kill", "full disk")
@@ -92,7 +91,7 @@ def command(problem: Path, output: Path, *options: str) -> list[str]:
 
 
 if __name__ == "__main__":
-    report.figures_available = lambda: False
+    run.figures_missing = lambda _what: "figures are not wanted here"
     swarm = decay_document(stopping={"max_evaluations": 400})
     learning = decay_document(
         stopping={"max_evaluations": 48}, method={"kind": "particle_swarm", "particles": 8, "polish": True}
