@@ -7,10 +7,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 # Before NumPy is loaded: one numerical thread a process, so that parallel workers do not fight for the cores.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
+# A made-up case may take as long as the machine needs.
+settings.register_profile("any machine", deadline=None)
+settings.load_profile("any machine")
 # Settings of the user's own installation must not reach the tests.
 for _name in [name for name in os.environ if name.startswith("GEOSWARM_")]:
     del os.environ[_name]
