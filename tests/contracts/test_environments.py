@@ -1,7 +1,7 @@
 """Fresh environments: the lock gives the same files twice; the lowest and the newest versions pass the tests.
 
 uv makes the environments, so that its settings say where packages come from. What runs in those of other versions:
-everything but the long studies, the finite elements, the verification by published numbers, browsers, servers and what
+everything but the long studies, the finite elements, the verification by published numbers, browsers and what
 looks at the repository itself: the same code runs in the locked environment, and its time is better spent there.
 """
 
