@@ -97,23 +97,24 @@ def run_prune(settings: Settings, older_than: float, states: Collection[str], ev
     """
     stop = threading.Event()
     with_signals(stop.set)
-    wait = _round(settings, older_than, states, every)
+    _round(settings, older_than, states)
+    wait = every
     while not stop.wait(wait):
         try:
-            wait = _round(settings, older_than, states, every)
+            _round(settings, older_than, states)
+            wait = every
         except StoreUnavailableError as error:
             log.warning("prune: %s", error)
             wait = min(every, AGAIN_SECONDS)
 
 
-def _round(settings: Settings, older_than: float, states: Collection[str], every: float) -> float:
+def _round(settings: Settings, older_than: float, states: Collection[str]) -> None:
     store = Store(settings)
     try:
         pruned = prune(store, older_than, states)
     finally:
         store.close()
     log.info("prune: %d jobs deleted", len(pruned))
-    return every
 
 
 def _delete_some(connection: Connection, job_id: str) -> bool:

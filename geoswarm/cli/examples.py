@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
-from difflib import get_close_matches
 from pathlib import Path
 
 import click
@@ -32,8 +31,9 @@ def examples_command(name: str | None, directory: Path | None, as_json: bool) ->
         _list(as_json)
         return
     if name not in example_names():
-        close = get_close_matches(name, example_names(), n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
+        from geoswarm.solver.problem.issues import did_you_mean
+
+        hint = did_you_mean(name, example_names())
         raise BadInputError(f"there is no example '{name}'{hint}; known: {', '.join(example_names())}")
     if directory is None:
         raise BadInputError(f"give the folder to write it to: geoswarm examples {name} DIRECTORY")
