@@ -16,8 +16,10 @@ __all__ = [
     "CONSTANTS",
     "ELASTIC",
     "INTERFACE_CONSTANTS",
+    "INTERFACE_STRENGTH",
     "MOHR_COULOMB",
     "SOFT_SOIL_CREEP",
+    "STRENGTH",
     "InterfaceMaterial",
     "LinearElastic",
     "Material",
@@ -34,6 +36,12 @@ INTERFACE_CONSTANTS: Final = 6
 ELASTIC: Final = 0
 MOHR_COULOMB: Final = 1
 SOFT_SOIL_CREEP: Final = 2
+
+STRENGTH: Final = {MOHR_COULOMB: (4, 5, 6, 7, 8), SOFT_SOIL_CREEP: (9, 10, 11, 12, 16)}
+"""Where the constants of a soil hold cohesion, sine and cosine of friction, sine of dilatancy, and tension cut-off."""
+
+INTERFACE_STRENGTH: Final = (2, 3, 4, 5)
+"""Where those of an interface hold cohesion, tangents of friction and dilatancy, and tension cut-off."""
 
 
 def _range(name: str, value: float, accepted: bool, words: str) -> None:

@@ -150,7 +150,8 @@ class Control:
     largest_steps
         Most steps of one phase.
     largest_assemblies
-        Most assemblies of one phase, those of steps that failed included: the bound of its cost.
+        Most assemblies of one phase, those of steps that failed included: the bound of its cost. A change of strength
+        in steps, tried where that was not enough, has half as many for its own flow and half for associated flow.
     """
 
     tolerance: float = 1.0e-6

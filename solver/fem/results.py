@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 
-__all__ = ["History", "PhaseResult"]
+__all__ = ["History", "Path", "PhaseResult"]
+
+Path: TypeAlias = Literal["direct", "steps", "associated"]
+"""How a load was applied: with the strength of the materials from its beginning, with strength lowered to theirs in
+steps, or with that and associated flow."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,8 @@ class PhaseResult:
         (n, 2), kN/m, in axisymmetry kN/rad: forces that the fixities exert.
     steps, iterations, factorisations
         How much work it was.
+    path
+        How its load was applied.
     """
 
     name: str
@@ -65,3 +72,4 @@ class PhaseResult:
     steps: int
     iterations: int
     factorisations: int
+    path: Path

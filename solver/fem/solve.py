@@ -317,6 +317,7 @@ class Calculation:
             steps.work.steps,
             steps.work.iterations,
             steps.work.factorisations,
+            steps.path,
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -12,10 +12,13 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.fem.body import Body, State, copied
+from geoswarm.solver.fem.materials import MOHR_COULOMB
 from geoswarm.solver.fem.multifrontal import Equations
 from geoswarm.solver.fem.newton import CONVERGED, SINGULAR, Accuracy, Step, newton_step
 from geoswarm.solver.fem.ordering import Fronts
 from geoswarm.solver.fem.phases import Control, Phase
+from geoswarm.solver.fem.results import Path
+from geoswarm.solver.fem.strength import Begin, Strength, associated, missing_strength, strengthened
 
 __all__ = ["PhaseSteps", "Recorder", "Work"]
 
@@ -34,6 +37,9 @@ _PATIENCE: Final = 6
 
 _STRICTER: Final = 0.1
 """Share of the tolerance on the way with which a load is approached again."""
+
+_STRENGTH_STEP: Final = 0.01
+"""Smallest step of a change of strength."""
 
 _FIRST_CREEP: Final = 0.01
 _SMALLEST_CREEP: Final = 1.0e-8
@@ -79,7 +85,16 @@ class PhaseSteps:
     moved: FloatArray = field(init=False)
     """(2 n,): displacement since the beginning of the phase."""
     work: Work = field(default_factory=Work)
+    path: Path = field(default="direct", init=False)
+    """How the load was applied."""
     _trouble: str = field(default="", init=False)
+    _more: Strength | None = field(default=None, init=False)
+    """What is added to the strength at the beginning of the load."""
+    _begun: Work = field(default_factory=Work, init=False)
+    """What was done before the present attempt at the load."""
+    _most_assemblies: int = field(init=False)
+    _farthest: float = field(default=math.inf, init=False)
+    """m: a part that has lost its strength may be moved by more than the size of the body without any force."""
     _increment: FloatArray = field(init=False)
     _last: FloatArray = field(init=False)
     _last_length: float = field(default=0.0, init=False)
@@ -95,57 +110,112 @@ class PhaseSteps:
         self._last = np.zeros(self.fixed.shape[0])
         self._carried = self.start_forces.copy()
         self._inner = np.zeros(self.fixed.shape[0])
+        self._most_assemblies = self.control.largest_assemblies
+        if (self.body.constants[:, 0] == MOHR_COULOMB).any() or self.body.interfaces.size:
+            self._farthest = float(np.ptp(self.positions, axis=0).max() + np.abs(self.target).max())
 
     def load(self) -> None:
         """Apply loads, weight and prescribed displacements without time.
 
-        Where steps on the way that were left out of balance lead to none at the end, a second approach is stricter.
+        Where the materials cannot carry the stresses at the beginning, and the load leads to no end at once, strength
+        is lowered to theirs in steps while the load is applied: first with their own flow, then with associated flow,
+        which finds a balance wherever there is one. Limits do not depend on the flow: that balance is one for the
+        materials as they are, too.
 
         Raises
         ------
         DivergedError
             No equilibrium; says how far it came and why.
         """
-        begin = (copied(self.state), self.positions, self.moved, self._carried.copy())
-        where, recorded = self._approach(self.control.load_tolerance)
-        if where and recorded and self.control.load_tolerance > 0.0:
-            self.state, self.positions, self.moved, self._carried = begin
-            self._last_length = 0.0
-            where, recorded = self._approach(_STRICTER * self.control.load_tolerance)
+        begin = Begin(copied(self.state), self.positions, self.moved, self._carried.copy())
+        body = self.body
+        where, recorded = self._lead()
+        more = missing_strength(body, begin.state) if where else None
+        if more is not None:
+            where, recorded = self._change_strength(begin, more, "steps")
+            flowing = associated(body)
+            same = np.array_equal(flowing.constants, body.constants)
+            if where and not (same and np.array_equal(flowing.interface_constants, body.interface_constants)):
+                self.body = flowing
+                where, recorded = self._change_strength(begin, more, "associated")
+                self.body = body
+                if not where and self._balance(recorded) < 0:
+                    where = "its whole load"
         if where:
             self._give_up(where, self._trouble)
         for done, moved in recorded:
             self.record(done, moved)
         self._last_length = 0.0
 
+    def _change_strength(self, begin: Begin, more: Strength, path: Path) -> tuple[str, list[tuple[float, FloatArray]]]:
+        """Apply the load from its beginning while ``more`` strength fades; as :meth:`_lead`."""
+        self.path, self._more, self._begun = path, more, replace(self.work)
+        self._most_assemblies = math.ceil(0.5 * self.control.largest_assemblies)
+        self._restart(begin)
+        where, recorded = self._lead()
+        self._more = None
+        self._most_assemblies = self.control.largest_assemblies
+        return where, recorded
+
+    def _lead(self) -> tuple[str, list[tuple[float, FloatArray]]]:
+        """Apply the load; where steps on the way that were left out of balance lead to none at the end, more strictly.
+
+        Returns where it ends without a balance, and what is to be recorded.
+        """
+        begin = Begin(copied(self.state), self.positions, self.moved, self.start_forces)
+        where, recorded = self._approach(self.control.load_tolerance)
+        if where and recorded and self.control.load_tolerance > 0.0:
+            self._restart(begin)
+            where, recorded = self._approach(_STRICTER * self.control.load_tolerance)
+        return where, recorded
+
+    def _restart(self, begin: Begin) -> None:
+        self.state = copied(begin.state)
+        self.positions, self.moved, self.start_forces = begin.positions, begin.moved, begin.forces
+        self._carried = begin.forces.copy()
+        self._last_length = 0.0
+
     def _approach(self, energy: float) -> tuple[str, list[tuple[float, FloatArray]]]:
         """Steps up to the whole load and its balance; where they end without one, and what is to be recorded."""
         done, size = 0.0, min(self.phase.load_step, self.phase.largest_load_step)
+        own = self.body
+        smallest = max(self.control.smallest_step, 0.0 if self._more is None else _STRENGTH_STEP)
+        what = "its load" if self._more is None else "its load and of its change of strength"
         recorded: list[tuple[float, FloatArray]] = []
         while done < 1.0:
-            self._check_work(f"{done:.4g} of its load")
+            excess = self._excess()
+            if excess:
+                self._trouble = excess
+                return f"{done:.4g} of {what}", []
             end = 1.0 if done + size > 1.0 - 1.0e-9 else done + size
+            self.body = own if self._more is None else strengthened(own, self._more, 1.0 - end)
             iterations = self._try(end - done, -math.inf, end, (end - done) * self.target, energy)
+            self.body = own
             if iterations < 0:
                 size = 0.5 * (end - done)
-                if size < self.control.smallest_step:
-                    return f"{done:.4g} of its load", recorded
+                if size < smallest:
+                    return f"{done:.4g} of {what}", recorded
                 continue
             self._accept(end - done)
             done = end
             recorded.append((done, self.moved))
             if iterations <= _EASY:
                 size = min(2.0 * size, self.phase.largest_load_step)
-        if self._left > self.control.tolerance:
-            self._last_length = 0.0
-            if self._try(0.0, -math.inf, 1.0, 0.0 * self.target, 0.0) < 0:
-                return "its whole load", recorded
+        if self._left > self.control.tolerance and self._balance(recorded) < 0:
+            return "its whole load", recorded
+        return "", recorded
+
+    def _balance(self, recorded: list[tuple[float, FloatArray]]) -> int:
+        """Lead the end of the load to balance, without a load; iterations, -1 where there is none."""
+        self._last_length = 0.0
+        iterations = self._try(0.0, -math.inf, 1.0, 0.0 * self.target, 0.0)
+        if iterations >= 0:
             yielded = self.state.plastic
             self._accept(0.0)
             # What has yielded in the last step of the load has yielded in it, balanced or not.
             self.state.plastic[:] |= yielded
-            recorded[-1] = (done, self.moved)
-        return "", recorded
+            recorded[-1] = (1.0, self.moved)
+        return iterations
 
     def creep(self, log_scale: float, ramp: bool, times: FloatArray) -> None:
         """Let time pass.
@@ -173,7 +243,9 @@ class PhaseSteps:
         now, size = 0.0, _FIRST_CREEP
         for goal in goals:
             while now < goal:
-                self._check_work(f"{now:.6g} day")
+                excess = self._excess()
+                if excess:
+                    self._give_up(f"{now:.6g} day", excess)
                 # s counts from now on: t - now = (now + theta) (e^s - 1).
                 log_age = np.logaddexp(math.log(now), log_scale) if now > 0.0 else log_scale
                 whole = float(np.logaddexp(0.0, math.log(goal - now) - log_age))
@@ -225,7 +297,7 @@ class PhaseSteps:
         if length <= self.control.blend_below:
             attempts.append((rest, _LAST_BLEND, False, _PATIENCE))
         for guess, blend, bold, patience in attempts:
-            if self.work.assemblies >= self.control.largest_assemblies:
+            if self._granted() <= 0:
                 break
             self._increment = guess.copy()
             accuracy = Accuracy(
@@ -234,7 +306,7 @@ class PhaseSteps:
                 energy,
                 # Rounding in the balance must not look like a change of the rate of creep.
                 0 if timeless else 1,
-                min(patience * self.control.iterations, self.control.largest_assemblies - self.work.assemblies),
+                min(patience * self.control.iterations, self._granted()),
                 self.control.modified,
                 self.control.keep_ratio,
                 blend,
@@ -256,8 +328,10 @@ class PhaseSteps:
             self.work.factorisations += factorisations
             self.work.assemblies += assemblies
             if status == CONVERGED:
-                self._left = residual
-                return int(iterations)
+                if not timeless or float(np.abs(self._increment).max()) <= self._farthest:
+                    self._left = residual
+                    return int(iterations)
+                status = SINGULAR
             self._trouble = self._words(status, residual)
         return -1
 
@@ -283,12 +357,18 @@ class PhaseSteps:
         what = "is turned inside out" if status < count else "has a strain step without a stress"
         return f"triangle {status % count} at ({x:.4g}, {y:.4g}) m {what}"
 
-    def _check_work(self, where: str) -> None:
+    def _excess(self) -> str:
+        """More work than is granted, in words."""
         control, why = self.control, f": {self._trouble}" if self._trouble else ""
-        if self.work.steps >= control.largest_steps:
-            self._give_up(where, f"more than {control.largest_steps} steps are needed{why}")
-        if self.work.assemblies >= control.largest_assemblies:
-            self._give_up(where, f"more than {control.largest_assemblies} assemblies of the balance are needed{why}")
+        if self.work.steps - self._begun.steps >= control.largest_steps:
+            return f"more than {control.largest_steps} steps are needed{why}"
+        if self._granted() <= 0:
+            return f"more than {self._most_assemblies} assemblies of the balance are needed{why}"
+        return ""
+
+    def _granted(self) -> int:
+        """Assemblies that are left."""
+        return self._most_assemblies - (self.work.assemblies - self._begun.assemblies)
 
     def _give_up(self, where: str, why: str) -> None:
         raise DivergedError(f"phase {self.phase.name!r}: no equilibrium beyond {where}: {why}")

@@ -73,7 +73,10 @@ class SoftSoilCreepSection(_Material):
         None, description="Stress ratio of normally consolidated compression; 1 - sin(phi) unless K0nc or M is given."
     )
     M: _Index | None = Field(None, description="Slope of the tops of the ellipses; from K0nc unless given.")
-    OCR: Annotated[Any, Limits("", 1.0)] = Field(1.0, description="Initial overconsolidation ratio p_p/p_eq.")
+    OCR: Annotated[Any, Limits("", 1.0)] = Field(
+        1.0,
+        description="Initial overconsolidation ratio p_p/p_eq; both hold c cot(phi) if the formulation is translated.",
+    )
     formulation: Literal["translated", "untranslated"] = Field(
         "translated", description="Whether stiffness and creep see the mean stress shifted by c cot(phi)."
     )
