@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["CONSTANTS", "FUNCTIONS", "HINTS", "Function"]
+__all__ = ["CONSTANTS", "FUNCTIONS", "HINTS", "WHERE", "Function"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +41,36 @@ def _highest_of_arrays(*arrays: Any) -> Any:
     return reduce(np.maximum, arrays)
 
 
+def _error_function(x: Any) -> Any:
+    from scipy.special import erf
+
+    return erf(x)
+
+
+def _complementary_error_function(x: Any) -> Any:
+    from scipy.special import erfc
+
+    return erfc(x)
+
+
+def _exponential_integral(x: Any) -> Any:
+    from scipy.special import exp1  # gives inf at 0 and nan below
+
+    return exp1(x)
+
+
+def _chosen(holds: bool, fails: bool, first: float, second: float) -> float:
+    # over nan a condition neither holds nor fails: the value is then not defined
+    return first if holds else second if fails else math.nan
+
+
+def _chosen_of_arrays(holds: Any, fails: Any, first: Any, second: Any) -> Any:
+    return np.where(holds, first, np.where(fails, second, np.nan))[()]
+
+
+WHERE = "where"
+"""The function of a comparison and two numbers; a call of it has the opposite comparison, too."""
+
 FUNCTIONS: dict[str, Function] = {
     function.name: function
     for function in (
@@ -60,6 +90,15 @@ FUNCTIONS: dict[str, Function] = {
         Function("sinh", "hyperbolic sine", math.sinh, np.sinh),
         Function("cosh", "hyperbolic cosine", math.cosh, np.cosh),
         Function("tanh", "hyperbolic tangent", math.tanh, np.tanh),
+        Function("erf", "error function", math.erf, _error_function),
+        Function("erfc", "complementary error function, 1 - erf", math.erfc, _complementary_error_function),
+        Function(
+            "exp1",
+            "exponential integral E1 of a positive number",
+            lambda x: float(_exponential_integral(x)),
+            _exponential_integral,
+        ),
+        Function(WHERE, "where(a > b, c, d): c where the comparison holds, else d", _chosen, _chosen_of_arrays, 3),
     )
 }
 """Functions by name."""
@@ -75,5 +114,9 @@ HINTS: dict[str, str] = {
     "arccos": "write acos",
     "arctan": "write atan",
     "fabs": "write abs",
+    "if": "write where(a > b, c, d)",
+    "expint": "write exp1",
+    "e1": "write exp1",
+    "E1": "write exp1",
 }
 """What to write instead of names that users know from elsewhere."""

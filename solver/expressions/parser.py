@@ -10,7 +10,7 @@
     product     = sign {("*" | "/") sign}
     sign        = ("+" | "-") sign | power
     power       = atom ["**" sign]
-    atom        = number | name | function "(" truth {"," truth} ")" | "(" truth ")"
+    atom        = number | name | function "(" truth {"," truth} ")" | "(" truth ")"    # where takes a comparison first
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from geoswarm.solver.errors import ExpressionError
-from geoswarm.solver.expressions.functions import CONSTANTS, FUNCTIONS, HINTS
+from geoswarm.solver.expressions.functions import CONSTANTS, FUNCTIONS, HINTS, WHERE
 from geoswarm.solver.expressions.nodes import (
     Call,
     Comparison,
@@ -250,6 +250,8 @@ class _Parser:
         if function is None:
             raise ExpressionError(_unknown_function(token.text))
         self._take()
+        if token.text == WHERE:
+            return self._choice(token)
         with self._deeper():
             arguments = [self._checked_number(self._truth(), token.text)]
             while self._at(","):
@@ -259,6 +261,18 @@ class _Parser:
         if function.most_arguments is not None and len(arguments) > function.most_arguments:
             raise ExpressionError(f"{token} takes one argument, not {len(arguments)}")
         return Call(token.text, tuple(arguments))
+
+    def _choice(self, token: _Token) -> Node:
+        with self._deeper():
+            condition = self._checked_truth(self._truth(), token.text)
+            values: list[Node] = []
+            while self._at(","):
+                self._take()
+                values.append(self._checked_number(self._truth(), token.text))
+        self._close("an operator, ',' or ')'")
+        if len(values) != 2:
+            raise ExpressionError(f"{token} takes a comparison and two numbers: where(a > b, c, d)")
+        return Call(token.text, (condition, negated(condition), *values))
 
     def _close(self, wanted: str) -> None:
         if not self._at(")"):

@@ -8,7 +8,8 @@
         decay: a * exp(-b * x)
         settlement: {expression: "s0 * ln(1 + x / t0)", x_unit: day, y_unit: m}
 
-Every name in an expression other than ``x`` is a parameter.
+Every name in an expression other than ``x`` is a parameter, or an input that the observation of the series gives beside
+x (``inputs: {T: temperature}``).
 """
 
 from __future__ import annotations
@@ -74,6 +75,11 @@ class FormulaSpec(ForwardModelSpec):
         Annotated[FormulaSeries, BeforeValidator(_long_form, json_schema_input_type=str | FormulaSeries)],
     ] = Field(min_length=1, description="series by name: an expression, or a mapping with expression and units")
 
+    @property
+    def quick(self) -> bool:
+        """A formula always is."""
+        return True
+
     def build(self) -> FormulaModel:
         """Build the forward model."""
         return FormulaModel(self)
@@ -81,18 +87,46 @@ class FormulaSpec(ForwardModelSpec):
 
 @dataclass(frozen=True, slots=True)
 class _Series:
+    """``inputs`` are those at the points ``x``, shape (m,), in rising order of x."""
+
     info: SeriesInfo
     expression: Expression
+    x: FloatArray
+    inputs: Mapping[str, FloatArray]
+
+    def inputs_at(self, x: FloatArray) -> dict[str, FloatArray]:
+        """Inputs at x, shape (n,): those of the observed points, linear between them elsewhere."""
+        if not self.inputs:
+            return {}
+        if np.array_equal(x, self.x):
+            return dict(self.inputs)
+        order = np.argsort(self.x, kind="stable")
+        return {name: np.interp(x, self.x[order], values[order]) for name, values in self.inputs.items()}
 
 
 class FormulaModel:
-    """Series given as expressions."""
+    """Series given as expressions.
 
-    def __init__(self, spec: FormulaSpec) -> None:
-        self._series = {name: _series(name, section) for name, section in spec.series.items()}
+    Parameters
+    ----------
+    inputs
+        By series: the points x, shape (m,), base units, and what else is known there, each of shape (m,).
+    """
+
+    def __init__(
+        self, spec: FormulaSpec, inputs: Mapping[str, tuple[FloatArray, Mapping[str, FloatArray]]] | None = None
+    ) -> None:
+        self._spec = spec
+        nothing = (np.empty(0), dict[str, FloatArray]())
+        self._series = {
+            name: _Series(
+                _info(name, section), parse_expression(section.expression), *(inputs or {}).get(name, nothing)
+            )
+            for name, section in spec.series.items()
+        }
         users: dict[str, list[str]] = {}
         for name, series in self._series.items():
-            for parameter in sorted(series.expression.names - {VARIABLE}):
+            for parameter in sorted(series.expression.names - {VARIABLE} - series.inputs.keys()):
                 users.setdefault(parameter, []).append(name)
         self._parameters = tuple(
             ParameterInfo(name, name, "", f"Used by {', '.join(names)}.") for name, names in users.items()
@@ -100,8 +134,24 @@ class FormulaModel:
 
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
-        """All names in the expressions but x."""
+        """All names in the expressions but x and the inputs."""
         return self._parameters
+
+    def with_inputs(self, inputs: Mapping[str, tuple[FloatArray, Mapping[str, FloatArray]]]) -> FormulaModel:
+        """Return the model that knows further quantities at the observed points.
+
+        Raises
+        ------
+        ValueError
+            When the expression of a series does not use one of its inputs.
+        """
+        for name, (_, given) in inputs.items():
+            unused = [i for i in given if i == VARIABLE or i not in self._series[name].expression.names]
+            if unused:
+                raise ValueError(
+                    f"input {unused[0]} is not used in '{self._series[name].expression.text}' of series '{name}'"
+                )
+        return FormulaModel(self._spec, inputs)
 
     @property
     def open_parameters(self) -> bool:
@@ -130,12 +180,15 @@ class FormulaModel:
 
         Where an expression has no value, the response is nan or inf.
         """
-        prepared = [(name, self._series[name].expression, np.array(x, dtype=np.float64)) for name, x in points.items()]
+        prepared = [
+            (name, self._series[name].expression, {VARIABLE: x, **self._series[name].inputs_at(x)})
+            for name, x in ((name, np.array(x, dtype=np.float64)) for name, x in points.items())
+        ]
 
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
             return {
-                name: np.array(np.broadcast_to(expression.value({**parameters, VARIABLE: x}), x.shape))
-                for name, expression, x in prepared
+                name: np.array(np.broadcast_to(expression.value({**parameters, **known}), known[VARIABLE].shape))
+                for name, expression, known in prepared
             }
 
         return run
@@ -145,8 +198,8 @@ def _base(unit: str) -> str:
     return "" if unit in ("dimensionless", "1", "-") else unit
 
 
-def _series(name: str, section: FormulaSeries) -> _Series:
-    info = SeriesInfo(
+def _info(name: str, section: FormulaSeries) -> SeriesInfo:
+    return SeriesInfo(
         name=name,
         description=section.description or section.expression,
         x_quantity=VARIABLE,
@@ -157,4 +210,3 @@ def _series(name: str, section: FormulaSeries) -> _Series:
         x_upper=section.x_upper,
         x_increasing=False,
     )
-    return _Series(info, parse_expression(section.expression))
