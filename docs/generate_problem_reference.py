@@ -29,7 +29,7 @@ A problem says what to calculate, what to identify, what was measured, how to se
 - YAML is read as YAML 1.2 (`1e-7` is a number, `yes` is text); a key that is given twice is an error.
 - Numbers are numbers: `"3"` and `true` are refused where a number is wanted, and so are NaN and infinity.
 - Every mistake is reported with its path, such as `parameters.c.lower`, and all of them at once.
-- A problem file has at most {yaml_size} MB as YAML and {json_size} MB as JSON, a CSV file {table_size} MB,
+- A problem file has at most {yaml_size} MB as YAML and {json_size} MB as JSON, a CSV or XLSX file {table_size} MB,
   an expression {length} characters.
 """
 
@@ -70,12 +70,27 @@ further part of `kind: combined`. Objectives are in the series' base units squar
 Inside, units are kN, m, day and degree. `x_unit` and `y_unit` name the units of the data and may be any unit of the
 right dimension: `s`, `min`, `h`, `day`, `um`, `mm`, `cm`, `m`, `Pa`, `kPa`, `MPa`, `bar`, `kN/m^2`, `%` ...
 
-### CSV files
+Without them the unit in a heading holds, such as `settlement [mm]` or `time in min`, or in a comment (`# x in min, y
+in mm`); without that, the series' base unit.
 
-The first line that is neither empty nor a `#` comment is the header. It names the columns `x`, `y` and, if wanted,
-`weight`, in any order and in upper or lower case; other columns are ignored. Columns of other names are given by
-`x_column`, `y_column` and `weight_column`. Columns are separated by comma, semicolon or tab; next to semicolons or
-tabs, and in quotes, numbers may have a decimal comma. The file's path is relative to the problem file.
+### CSV and XLSX files
+
+The problem file, the command line and the form at `/new` read files alike. The first line of a CSV file that is
+neither empty nor a `#` comment is the header; in a workbook it is the line above the first row of numbers, of the
+first sheet with cells or of `sheet`. It names the columns `x`, `y` and, if wanted, `weight`, in any order and in
+upper or lower case; other columns are ignored. Columns of other names are given by `x_column`, `y_column` and
+`weight_column`, with or without the unit in the heading. A column of dates (`2024-03-01 08:30`, `01.03.2024 08:30`)
+can be x: days since `x_origin`, or since the first reading. Columns of a CSV file are separated by comma, semicolon
+or tab; next to semicolons or tabs, and in quotes, numbers may have a decimal comma. A row with more cells than
+headings is refused: a comma inside a number has split it. The file's path is relative to the problem file.
+
+### Readings in disorder, or very many
+
+`sort: true` puts readings in the order of x. Where several have one x, `repeated_x: average` takes their mean and
+`shift` spreads them evenly up to the next x. A logger's many readings become few by `resample: {per_decade: 20}`,
+means of the readings in intervals of equal length in log x, or `{every: 10}`, of so many in a row; above 20 000
+points of a series a warning asks for it. A mean weighs as much as its readings together. In the canonical problem
+stand the points that come of it.
 """
 
 STOPPING = """\
@@ -215,7 +230,10 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
             what = f"{each} of `{used_by}`" if law is None else f"An entry of `{used_by}` with law `{law}`"
             parts += [f"{what}: {first_line(definition)}", fields(definition, definitions)]
     if kind == "formula":
-        parts.append("Every name in an expression other than `x` is a parameter, without limits.")
+        parts.append(
+            "Every name in an expression other than `x` is a parameter, without limits, or a further quantity that was "
+            "measured at the points: `inputs: {T: temperature}` in the observation of the series names its column."
+        )
     elif kind == "combined":
         parts.append(
             "Series are named `part.series`. Parts share parameters by name; a parameter `part.name` is the value for "

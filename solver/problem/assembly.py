@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverError
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.problem.feasibility import estimates_in_conflict, infeasibility
 from geoswarm.solver.problem.follow_up_checks import follow_up_issues
@@ -99,7 +100,8 @@ class _Assembly:
         spec, model = self._forward_model()
         parameters, complete = self._parameters()
         constraints = self._constraints(settings, parameters, complete)
-        observations = self._weighted(settings, self._observations(model))
+        observations = self._weighted(settings, self._observations(spec, model))
+        model = self._with_inputs(model, observations)
         if model is not None and parameters:
             declared = self.document["parameters"]
             self.issues += check_against_model(parameters, declared, model, self._kind)
@@ -250,7 +252,7 @@ class _Assembly:
             constraints.append(expression)
         return tuple(constraints)
 
-    def _observations(self, model: ForwardModel | None) -> tuple[Observation, ...]:
+    def _observations(self, spec: ForwardModelSpec | None, model: ForwardModel | None) -> tuple[Observation, ...]:
         sections = self.document.get("observations", [])
         if not isinstance(sections, list) or not 1 <= len(sections) <= _MOST_OBSERVATIONS:
             if "observations" in self.document:
@@ -267,11 +269,29 @@ class _Assembly:
             self.issues += found
             if points is not None and not found:
                 complete.append((path, checked, points))
-        if model is None:
+        if model is None or spec is None:
             return ()
-        observations, found = build_observations(complete, model, self._kind)
+        observations, found = build_observations(complete, model, spec)
         self.issues += found or _preparation_issues(model, observations)
         return observations
+
+    def _with_inputs(self, model: ForwardModel | None, observations: tuple[Observation, ...]) -> ForwardModel | None:
+        """The model that knows what else was measured at the points, if anything was."""
+        inputs = {o.series: (o.x, o.inputs) for o in observations if o.inputs}
+        if not inputs:
+            return model
+        if not isinstance(model, FormulaModel):
+            self._report("observations", f"inputs are for kind: formula; a model of kind {self._kind} uses none")
+            return model
+        declared = self.document.get("parameters")
+        for name in sorted({name for _, given in inputs.values() for name in given}):
+            if isinstance(declared, dict) and name in declared:
+                self._report(f"parameters.{name}", "is an input of an observation; a name can only be one of the two")
+        try:
+            return model.with_inputs(inputs)
+        except ValueError as error:
+            self._report("observations", str(error))
+            return model
 
     def _weighted(self, settings: Settings | None, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
         """Multiply the weights by those of the scheme, if there is one."""

@@ -24,12 +24,20 @@ _OF = "id of the job whose optimum this is, which then shows what is found"
 
 
 class SensitivityMethod(Section):
-    """Sensitivities at an optimum by differences of fourth order: one generation of 4 d + 1 evaluations."""
+    """Sensitivities at an optimum by differences of fourth order, 4 d + 1 evaluations a step.
+
+    Without a step, one is found for each parameter: further generations move only those parameters whose derivative is
+    not certain yet.
+    """
 
     kind: Literal["sensitivity"] = "sensitivity"
     at: dict[str, float] = Field(min_length=1, description="the optimum: values of all free parameters")
-    step: float = Field(
-        5e-3, gt=0, le=0.1, description="largest difference, in parts of the range in search coordinates"
+    step: float | None = Field(
+        None,
+        gt=0,
+        le=0.1,
+        description="largest difference, in parts of the range in search coordinates; where absent, it is found for "
+        "each parameter, and it takes some more evaluations",
     )
     polish: bool = Field(
         False, description="go to the minimum first by Levenberg-Marquardt steps, one generation of 2 d + 1 each"
@@ -38,7 +46,7 @@ class SensitivityMethod(Section):
 
     def planned(self, free: int) -> int | None:
         """Number of evaluations at most; None when it is not known before."""
-        return None if self.polish else 4 * free + 1
+        return None if self.polish or self.step is None else 4 * free + 1
 
 
 class ProfileMethod(Section):

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.forward.base import ForwardModel, SeriesInfo
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
+from geoswarm.solver.problem.cells import moment_in
+from geoswarm.solver.problem.columns import Columns, Heading, read_table
 from geoswarm.solver.problem.issues import did_you_mean, number
+from geoswarm.solver.problem.preparation import Readings, prepared
 from geoswarm.solver.problem.sections import ObservationSection
-from geoswarm.solver.problem.tables import TableError, read_table
-from geoswarm.solver.problem.units import UnitError, convert
+from geoswarm.solver.problem.selection import SELECTION, chosen_points
+from geoswarm.solver.problem.tables import TableError
+from geoswarm.solver.problem.units import UnitError, convert, same_unit
 
 __all__ = ["Observation", "Points", "build_observations", "read_points"]
 
@@ -23,16 +28,24 @@ _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, re
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point."""
+    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point.
+
+    ``inputs`` are further quantities at the points, by name. ``x_heading`` and ``y_heading`` are those of the file that
+    they were read from.
+    """
 
     x: list[float]
     y: list[float]
     weight: list[float] | None = None
+    inputs: dict[str, list[float]] = field(default_factory=dict)
+    x_heading: Heading | None = field(default=None, compare=False)
+    y_heading: Heading | None = field(default=None, compare=False)
 
-    def document(self) -> dict[str, list[float]]:
+    def document(self) -> dict[str, Any]:
         """The ``points`` section."""
         lists = {"x": self.x, "y": self.y} | ({} if self.weight is None else {"weight": self.weight})
-        return {name: [float(value) for value in values] for name, values in lists.items()}
+        document: dict[str, Any] = {name: [float(value) for value in values] for name, values in lists.items()}
+        return document | ({"inputs": self.inputs} if self.inputs else {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,11 +63,17 @@ class Observation:
     x_unit, y_unit
         Units of ``points``; None stands for the base unit.
     points
-        The points as the user gave them.
+        The points as the user gave them, those that take no part, too.
+    chosen
+        Which of ``points`` take part, shape (k,), m of them; None for all.
+    selection
+        What the user left out and how: x_from, x_to, stage_x_from, leave_out_stages, as far as given.
     given_weight
         Weight as the user gave it.
     error, given_error
         Standard deviation of a reading in the base unit and as the user gave it; None when it is not known.
+    inputs
+        Further quantities at the points, each of shape (m,), that a formula uses.
     """
 
     series: str
@@ -68,6 +87,9 @@ class Observation:
     given_weight: float
     error: float | None = None
     given_error: float | None = None
+    chosen: BoolArray | None = None
+    selection: Mapping[str, Any] = field(default_factory=dict)
+    inputs: dict[str, FloatArray] = field(default_factory=dict)
 
     def document(self) -> dict[str, Any]:
         """The observation's section in the canonical form, points inlined."""
@@ -78,7 +100,27 @@ class Observation:
             **{name: unit for name, unit in units.items() if unit is not None},
             "weight": self.given_weight,
             **({} if self.given_error is None else {"error": self.given_error}),
+            **self.selection,
         }
+
+    @property
+    def left_out(self) -> int:
+        """Number of points that take no part."""
+        return 0 if self.chosen is None else int((~self.chosen).sum())
+
+    def chosen_points(self) -> Points:
+        """The points that take part, in the user's units."""
+        if self.chosen is None:
+            return self.points
+        kept = np.flatnonzero(self.chosen).tolist()
+        weight = self.points.weight
+        return replace(
+            self.points,
+            x=[self.points.x[i] for i in kept],
+            y=[self.points.y[i] for i in kept],
+            weight=None if weight is None else [weight[i] for i in kept],
+            inputs={name: [values[i] for i in kept] for name, values in self.points.inputs.items()},
+        )
 
 
 def read_points(section: ObservationSection, path: str, folder: Path | None) -> tuple[Points | None, list[Issue]]:
@@ -90,8 +132,9 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         Where relative files lie; None when no files may be read (problems that came over the network).
     """
     if section.points is not None:
-        points = Points(section.points.x, section.points.y, section.points.weight)
-        return points, _length_issues(points, f"{path}.points")
+        points = Points(section.points.x, section.points.y, section.points.weight, section.points.inputs or {})
+        issues = _length_issues(points, f"{path}.points")
+        return points if issues else _prepared(points, section), issues
     assert section.file is not None
     if folder is None:
         message = (
@@ -99,16 +142,30 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         )
         return None, [Issue(f"{path}.file", message)]
     try:
-        table = read_table(folder / section.file, section.x_column, section.y_column, section.weight_column)
+        origin = None if section.x_origin is None else moment_in(section.x_origin)
+        wanted = Columns(
+            section.x_column, section.y_column, section.weight_column, section.sheet, origin, section.inputs or {}
+        )
+        table = read_table(folder / section.file, wanted)
     except TableError as error:
         return None, [Issue(f"{path}.file", message) for message in error.messages]
-    points = Points(table.x, table.y, table.weight)
-    return points, _weight_issues(points, f"{path}.file")
+    points = Points(table.x, table.y, table.weight, table.inputs, table.x_heading, table.y_heading)
+    issues = _weight_issues(points, f"{path}.file")
+    return points if issues else _prepared(points, section), issues
+
+
+def _prepared(points: Points, section: ObservationSection) -> Points:
+    """The readings as the section wants them; the canonical problem has what comes of it."""
+    if not section.sort and section.repeated_x is None and section.resample is None:
+        return points
+    given = Readings(points.x, points.y, points.weight, points.inputs)
+    found = prepared(given, sort=section.sort, repeated_x=section.repeated_x, resample=section.resample)
+    return replace(points, x=found.x, y=found.y, weight=found.weight, inputs=found.inputs)
 
 
 def _length_issues(points: Points, path: str) -> list[Issue]:
     n = len(points.x)
-    lists = {"y": points.y, "weight": points.weight}
+    lists = {"y": points.y, "weight": points.weight} | {f"inputs.{name}": v for name, v in points.inputs.items()}
     issues = [
         Issue(f"{path}.{name}", f"has {len(values)} values, but x has {n}; give one for each x")
         for name, values in lists.items()
@@ -130,9 +187,10 @@ def _weight_issues(points: Points, path: str) -> list[Issue]:
 
 
 def build_observations(
-    sections: list[tuple[str, ObservationSection, Points]], model: ForwardModel, kind: str
+    sections: list[tuple[str, ObservationSection, Points]], model: ForwardModel, spec: ForwardModelSpec
 ) -> tuple[tuple[Observation, ...], list[Issue]]:
     """Check sections (path, section, points) against the model's series and convert them."""
+    kind = spec.kind
     infos = {info.name: info for info in model.series}
     observations: list[Observation] = []
     issues: list[Issue] = []
@@ -153,7 +211,7 @@ def build_observations(
             issues.append(Issue(f"{path}.series", message))
             continue
         seen[name] = path
-        observation, found = _build(path, section, points, infos[name])
+        observation, found = _build(path, section, points, infos[name], spec)
         issues += found
         if observation is not None:
             observations.append(observation)
@@ -163,14 +221,20 @@ def build_observations(
 
 
 def _build(
-    path: str, section: ObservationSection, points: Points, info: SeriesInfo
+    path: str, section: ObservationSection, points: Points, info: SeriesInfo, spec: ForwardModelSpec
 ) -> tuple[Observation | None, list[Issue]]:
     issues: list[Issue] = []
     converted = []
-    for axis, values, unit, base in (
-        ("x", points.x, section.x_unit, info.x_unit),
-        ("y", points.y, section.y_unit, info.y_unit),
+    units: dict[str, str | None] = {}
+    for axis, values, given, base, heading in (
+        ("x", points.x, section.x_unit, info.x_unit, points.x_heading),
+        ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
+        unit, wrong = _unit(axis, given, base, heading)
+        units[axis] = unit
+        if wrong is not None:
+            issues.append(Issue(f"{path}.{axis}_{'unit' if given else 'column'}", wrong))
+            continue
         try:
             array = np.array(values, dtype=np.float64) if unit is None else convert(values, unit, base)
         except UnitError as error:
@@ -182,16 +246,23 @@ def _build(
     if issues:
         return None, issues
     x, y = converted
+    chosen, issues = chosen_points(section, path, x, units["x"], info, spec)
+    if issues:
+        return None, issues
+    kept = np.flatnonzero(chosen)
     place = f"{path}.points.x" if section.points is not None else f"{path}.file"
-    x, message = _checked_x(x, points.x, section.x_unit or info.x_unit, info)
+    x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info)
     if message is not None:
         return None, [Issue(place, message)]
-    weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)
+    y = y[kept]
+    weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)[kept]
+    if not weights.any():
+        return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
     for array in (x, y, weights):
         array.flags.writeable = False
     deviation = section.error
-    if deviation is not None and section.y_unit is not None:  # a difference: offsets of a unit do not matter
-        low, high = convert([0.0, deviation], section.y_unit, info.y_unit)
+    if deviation is not None and units["y"] is not None:  # a difference: offsets of a unit do not matter
+        low, high = convert([0.0, deviation], units["y"], info.y_unit)
         deviation = float(high - low)
     return (
         Observation(
@@ -200,22 +271,52 @@ def _build(
             y,
             weights,
             section.weight,
-            section.x_unit,
-            section.y_unit,
+            units["x"],
+            units["y"],
             points,
             given_weight=section.weight,
             error=deviation,
             given_error=section.error,
+            chosen=None if chosen.all() else chosen,
+            selection={name: getattr(section, name) for name in SELECTION if getattr(section, name) not in (None, [])},
+            inputs={name: np.array(values, dtype=np.float64)[kept] for name, values in points.inputs.items()},
         ),
         [],
     )
 
 
-def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -> tuple[FloatArray, str | None]:
-    """Points x fit for the series, or what is wrong with them; messages show x as the user ``given`` it in ``unit``."""
+def _unit(axis: str, given: str | None, base: str, heading: Heading | None) -> tuple[str | None, str | None]:
+    """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong."""
+    if heading is None or (heading.unit is None and not heading.dates):
+        return given, None
+    if heading.dates and given is not None and not same_unit(given, "day"):
+        message = f"column '{heading.name}' holds dates, which are read as days: leave {axis}_unit out, not {given}"
+        return given, message
+    if given is not None or heading.unit is None:
+        return given, None
+    try:
+        convert([1.0], heading.unit, base)
+    except UnitError:
+        if not heading.certain or same_unit(base, "1"):  # a formula without units takes the numbers as they are
+            return None, None
+        other = "series has" if axis == "y" else "series needs"
+        return (
+            None,
+            f"column '{heading.name}' is in {heading.unit}, but the {other} {base}; name another, or give {axis}_unit",
+        )
+    return heading.unit, None
+
+
+def _checked_x(
+    x: FloatArray, given: list[float], kept: IntArray, unit: str, info: SeriesInfo
+) -> tuple[FloatArray, str | None]:
+    """Points x fit for the series, or what is wrong with them.
+
+    Messages show x as the user ``given`` it in ``unit``; ``kept`` are the places of x, shape (m,), in it.
+    """
 
     def shown(index: int) -> str:
-        return f"x = {number(given[index])}{_suffix(unit)} (point {index + 1})"
+        return f"x = {number(given[kept[index]])}{_suffix(unit)} (point {kept[index] + 1})"
 
     if info.x_integer:
         whole = np.round(x)
@@ -239,7 +340,10 @@ def _checked_x(x: FloatArray, given: list[float], unit: str, info: SeriesInfo) -
         falling = np.diff(x) <= 0
         if falling.any():
             index = int(np.argmax(falling))
-            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}"
+            remedy = (
+                "repeated_x: average or shift makes them differ" if x[index] == x[index + 1] else "sort: true sorts"
+            )
+            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}; {remedy}"
     return x, None
 
 

@@ -10,11 +10,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem.json_places import duplicate_place
 
 __all__ = ["MAX_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
 
 _MAX_DEPTH = 30
-_MAX_VALUES = 2_000_000
+_MAX_VALUES = 4_000_000
 
 Form: TypeAlias = Literal["yaml", "json"]
 
@@ -85,19 +86,24 @@ def read_document(text: str, form: Form) -> dict[str, Any]:
 def _from_json(text: str) -> Any:
     try:
         return json.loads(text, object_pairs_hook=_without_duplicates)
+    except _DuplicateError as error:
+        raise _error(f"key '{_short(error.key)}' is given twice, again{duplicate_place(text)}") from None
     except json.JSONDecodeError as error:
         raise _error(f"JSON syntax error in line {error.lineno}, column {error.colno}: {error.msg}") from None
     except ValueError:
         raise _error("JSON cannot be read: it has a number with thousands of digits") from None
 
 
+class _DuplicateError(Exception):
+    def __init__(self, key: str) -> None:
+        self.key = key
+
+
 def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping: dict[str, Any] = {}
     for key, value in pairs:
         if key in mapping:
-            # The decoder tells no place here, so the neighbours name it.
-            among = ", ".join(dict.fromkeys(name for name, _ in pairs))
-            raise _error(f"key '{_short(key)}' is given twice in the mapping with the keys {_short(among)}")
+            raise _DuplicateError(key)
         mapping[key] = value
     return mapping
 
@@ -127,6 +133,8 @@ def _from_yaml(text: str) -> Any:
 
 
 def _syntax(problem: str) -> str:
+    if "'\\t'" in problem:
+        return "a tab; YAML is indented with spaces"
     return _short(problem.replace("'<scalar>'", "text or a number"))
 
 
@@ -165,6 +173,9 @@ class _Plain:
             return self._scalar(value, path)
         if isinstance(value, Mapping):
             return self._mapping(value, path, depth)
+        if isinstance(value, list) and set(map(type, value)) == {float} and self._values + len(value) <= _MAX_VALUES:
+            self._values += len(value)  # long series of numbers, the quick way
+            return list(value)
         if isinstance(value, list | tuple):
             return [self.copy(item, f"{path}[{index}]", depth + 1) for index, item in enumerate(value)]
         raise ProblemError(

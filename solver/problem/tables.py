@@ -1,18 +1,15 @@
-"""Reads measured points from CSV files: comma, semicolon or tab, ``#`` comments, decimal comma beside semicolons."""
+"""The text of CSV files: comma, semicolon or tab, ``#`` comments, decimal comma beside semicolons."""
 
 from __future__ import annotations
 
 import csv
 import re
-from dataclasses import dataclass
-from pathlib import Path
 
-__all__ = ["MAX_TABLE_BYTES", "Table", "TableError", "cell_number", "decoded", "read_table", "table_rows"]
+__all__ = ["MAX_TABLE_BYTES", "TableError", "cell_number", "decoded", "table_rows"]
 
 MAX_TABLE_BYTES = 32 * 2**20
-"""Largest CSV file."""
+"""Largest file of measurements."""
 
-_MOST_MESSAGES = 10
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
@@ -23,62 +20,6 @@ class TableError(Exception):
     def __init__(self, *messages: str) -> None:
         self.messages = messages
         super().__init__("; ".join(messages))
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Columns of a table, all of the same length; ``weight`` None when there is no such column."""
-
-    x: list[float]
-    y: list[float]
-    weight: list[float] | None
-
-
-def read_table(path: Path, x: str | None = None, y: str | None = None, weight: str | None = None) -> Table:
-    """Read the columns x, y and weight of a CSV file.
-
-    Parameters
-    ----------
-    path
-        The file. Its first line that is neither empty nor a ``#`` comment is the header.
-    x, y, weight
-        Names of the columns, upper and lower case alike; None stands for ``x``, ``y`` and, if there is one, ``weight``.
-
-    Raises
-    ------
-    TableError
-        Missing or unreadable file, missing column, or cells that are no finite numbers.
-    """
-    rows = table_rows(_text(path), path.name)
-    if not rows:
-        raise TableError(f"{path.name} is empty; a header line x,y is expected")
-    (line, header), *body = rows
-    columns = {"x": x or "x", "y": y or "y"}
-    if weight is not None or "weight" in (_key(cell) for cell in header):
-        columns["weight"] = weight or "weight"
-    places = {role: _place(header, name, f"{path.name} line {line}") for role, name in columns.items()}
-    if not body:
-        raise TableError(f"{path.name} has a header but no points")
-    reader = _Cells(path.name, header)
-    data = {role: [reader.number(cells, place, line) for line, cells in body] for role, place in places.items()}
-    reader.raise_errors()
-    return Table(data["x"], data["y"], data.get("weight"))
-
-
-def _text(path: Path) -> str:
-    if path.is_fifo():  # a pipe would be waited for
-        raise TableError(f"{path} is a pipe, not a file")
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_TABLE_BYTES + 1)
-    except FileNotFoundError:
-        raise TableError(f"no such file: {path}") from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise TableError(f"{path} cannot be read: {reason}") from None
-    if len(content) > MAX_TABLE_BYTES:
-        raise TableError(f"{path.name} is larger than {MAX_TABLE_BYTES} bytes")
-    return decoded(content)
 
 
 def decoded(content: bytes) -> str:
@@ -97,7 +38,7 @@ def table_rows(text: str, name: str) -> list[tuple[int, list[str]]]:
     Raises
     ------
     TableError
-        Quotes are not closed or the like.
+        Quotes are not closed or the like, or a row has more cells than the first one.
     """
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if _counts(line)]
     if not lines:
@@ -111,7 +52,27 @@ def table_rows(text: str, name: str) -> list[tuple[int, list[str]]]:
             rows.append((number, [cell.strip() for cell in cells]))
     except csv.Error as error:
         raise TableError(f"{name} line {lines[min(len(rows), len(lines) - 1)][0]}: {error}") from None
+    _refuse_surplus(rows, name, delimiter)
     return rows
+
+
+def _refuse_surplus(rows: list[tuple[int, list[str]]], name: str, delimiter: str) -> None:
+    """Refuse rows that go on behind the last heading: a number was split there, and its rest would be dropped."""
+    width = len(rows[0][1])
+    wrong = [(line, cells) for line, cells in rows if len(cells) > width and any(cells[width:])]
+    if not wrong:
+        return
+    if width == 1:
+        remedy = f"is line {rows[0][0]} the line of headings? Lines above it begin with #"
+    elif delimiter == ",":
+        remedy = "a comma inside a number (1,234) splits it: leave it out, or separate the columns by semicolons"
+    else:
+        remedy = "give every column a heading"
+    messages = [
+        f"{name} line {line}: {len(cells)} cells under {width} headings ({', '.join(cells)[:80]}); {remedy}"
+        for line, cells in wrong[:3]
+    ]
+    raise TableError(*messages, *([f"{name}: {len(wrong) - 3} more such lines"] if len(wrong) > 3 else []))
 
 
 def _counts(line: str) -> bool:
@@ -129,39 +90,3 @@ def cell_number(cell: str) -> float | None:
     else:
         return None
     return value if abs(value) < float("inf") else None
-
-
-def _key(cell: str) -> str:
-    return cell.strip().casefold()
-
-
-def _place(header: list[str], name: str, where: str) -> int:
-    found = [index for index, cell in enumerate(header) if _key(cell) == _key(name)]
-    if len(found) == 1:
-        return found[0]
-    problem = "there is no column" if not found else "there are several columns"
-    raise TableError(f"{where}: {problem} '{name}'; the header has: {', '.join(header)}")
-
-
-class _Cells:
-    def __init__(self, name: str, header: list[str]) -> None:
-        self._name = name
-        self._header = header
-        self._messages: list[tuple[int, str]] = []
-
-    def number(self, cells: list[str], place: int, line: int) -> float:
-        cell = cells[place] if place < len(cells) else ""
-        value = cell_number(cell)
-        return self._bad(cell, place, line) if value is None else value
-
-    def _bad(self, cell: str, place: int, line: int) -> float:
-        what = f"'{cell[:50]}' is no finite number" if cell else "the cell is empty"
-        self._messages.append((line, f"{self._name} line {line}, column {self._header[place]}: {what}"))
-        return 0.0
-
-    def raise_errors(self) -> None:
-        if not self._messages:
-            return
-        shown = [message for _, message in sorted(self._messages)[:_MOST_MESSAGES]]
-        more = len(self._messages) - len(shown)
-        raise TableError(*shown, *([f"{self._name}: {more} more bad cells"] if more else []))

@@ -41,7 +41,7 @@ def read_workbook(content: bytes, name: str, sheet: str | None = None) -> tuple[
 
     Returns
     -------
-    Names of all sheets, the name of this one, and its rows; empty cells are empty text.
+    Names of all sheets, the name of this one, and its rows from the first on; empty cells are empty text.
 
     Raises
     ------
@@ -96,8 +96,14 @@ class _Workbook:
         return ElementTree.fromstring(content)
 
     def _rows(self, place: str, texts: list[str], dates: set[int], since_1904: bool) -> Iterator[list[Cell]]:
-        left = MAX_CELLS
+        left, line = MAX_CELLS, 0
         for row in self._part(place).iter(f"{_MAIN}row"):
+            blank = int(row.get("r") or line + 1) - line - 1  # empty rows are not stored
+            left -= max(blank, 0)
+            if left < 0:
+                raise TableError(f"{self._name} has more than {MAX_CELLS} cells")
+            yield from ([] for _ in range(blank))
+            line += max(blank, 0) + 1
             cells: list[Cell] = []
             for cell in row.iter(f"{_MAIN}c"):
                 column = _column(cell.get("r"), len(cells))

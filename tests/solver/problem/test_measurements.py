@@ -8,7 +8,7 @@ import zipfile
 import pytest
 
 from geoswarm.solver.problem import TableError, read_measurements
-from geoswarm.solver.problem.measurements import guess_unit
+from geoswarm.solver.problem.headings import guess_unit
 from geoswarm.solver.problem.workbooks import read_workbook
 
 SHEET = "xl/worksheets/sheet{}.xml"
@@ -147,6 +147,7 @@ def test_dates_of_a_sheet_follow_its_styles() -> None:
         (b"\xd0\xcf\x11\xe0rest", "old form"),
         (b"PK\x03\x04 broken", "cannot be read as an XLSX workbook"),
         (b"a\0b,c\n1,2\n", "neither text"),
+        (b"x,y\n1,2\n3,1,234\n", "a.file line 3: 3 cells under 2 headings"),
         (workbook(("s", "<row><c><v>1</v></c></row>"), **{"xl/workbook.xml": "<no"}), "cannot be read"),
         (
             workbook(("s", ""), **{SHEET.format(1): '<!DOCTYPE a [<!ENTITY b "c">]><worksheet/>'}),

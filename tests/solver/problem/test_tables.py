@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, Table, TableError, read_table
+from geoswarm.solver.problem.columns import Columns, Table, read_table
+from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, TableError
 
 
 def _write(folder: Path, content: str | bytes) -> Path:
@@ -32,13 +33,17 @@ def _write(folder: Path, content: str | bytes) -> Path:
     ],
 )
 def test_accepted(tmp_path: Path, content: str | bytes, table: Table) -> None:
-    assert read_table(_write(tmp_path, content)) == table
+    found = read_table(_write(tmp_path, content))
+    assert (found.x, found.y, found.weight) == (table.x, table.y, table.weight)
 
 
 def test_columns_by_name(tmp_path: Path) -> None:
     path = _write(tmp_path, "Time [min];Weg;Gewicht\n1;2;3\n")
-    assert read_table(path, "time [min]", "weg") == Table([1.0], [2.0], None)
-    assert read_table(path, "time [min]", "weg", "gewicht") == Table([1.0], [2.0], [3.0])
+    for heading in ("time [min]", "time", "TIME"):
+        table = read_table(path, Columns(heading, "weg"))
+        assert (table.x, table.y, table.weight) == ([1.0], [2.0], None)
+        assert (table.x_heading.unit, table.x_heading.certain, table.y_heading.unit) == ("min", True, None)
+    assert read_table(path, Columns("time [min]", "weg", "gewicht")).weight == [3.0]
 
 
 @pytest.mark.parametrize(
@@ -47,7 +52,10 @@ def test_columns_by_name(tmp_path: Path) -> None:
         ("", ["data.csv is empty; a header line x,y is expected"]),
         ("# only a comment\n", ["data.csv is empty; a header line x,y is expected"]),
         ("x,y\n", ["data.csv has a header but no points"]),
-        ("time,y\n1,2\n", ["data.csv line 1: there is no column 'x'; the header has: time, y"]),
+        (
+            "time,y\n1,2\n",
+            ["data.csv line 1: there is no column 'x'; the header has: time, y; say which it is: x_column: time"],
+        ),
         ("x,y,X\n1,2,3\n", ["data.csv line 1: there are several columns 'x'; the header has: x, y, X"]),
         (
             "x,y\n1,\nnan,2\n\n3,inf\n1e999,0\n5\n1_0,１\n",
@@ -62,6 +70,21 @@ def test_columns_by_name(tmp_path: Path) -> None:
             ],
         ),
         ("x;y\n1.234,5;2\n", ["data.csv line 2, column x: '1.234,5' is no finite number"]),
+        (
+            "x,y\n1,2\n3,1,234\n\n4,5,\n",
+            [
+                "data.csv line 3: 3 cells under 2 headings (3, 1, 234); a comma inside a number (1,234) splits it: "
+                "leave it out, or separate the columns by semicolons"
+            ],
+        ),
+        ("x;y\n1;2;3\n", ["data.csv line 2: 3 cells under 2 headings (1, 2, 3); give every column a heading"]),
+        (
+            "1,2\n3,4\n",
+            [
+                "data.csv line 1: there is no column 'x'; there is no line of headings; say which it is: "
+                "x_column: column 1"
+            ],
+        ),
         ('x,y\n"1,2\n', ["data.csv line 2: unexpected end of data"]),
     ],
 )

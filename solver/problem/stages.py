@@ -1,0 +1,40 @@
+"""When the loads of a test in stages are applied, for what runs over the time of such a test."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from geoswarm.solver.forward.base import ForwardModelSpec
+
+__all__ = ["stage_of", "stage_times"]
+
+_ROUNDING = 1e-9
+
+
+def stage_times(spec: ForwardModelSpec, series: str) -> FloatArray:
+    """Return the times [day] at which loads are applied, shape (k,), where a series runs over the time of such a test.
+
+    Empty for every other series. Times count from the series' zero; that of the first stage is negative where
+    ``zero_at_stage`` is a later one.
+    """
+    part_spec: Any = spec
+    part, dot, inner = series.partition(".")
+    if dot and hasattr(part_spec, "parts"):
+        part_spec, series = part_spec.parts[part], inner
+    stages = getattr(part_spec, "stages", ())
+    if not stages or series.startswith("stage_"):
+        return np.empty(0)
+    durations = np.array([stage.duration for stage in stages], dtype=np.float64)
+    starts = np.concatenate([[0.0], np.cumsum(durations)[:-1]])
+    return np.asarray(starts - starts[getattr(part_spec, "zero_at_stage", 1) - 1], dtype=np.float64)
+
+
+def stage_of(x: FloatArray, starts: FloatArray) -> IntArray:
+    """Number of the stage, from 1, that each x, shape (m,), belongs to; a reading at a load ends the stage before."""
+    slack = _ROUNDING * max(1.0, float(np.abs(starts).max(initial=0.0)))
+    return np.maximum(np.searchsorted(starts + slack, x, side="left"), 1).astype(np.int64)
