@@ -42,6 +42,7 @@ from geoswarm.solver.stopping import (
 
 __all__ = [
     "POLISHED",
+    "POLISH_UNFINISHED",
     "SAMPLES_COMPLETED",
     "Best",
     "Calibration",
@@ -55,6 +56,7 @@ __all__ = [
 
 SAMPLES_COMPLETED = "samples_completed"
 POLISHED = "polished"
+POLISH_UNFINISHED = "polish_unfinished"
 
 _LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
 
@@ -297,7 +299,11 @@ class Calibration:
         if isinstance(method, MonteCarloMethod) and evaluations == method.samples:
             reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))
         if isinstance(method, ParticleSwarmMethod) and not len(positions):
-            reasons = (POLISHED, *(r for r in reasons if r != MaxEvaluations.reason))
+            converged = isinstance(search, ParticleSwarm) and search.converged
+            reasons = (
+                POLISHED if converged else POLISH_UNFINISHED,
+                *(r for r in reasons if r != MaxEvaluations.reason),
+            )
         elif self.follow_up is not None and len(positions) == 0:
             reasons = (DESIGN_COMPLETED,)
         following = Progress(

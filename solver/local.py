@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, TypeAlias
-
-import numpy as np
+from functools import partial
+from typing import Literal
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
-from geoswarm.solver.errors import Issue, ProblemError, WorkerLostError
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.evaluators import EvaluateGeneration, evaluator
+from geoswarm.solver.journal import Keeper
 from geoswarm.solver.notebook import result_html
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import fatal_message
 from geoswarm.solver.runlog import RunKey, RunLog
 from geoswarm.solver.warm import compile_kernels
@@ -31,8 +28,6 @@ __all__ = [
     "generation_record",
     "no_success_message",
 ]
-
-EvaluateGeneration: TypeAlias = Callable[[FloatArray], list[Evaluation]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +106,7 @@ def calibrate(
     seed: int | None = None,
     on_generation: Callable[[GenerationRecord], None] | None = None,
     offer: Offer | None = None,
+    keeper: Keeper | None = None,
 ) -> CalibrationResult:
     """Run a calibration to its end in this process.
 
@@ -127,6 +123,8 @@ def calibrate(
         Called after every generation.
     offer
         Runs of earlier calibrations with the same forward model, for an accelerated search to learn from.
+    keeper
+        Keeps evaluations and generations as they finish, and knows those of an earlier part of this run.
 
     Raises
     ------
@@ -152,23 +150,30 @@ def calibrate(
         return [responses[generation][particle] for generation, particle in keys]
 
     compile_kernels(problem)  # no part of the search, nor of its time
-    began = time.monotonic()
-    progress = calibration.start(workers)
-    with _evaluator(calibration, workers) as evaluate_generation:
+    keeper = keeper or Keeper()
+    began = time.monotonic() - keeper.seconds
+
+    def finished(position: FloatArray, evaluation: Evaluation) -> None:
+        keeper.finished(position, evaluation, time.monotonic() - began)
+
+    progress = keeper.start(calibration, workers)
+    with evaluator(calibration, workers, finished) as evaluate_generation:
         while True:
-            evaluations = evaluate_once(progress.positions, known, evaluate_generation)
+            evaluations = evaluate_once(progress.positions, known, partial(_recalled, keeper, evaluate_generation))
             history += [EvaluationRecord(progress.generation, i, e) for i, e in enumerate(evaluations)]
             fatal = _fatal(problem, progress.generation, evaluations)
             if fatal is not None:
                 result = _result(problem, seed, progress, (), history, records, time.monotonic() - began)
                 return replace(result, state="failed", error=fatal)
             objectives = [e.objective for e in evaluations]
-            runs = None
             if calibration.accelerated:
                 log.add([e.parameters for e in evaluations], objectives)
                 responses.append([e.responses for e in evaluations])
-                runs = log.runs(fetch)
-            step = calibration.advance(progress, objectives, time.monotonic() - began, runs)
+            step, seconds = keeper.known_step(progress.generation), time.monotonic() - began
+            if step is None:
+                runs = log.runs(fetch) if calibration.accelerated else None
+                step = calibration.advance(progress, objectives, seconds, runs)
+            keeper.closed(progress.generation, evaluations, step, seconds)
             records.append(generation_record(problem, progress.generation, objectives, step.progress))
             if on_generation is not None:
                 on_generation(records[-1])
@@ -188,6 +193,14 @@ def evaluate_once(
         known |= zip((keys[i] for i in new), evaluate(positions[new]), strict=True)
     fresh = set(new)
     return [known[key] if i in fresh else replace(known[key], seconds=0.0) for i, key in enumerate(keys)]
+
+
+def _recalled(keeper: Keeper, evaluate: EvaluateGeneration, positions: FloatArray) -> list[Evaluation]:
+    """Evaluate what an earlier part of this run has not; return all in order."""
+    stored = [keeper.recall(position) for position in positions]
+    missing = [i for i, evaluation in enumerate(stored) if evaluation is None]
+    fresh = dict(zip(missing, evaluate(positions[missing]) if missing else [], strict=True))
+    return [fresh[i] if evaluation is None else evaluation for i, evaluation in enumerate(stored)]
 
 
 def _fatal(problem: Problem, generation: int, evaluations: Sequence[Evaluation]) -> str | None:
@@ -254,47 +267,3 @@ def _result(
         history=history,
         generation_records=records,
     )
-
-
-@contextmanager
-def _evaluator(calibration: Calibration, workers: int) -> Iterator[EvaluateGeneration]:
-    """Give a function that evaluates all positions of a generation, in order."""
-    if workers < 1:
-        raise ValueError(f"workers is {workers}, at least 1 is needed")
-    if workers == 1:
-        yield lambda positions: [calibration.evaluate(position) for position in positions]
-        return
-    # spawn: a forked child would inherit the locks of Numba's and BLAS's threads in whatever state they are
-    pool = ProcessPoolExecutor(
-        workers,
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=_initialise_process,
-        initargs=(calibration.problem.document(), calibration.seed),
-    )
-
-    def evaluate_generation(positions: FloatArray) -> list[Evaluation]:
-        chunks = np.array_split(positions, min(workers, len(positions)))
-        try:
-            return [evaluation for chunk in pool.map(_evaluate_chunk, chunks) for evaluation in chunk]
-        except BrokenProcessPool as error:
-            raise WorkerLostError(
-                f"one of the {workers} worker processes ended unexpectedly (out of memory, or killed); "
-                "the service (geoswarm serve) survives such losses, an in-process run does not"
-            ) from error
-
-    with pool:
-        yield evaluate_generation
-
-
-_process_calibration: Calibration | None = None  # one for the life of a pool's process
-
-
-def _initialise_process(document: dict[str, Any], seed: int) -> None:
-    global _process_calibration
-    _process_calibration = Calibration(parse_problem(document), seed)
-
-
-def _evaluate_chunk(positions: FloatArray) -> list[Evaluation]:
-    if _process_calibration is None:
-        raise RuntimeError("the process was not initialised")
-    return [_process_calibration.evaluate(position) for position in positions]

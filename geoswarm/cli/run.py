@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from geoswarm.cli.failures import BadInputError, FailedRunError
 from geoswarm.cli.figures import figures_missing
+from geoswarm.cli.fit import fit_of_run, show_fit
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.progress import progress_bar
+from geoswarm.cli.run_folder import kept, open_folder, show_finished, summary, write_output
+from geoswarm.cli.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
@@ -44,37 +47,67 @@ __all__ = ["run_command"]
     metavar="DIR",
     help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
 )
+@click.option("--resume", is_flag=True, help="Go on with the run that was cut off in the folder of --output.")
 @json_option
 def run_command(
-    problem: Path, workers: int, output: Path | None, seed: int | None, earlier: tuple[Path, ...], as_json: bool
+    problem: Path,
+    workers: int,
+    output: Path | None,
+    seed: int | None,
+    earlier: tuple[Path, ...],
+    resume: bool,
+    as_json: bool,
 ) -> None:
     """Calibrate a problem to its end, with figures and tables.
 
-    The number of workers changes the time, never the result. Exit code 1 when no forward run succeeded.
+    The number of workers changes the time, never the result. With --output every forward run is kept as it finishes:
+    after Ctrl-C, a full disk or a crash the same command with --resume goes on to the same result. Exit code 1 when no
+    forward run succeeded.
     """
     from geoswarm.solver.local import calibrate
     from geoswarm.solver.problem import load_problem
     from geoswarm.solver.problem.running import Limits
 
     loaded = load_problem(problem)
+    warn_of_many_points(loaded)
     if loaded.limits != Limits():
         click.echo("note: limits hold in the service only; here a run that hangs must be ended by hand", err=True)
+    if resume and output is None:
+        raise BadInputError("--resume needs --output DIR, the folder of the run that was cut off")
+    if loaded.warm_start and not earlier:
+        raise BadInputError(
+            "warm_start.jobs: only the service knows its jobs. 'geoswarm submit' runs this problem there; here, give "
+            "--warm-start DIR, the folder of an earlier run, or leave warm_start out"
+        )
     without_figures = None if output is None else figures_missing("geoswarm run --output")
-    if output is not None:
-        _make_folder(output)
     if without_figures:
         note(f"Note: tables only, no report and no figures: {without_figures}")
     offer = _offer(loaded, earlier) if earlier else None
+    folder = None if output is None else open_folder(output, loaded, seed, offer, resume)
+    if output is not None and folder is None:
+        show_finished(output, loaded, as_json)
+        return
     compile_seconds = ready(loaded)
-    with _reporting(loaded) as on_generation:
-        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer)
-    written = [] if output is None else write_output(loaded, result, output, figures=not without_figures)
+    seed = seed if folder is None else folder.run.seed
+    with kept(folder, problem), _reporting(loaded) as on_generation:
+        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer, keeper=folder)
+    report = None
+    if folder is not None and not without_figures:
+        from geoswarm.solver.report import report_of_result
+
+        with kept(folder, problem):
+            report = report_of_result(loaded, result)
+    fit = fit_of_run(loaded, result, report)
     if as_json:
-        echo_json(_summary(result) | {"compile_seconds": compile_seconds})
+        echo_json(summary(result) | {"fit": fit, "compile_seconds": compile_seconds})
     elif result.state == "finished":
+        show_fit(fit)
         show_result(loaded, result)
-    if output is not None and not as_json:
-        echo_facts(None, {"written to": str(output), "files": _listed(written)})
+    if folder is not None:
+        with kept(folder, problem):
+            written = write_output(loaded, result, folder, report)
+        if not as_json:
+            echo_facts(None, {"written to": str(output), "files": _listed(written)})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
 
@@ -101,32 +134,12 @@ def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
     return best_of(problem, offers)
 
 
-def _summary(result: CalibrationResult) -> dict[str, Any]:
-    return {
-        "state": result.state,
-        "stop_reasons": list(result.stop_reasons),
-        "objective": result.objective,
-        "parameters": result.parameters,
-        "evaluations": result.evaluations,
-        "generations": result.generations,
-        "seconds": result.seconds,
-        "seed": result.seed,
-    }
-
-
 def _listed(files: list[Path]) -> str:
     """File names, the forms of one figure together: fit.png/svg/csv."""
     forms: dict[str, list[str]] = {}
     for file in files:
         forms.setdefault(file.stem, []).append(file.suffix[1:])
     return ", ".join(f"{stem}.{'/'.join(suffixes)}" for stem, suffixes in forms.items())
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BadInputError(f"--output {folder}: {error.strerror}") from error
 
 
 @contextmanager
@@ -149,23 +162,9 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
             raise
 
 
-def write_output(problem: Problem, result: CalibrationResult, folder: Path, *, figures: bool) -> list[Path]:
-    """Write all files of a result; without ``figures`` the tables only."""
-    from geoswarm.solver import report
-
-    names = ("result.json", "problem.json", "evaluations.csv", "generations.csv", "responses.npz")
-    written = [folder / name for name in names]
-    report.write_result(written[0], problem, result)
-    report.write_problem(written[1], problem, result.seed)
-    report.write_evaluations(written[2], problem, result)
-    report.write_generations(written[3], problem, result)
-    report.write_responses(written[4], problem, result)
-    return written + report.report_of_result(problem, result).save(folder) if figures else written
-
-
 def show_result(problem: Problem, result: CalibrationResult) -> None:
     """Write the tables of a finished calibration."""
-    from geoswarm.cli.labels import with_unit
+    from geoswarm.cli.labels import root_mean_square, with_unit
     from geoswarm.solver.report import objective_unit, series_shares
 
     if result.parameters is None or result.best is None:
@@ -173,15 +172,23 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
     unit = objective_unit(problem)
     echo_table(
         problem.name,
-        ("parameter", "", "identified", "lower", "upper", "initial", "scale", "unit"),
+        ("parameter", "", "best fit", "lower", "upper", "initial", "scale", "unit"),
         _parameter_rows(problem, result.parameters),
         right=(2, 3, 4, 5),
     )
     rows = [
-        (s.series, number(s.weight), number(s.misfit), f"{s.share:.0%}")
+        (
+            s.series,
+            number(s.weight),
+            number(s.misfit),
+            root_mean_square(problem, s.series, s.misfit),
+            f"{s.share:.0%}",
+        )
         for s in series_shares(problem, result.best.misfits)
     ]
-    echo_table(None, ("series", "weight", "misfit", "share of the objective"), rows, right=(1, 2, 3))
+    echo_table(
+        None, ("series", "weight", "misfit", "root mean square", "share of the objective"), rows, right=(1, 2, 3, 4)
+    )
     failed = f", {result.failed_evaluations} failed" if result.failed_evaluations else ""
     echo_facts(
         None,

@@ -1,0 +1,191 @@
+"""A run that is cut off loses nothing that it has finished, and goes on to the same history."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geoswarm.cli import main
+from geoswarm.solver.calibration import Calibration
+from tests.contracts.repository import ROOT
+from tests.geoswarm.cli.interruptions import history
+from tests.solver.problems import decay_document
+
+
+@pytest.fixture(autouse=True)
+def tables_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("geoswarm.cli.run.figures_missing", lambda _what: "figures are not wanted here")
+
+
+def write(folder: Path, **changes: Any) -> str:
+    path = folder / "problem.json"
+    path.write_text(json.dumps(decay_document(stopping={"max_evaluations": 40}, **changes)), encoding="utf-8")
+    return str(path)
+
+
+def interrupt_at(monkeypatch: pytest.MonkeyPatch, run: int, error: type[BaseException] = KeyboardInterrupt) -> None:
+    """The forward run of that number, counted from 1, never comes to its end."""
+    evaluate, count = Calibration.evaluate, [0]
+
+    def evaluate_some(self: Calibration, parameters: Any) -> Any:
+        count[0] += 1
+        if count[0] == run:
+            raise error
+        return evaluate(self, parameters)
+
+    monkeypatch.setattr(Calibration, "evaluate", evaluate_some)
+
+
+def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.geoswarm.cli.interruptions", str(tmp_path), "21"],
+        cwd=ROOT,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for found in json.loads(done.stdout.splitlines()[-1]):
+        assert found["different"] == 0, found
+        assert found["unfinished"] >= 5, found  # the faults came while there was something to lose
+
+
+def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, output = write(tmp_path), tmp_path / "output"
+    with monkeypatch.context() as patch:
+        interrupt_at(patch, 21)
+        assert main(["run", problem, "--output", str(output)]) == 130
+    said = capsys.readouterr().err
+    assert f"20 finished runs are kept in {output / 'run.journal'}" in said
+    assert f"'geoswarm run {problem} --output {output} --resume' goes on" in said
+    with (output / "evaluations.csv").open(encoding="utf-8", newline="") as stream:
+        assert len(list(csv.DictReader(stream))) == 16  # two whole generations can be looked at meanwhile
+    with (output / "generations.csv").open(encoding="utf-8", newline="") as stream:
+        assert len(list(csv.DictReader(stream))) == 2
+
+    assert main(["statistics", str(output)]) == 2
+    assert "was cut off" in capsys.readouterr().err
+    assert main(["run", problem, "--output", str(output)]) == 2
+    assert "holds 20 runs of a calibration that was cut off: --resume goes on" in capsys.readouterr().err
+
+    runs: list[int] = []
+    evaluate = Calibration.evaluate
+
+    def counted(self: Calibration, parameters: Any) -> Any:
+        runs.append(1)
+        return evaluate(self, parameters)
+
+    monkeypatch.setattr(Calibration, "evaluate", counted)
+    assert main(["run", problem, "--output", str(output), "--resume"]) == 0
+    assert "going on after 20 runs" in capsys.readouterr().err
+    assert len(runs) == 20  # of 40: no run is done twice
+    assert main(["run", problem, "--output", str(tmp_path / "whole")]) == 0
+    assert history(output) == history(tmp_path / "whole")
+
+
+def test_a_seed_that_was_drawn_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, output = write(tmp_path, seed=None), tmp_path / "output"
+    with monkeypatch.context() as patch:
+        interrupt_at(patch, 9)
+        assert main(["run", problem, "--output", str(output)]) == 130
+    seed = json.loads((output / "problem.json").read_text(encoding="utf-8"))["seed"]
+    assert main(["run", problem, "--output", str(output), "--resume", "--seed", str(seed + 1)]) == 2
+    assert "with another seed" in capsys.readouterr().err
+    assert main(["run", problem, "--output", str(output), "--resume", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["seed"] == seed
+
+
+def test_another_problem_does_not_go_on_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, output = write(tmp_path), tmp_path / "output"
+    with monkeypatch.context() as patch:
+        interrupt_at(patch, 9)
+        assert main(["run", problem, "--output", str(output)]) == 130
+    other = write(tmp_path, parameters={"amplitude": {"lower": 0.1, "upper": 9}, "rate": {"value": 0.7}})
+    assert main(["run", other, "--output", str(output), "--resume"]) == 2
+    assert "with another parameters" in capsys.readouterr().err
+
+
+def test_resume_of_a_finished_run_shows_its_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    problem, output = write(tmp_path), tmp_path / "output"
+    assert main(["run", problem, "--output", str(output), "--json", "--resume"]) == 0  # nothing there: it begins
+    first = json.loads(capsys.readouterr().out)
+    assert main(["run", problem, "--output", str(output), "--json", "--resume"]) == 0
+    captured = capsys.readouterr()
+    told = json.loads(captured.out)
+    assert told == {name: first[name] for name in told}
+    assert "is finished" in captured.err
+    assert main(["run", problem, "--output", str(output), "--resume"]) == 0
+    assert "amplitude" in capsys.readouterr().out
+    assert main(["run", write(tmp_path, name="other"), "--output", str(output), "--resume"]) == 2
+    assert "another name" in capsys.readouterr().err
+    assert main(["run", problem, "--resume"]) == 2
+    assert "--resume needs --output" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_results_are_printed_before_anything_is_written(
+    as_json: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, output = write(tmp_path), tmp_path / "output"
+
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("geoswarm.solver.report.run_folder.write_responses", full)
+        assert main(["run", problem, "--output", str(output), *(["--json"] if as_json else [])]) == 1
+    captured = capsys.readouterr()
+    assert "amplitude" in captured.out
+    assert f"{output / 'responses.npz'}: No space left on device" in captured.err
+    assert "40 finished runs are kept" in captured.err
+    assert "--resume" in captured.err
+    assert main(["run", problem, "--output", str(output), "--resume"]) == 0
+    assert (output / "responses.npz").exists()
+
+
+def test_two_processes_do_not_run_into_one_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    problem, output = write(tmp_path), tmp_path / "output"
+    hold = (
+        "import fcntl, sys\n"
+        "file = open(sys.argv[1], 'wb'); fcntl.flock(file, fcntl.LOCK_EX); print('held', flush=True); input()"
+    )
+    output.mkdir()
+    with subprocess.Popen(
+        [sys.executable, "-c", hold, str(output / "run.journal")], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == b"held\n"
+        assert main(["run", problem, "--output", str(output)]) == 2
+        other.communicate(b"\n")
+    assert "another process is running into this folder" in capsys.readouterr().err
+
+
+def test_worker_processes_end_with_the_run_and_their_runs_are_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, output = write(tmp_path), tmp_path / "output"
+
+    def stop(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("geoswarm.solver.local.generation_record", stop)
+        patch.setattr("geoswarm.solver.report.run_folder.generation_record", stop)
+        assert main(["run", problem, "--output", str(output), "--workers", "2"]) == 130
+    assert "8 finished runs are kept" in capsys.readouterr().err
+    assert main(["run", problem, "--output", str(output), "--resume"]) == 0
+    assert main(["run", problem, "--output", str(tmp_path / "whole")]) == 0
+    assert history(output) == history(tmp_path / "whole")
