@@ -10,12 +10,18 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError, TooFewPointsError
-from geoswarm.solver.search.differences import DifferenceDesign, plan_differences
+from geoswarm.solver.search.differences import DifferenceDesign, derivative, plan_differences
+from geoswarm.solver.search.steps import FIRST_STEP, StepSearch
 
-__all__ = ["DifferenceDesign", "Jacobian", "count_points", "design", "differentiate"]
-
-_PLACES = 5
-_FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+__all__ = [
+    "DifferenceDesign",
+    "Jacobian",
+    "count_points",
+    "design",
+    "differentiate",
+    "evaluate_differences",
+    "residual_rows",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +71,7 @@ def check_points(calibration: Calibration) -> None:
         )
 
 
-def design(calibration: Calibration, optimum: FloatArray, *, step: float = 5e-3) -> DifferenceDesign:
+def design(calibration: Calibration, optimum: FloatArray, *, step: float = FIRST_STEP) -> DifferenceDesign:
     """Plan the evaluations for the sensitivities: the optimum and four places along each parameter, 4 d + 1 in all.
 
     Central places where both sides are inside the bounds and feasible, otherwise all on one side.
@@ -75,7 +81,8 @@ def design(calibration: Calibration, optimum: FloatArray, *, step: float = 5e-3)
     optimum
         Shape (d,), natural values of the free parameters, inside the bounds.
     step
-        Largest offset in parts of the range in search coordinates. Take more for a rough forward model.
+        Largest offset in parts of the range in search coordinates, the same for all parameters. Take more for a rough
+        forward model, less where the response bends fast; :func:`evaluate_differences` finds it.
 
     Raises
     ------
@@ -84,6 +91,38 @@ def design(calibration: Calibration, optimum: FloatArray, *, step: float = 5e-3)
     """
     check_points(calibration)
     return plan_differences(calibration.space, optimum, step)
+
+
+def evaluate_differences(calibration: Calibration, optimum: FloatArray) -> tuple[DifferenceDesign, list[Evaluation]]:
+    """Evaluate the neighbours of an optimum in this process, with steps found for each parameter.
+
+    Returns
+    -------
+    plan, evaluations
+        Those with the best step of each parameter, for :func:`differentiate`.
+
+    Raises
+    ------
+    TooFewPointsError
+        When there are fewer measured points than free parameters.
+    """
+    check_points(calibration)
+    search: StepSearch | None = StepSearch(calibration.space, optimum)
+    evaluations: list[Evaluation] = []
+    while search is not None:
+        last = search
+        evaluations += [calibration.evaluate(position) for position in search.positions]
+        residuals = residual_rows(calibration, evaluations)
+        search = search.next(residuals)
+    plan, rows = last.chosen(residuals)
+    return plan, [evaluations[row] for row in rows]
+
+
+def residual_rows(calibration: Calibration, evaluations: Sequence[Evaluation]) -> FloatArray:
+    """Weighted residuals of evaluations, shape (n, m); nan where one failed."""
+    objective = calibration.objective
+    failed = np.full(sum(o.y.size for o in objective.observed), np.nan)
+    return np.array([objective.weighted_residuals(e.responses) if e.reason is None else failed for e in evaluations])
 
 
 def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations: Sequence[Evaluation]) -> Jacobian:
@@ -111,33 +150,5 @@ def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations:
         offsets = np.array([0.0, *plan.offset[chosen]])
         for series in names:
             values = np.stack([evaluations[i].responses[series] for i in [0, *chosen]])
-            derivatives[series][:, index], errors[series][:, index] = _derivative(offsets, values)
+            derivatives[series][:, index], errors[series][:, index] = derivative(offsets, values)
     return Jacobian(plan.optimum, dict(centre.responses), derivatives, errors, "differences")
-
-
-def _derivative(offsets: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Derivative of values, shape (k, m), at offset 0, and an estimate of its error, both of shape (m,).
-
-    Five evenly spaced places tell the roughness of a forward model from its curvature: their fourth difference is
-    small for a smooth one, and sqrt(70) times the roughness otherwise. The truncation error is that of the two outer
-    places squared, relative to the derivative. With fewer places the difference between both formulas counts in full.
-    """
-    weights = _weights(offsets)
-    fine = weights @ (values - values[0])
-    outer = [0, 1, len(offsets) - 1]
-    gap = np.abs(fine - _weights(offsets[outer]) @ (values[outer] - values[0]))
-    if len(offsets) < _PLACES:
-        return fine, gap
-    order = np.argsort(offsets)
-    roughness = np.abs(_FOURTH_DIFFERENCE @ values[order]) / np.linalg.norm(_FOURTH_DIFFERENCE)
-    truncation = gap * min(float(np.linalg.norm(gap)) / max(float(np.linalg.norm(fine)), 1e-300), 1.0)
-    return fine, roughness * np.linalg.norm(weights) + truncation
-
-
-def _weights(offsets: FloatArray) -> FloatArray:
-    """Weights of values at ``offsets``, shape (k,), in the derivative at 0; exact for polynomials below order k."""
-    scale = np.abs(offsets).max()
-    system = np.vander(offsets / scale, increasing=True).T
-    target = np.zeros(len(offsets))
-    target[1] = 1.0
-    return np.asarray(np.linalg.solve(system, target) / scale)

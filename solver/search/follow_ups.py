@@ -11,12 +11,13 @@ from threadpoolctl import threadpool_limits
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleSpaceError
-from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.acceleration.runs import Runs, latest_residuals
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.chains import Chain
 from geoswarm.solver.search.descent import Descent
 from geoswarm.solver.search.differences import DifferenceDesign, plan_differences
 from geoswarm.solver.search.space import SearchSpace
+from geoswarm.solver.search.steps import FIRST_STEP, Moves, StepSearch
 
 __all__ = [
     "BLIND_STEP",
@@ -37,15 +38,20 @@ BLIND_STEP = 0.05
 
 @dataclass(frozen=True, slots=True)
 class SensitivitySettings:
-    """The optimum, shape (d,), natural values; largest offset in parts of the range; whether to polish first."""
+    """The optimum, shape (d,), natural values; largest offset in parts of the range, found where it is None; whether to
+    polish first.
+    """
 
     optimum: FloatArray
-    step: float
+    step: float | None
     polish: bool = False
 
 
 class SensitivitySearch:
-    """One generation of differences at the optimum, after the generations of a descent where that is wanted."""
+    """Differences at the optimum, after the generations of a descent where that is wanted.
+
+    One generation with a given step; otherwise further ones, until the step of each parameter is found.
+    """
 
     def __init__(self, space: SearchSpace, settings: SensitivitySettings, snapshot: Snapshot | None = None) -> None:
         self._space = space
@@ -53,17 +59,31 @@ class SensitivitySearch:
         self.generation = 0
         self.done = False
         self.descent = Descent(space.to_unit(settings.optimum)) if settings.polish else None
+        moves = None
         if snapshot is not None:
             self.generation, self.done = snapshot["generation"], snapshot["done"]
             self.descent = None if snapshot["descent"] is None else Descent.from_json(snapshot["descent"])
+            moves = [[(int(i), float(h)) for i, h in moves] for moves in snapshot.get("moves") or []]
+        self._moves: list[Moves] | None = moves or None
+
+    @property
+    def optimum(self) -> FloatArray:
+        """Where the differences are taken, shape (d,), natural values; the best point of the descent so far."""
+        descent = self.descent
+        moved = descent is not None and descent.current is not None
+        return self._space.from_unit(descent.best) if descent is not None and moved else self._settings.optimum
+
+    @property
+    def steps(self) -> StepSearch | None:
+        """The generations of differences, where their steps are found; None with a given step."""
+        return StepSearch(self._space, self.optimum, self._moves) if self._settings.step is None else None
 
     @property
     def plan(self) -> DifferenceDesign:
-        """The plan of the last generation; around the best point so far while the descent goes on."""
-        settings, descent = self._settings, self.descent
-        moved = descent is not None and descent.current is not None
-        optimum = self._space.from_unit(descent.best) if descent is not None and moved else settings.optimum
-        return plan_differences(self._space, optimum, settings.step)
+        """All differences asked for so far; around the best point so far while the descent goes on."""
+        step = self._settings.step
+        steps = self.steps
+        return plan_differences(self._space, self.optimum, step or FIRST_STEP) if steps is None else steps.every
 
     @property
     def descending(self) -> bool:
@@ -76,21 +96,28 @@ class SensitivitySearch:
             return None
         if self.descent is not None and not self.descent.finished:
             return self.descent.positions(self._space)
-        return self.plan.positions
+        steps = self.steps
+        return self.plan.positions if steps is None else steps.positions
 
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
         """Take the results of the current generation."""
-        if self.descent is not None and not self.descent.finished:
-            with threadpool_limits(limits=1):  # sums of products in the same order on every machine
-                self.descent = self.descent.advance(_latest(runs, len(objectives)))
-        else:
-            self.done = True
+        steps = self.steps
+        with threadpool_limits(limits=1):  # sums of products in the same order on every machine
+            if self.descent is not None and not self.descent.finished:
+                self.descent = self.descent.advance(latest_residuals(runs, len(objectives)))
+            elif steps is not None:
+                following = steps.next(latest_residuals(runs, len(steps.every.positions)))
+                self.done = following is None
+                self._moves = steps.generations if following is None else following.generations
+            else:
+                self.done = True
         self.generation += 1
 
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able."""
         descent = None if self.descent is None else self.descent.to_json()
-        return {"generation": self.generation, "done": self.done, "descent": descent}
+        moves = None if self._moves is None else [[list(move) for move in moves] for moves in self._moves]
+        return {"generation": self.generation, "done": self.done, "descent": descent, "moves": moves}
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +188,7 @@ class ProfileSearch:
 
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
         """Take the results of the current generation."""
-        self.take(_latest(runs, len(objectives)))
+        self.take(latest_residuals(runs, len(objectives)))
 
     def take(self, residuals: FloatArray) -> None:
         """Take the weighted residual vectors of the current generation, shape (n, m); nan where it failed."""
@@ -282,14 +309,3 @@ class DesignSearch:
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able."""
         return {"generation": self.generation}
-
-
-def _latest(runs: Runs | None, count: int) -> FloatArray:
-    """Residuals of the current generation, the last of all runs, shape (count, m); nan where a run failed."""
-    if runs is None:
-        raise ValueError("this search needs the runs so far")
-    succeeded = runs.succeeded[-count:]
-    known = runs.residuals(np.nonzero(succeeded)[0] + len(runs.positions) - count)
-    residuals: FloatArray = np.full((count, known.shape[1]), np.nan)
-    residuals[succeeded] = known
-    return residuals

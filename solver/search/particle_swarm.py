@@ -19,10 +19,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration import Proposer, ProposerState, Runs
 from geoswarm.solver.search.base import Snapshot
+from geoswarm.solver.search.ending import Ending
 from geoswarm.solver.search.randomness import particle_generator
 from geoswarm.solver.search.space import SearchSpace
 
@@ -58,7 +60,7 @@ class SwarmSettings:
         ``none``: the textbook swarm. ``response_surface``: the worst particles of a generation are aimed at points that
         all runs so far promise (:mod:`geoswarm.solver.search.acceleration`).
     polish
-        An accelerated swarm that would restart polishes its best particle instead, and ends.
+        An accelerated swarm that would restart goes down from its best particle by least squares instead, and ends.
     """
 
     particles: int = 10
@@ -135,6 +137,7 @@ class ParticleSwarm:
                 self._take_offer(self._proposer, offered, first=int(estimated))
         self._separate()
         self._best_position = self._position.copy()
+        self._ending: Ending | None = None
 
     @classmethod
     def restore(cls, space: SearchSpace, settings: SwarmSettings, seed: int, snapshot: Snapshot) -> ParticleSwarm:
@@ -148,6 +151,8 @@ class ParticleSwarm:
         swarm._best_objective = np.array([np.inf if f is None else f for f in snapshot["best_objective"]])
         state = snapshot.get("proposer")  # absent in what earlier versions stored
         swarm._proposer = _proposer(space, settings, seed, None if state is None else ProposerState.from_json(state))
+        ending = snapshot.get("ending")
+        swarm._ending = None if ending is None else Ending.from_json(ending)
         return swarm
 
     def snapshot(self) -> Snapshot:
@@ -159,10 +164,12 @@ class ParticleSwarm:
             "best_position": self._best_position.tolist(),
             "best_objective": [f if math.isfinite(f) else None for f in self._best_objective.tolist()],
             "proposer": None if self._proposer is None else self._proposer.state.to_json(),
-        }
+        } | ({} if self._ending is None else {"ending": self._ending.to_json()})
 
     def ask(self) -> FloatArray | None:
         """Positions of the current generation, shape (n, d), natural values; None when the best is polished."""
+        if self._ending is not None:
+            return None if self._ending.finished else self._ending.positions(self._space)
         if self._proposer is not None and self._proposer.finished:
             return None
         return self._space.to_natural(self._position)
@@ -172,6 +179,13 @@ class ParticleSwarm:
 
         ``runs``, all evaluations so far, lets an accelerated swarm aim some of them.
         """
+        if self._ending is not None:
+            if runs is None:
+                raise ValueError("the end of a polished search needs the runs so far")
+            with threadpool_limits(limits=1):  # sums of products in the same order on every machine
+                self._ending = self._ending.advance(self._space, runs)
+            self.generation += 1
+            return
         if objectives.shape != self._best_objective.shape:
             raise ValueError(f"objectives has shape {objectives.shape}, expected {self._best_objective.shape}")
         better = objectives < self._best_objective
@@ -191,7 +205,16 @@ class ParticleSwarm:
             aimed = self._proposer.propose(self.generation, self._position, worst_first, runs)
             for i, point in aimed.items():
                 self._position[i], self._velocity[i] = point, self._limit(point - before[i])
+            if self._proposer.leaving:
+                with threadpool_limits(limits=1):
+                    self._ending = Ending.begin(self._space, runs)
+                return
         self._separate()
+
+    @property
+    def converged(self) -> bool:
+        """Whether a polished search ended at a minimum, as far as it can tell."""
+        return self._ending is None or self._ending.converged
 
     def _take_offer(self, proposer: Proposer, offered: Runs, first: int) -> None:
         """Aim generation 0 by offered runs; of the particles from ``first`` on, the first one repeats the best run."""

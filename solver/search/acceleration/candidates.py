@@ -11,7 +11,6 @@ from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.local_models import (
     gauss_newton_point,
-    levenberg_point,
     neighbour_distance,
     quadratic_point,
 )
@@ -117,8 +116,7 @@ class Arms:
         ``around:e:reach`` the lowest one in a box around a centre, ``valley`` a low point far from all good runs;
         ``gauss_newton:e:reach``, ``alike:e:reach`` (slopes from like responses), ``quadratic:e:reach`` of the local
         models; ``scalar_surface`` of log f; ``covariance``; ``near`` one of the best; ``far`` from everything; ``step``
-        to another value of an integer parameter; ``levenberg:damping`` a step, and ``probe`` a point for better slopes,
-        from the best.
+        to another value of an integer parameter; ``probe`` a point for better slopes, from the best.
         """
         kind, _, detail = arm.partition(":")
         point: FloatArray | None
@@ -135,9 +133,6 @@ class Arms:
             point = self._covariance()
         elif kind == "near":
             point = self._near_point()
-        elif kind == "levenberg":
-            points, rows, centre = self._like(self._centres[0])
-            point = self._new(levenberg_point(points, self._components.values[rows], centre, float(detail)), 0.0)
         elif kind == "step":
             point = self._other_whole_number()
         elif kind == "probe":

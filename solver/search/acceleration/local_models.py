@@ -7,7 +7,7 @@ from scipy.optimize import lsq_linear, minimize
 
 from geoswarm.solver.arrays import FloatArray
 
-__all__ = ["gauss_newton_point", "levenberg_point", "neighbour_distance", "quadratic_point"]
+__all__ = ["gauss_newton_point", "neighbour_distance", "quadratic_point"]
 
 _LARGEST_RADIUS = 0.3
 _POOL = 3  # times as many nearest points, of which those with like components are taken
@@ -37,22 +37,6 @@ def gauss_newton_point(
     lower, upper = np.maximum(-half, -middle), np.minimum(half, 1.0 - middle)
     lower, upper = np.minimum(lower, -1e-15), np.maximum(upper, 1e-15)
     step: FloatArray = lsq_linear(slopes.T, -components[centre], (lower, upper), method="bvls", max_iter=50).x
-    return np.asarray(np.clip(middle + step, 0.0, 1.0))
-
-
-def levenberg_point(points: FloatArray, components: FloatArray, centre: int, damping: float) -> FloatArray:
-    """Levenberg-Marquardt step from an evaluation with the slopes of its neighbours; parameters as above.
-
-    ``damping`` multiplies the diagonal of the normal matrix (Marquardt 1963). A step leaves the neighbourhood at most
-    by its own size: beyond, the slopes are not known.
-    """
-    slopes, farthest = _slopes(points, components, centre, alike=False)
-    middle, half = points[centre], min(2.0 * farthest, _LARGEST_RADIUS)
-    lower, upper = np.minimum(np.maximum(-half, -middle), -1e-15), np.maximum(np.minimum(half, 1.0 - middle), 1e-15)
-    damped = np.diag(np.sqrt(damping * (slopes * slopes).sum(axis=1)))
-    system = np.concatenate([slopes.T, damped])
-    wanted = np.concatenate([-components[centre], np.zeros(middle.size)])
-    step: FloatArray = lsq_linear(system, wanted, (lower, upper), method="bvls", max_iter=50).x
     return np.asarray(np.clip(middle + step, 0.0, 1.0))
 
 

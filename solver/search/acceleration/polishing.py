@@ -1,4 +1,4 @@
-"""The end of a polished search: when it begins, and when nothing is left to gain."""
+"""The end of a polished search that knows objectives alone: when nothing is left to gain."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ __all__ = ["Polishing", "polish_pattern"]
 _WORTH = 1e-3  # a relative decrease of the objective that counts
 _PATIENCE = 2
 _LONGEST = 10  # generations
-_DAMPINGS = ("0", "1e-3", "1e-1", "1e-5", "1")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +35,7 @@ class Polishing:
         return {"best": self.best, "generations": self.generations, "waiting": self.waiting}
 
 
-def polish_pattern(particles: int, *, scalar: bool) -> tuple[str, ...]:
-    """Arms of a polishing generation: at most half of it steps with different damping, the rest probes."""
-    steps = (
-        ("quadratic:0:1", "quadratic:0:0.3", "quadratic:0:0.1")
-        if scalar
-        else tuple(f"levenberg:{d}" for d in _DAMPINGS)
-    )
-    steps = steps[: max(1, particles // 2)]
+def polish_pattern(particles: int) -> tuple[str, ...]:
+    """Arms of a polishing generation: at most half of it steps of quadratic models, the rest probes."""
+    steps = ("quadratic:0:1", "quadratic:0:0.3", "quadratic:0:0.1")[: max(1, particles // 2)]
     return (*steps, *["probe"] * (particles - len(steps)))

@@ -152,13 +152,16 @@ class Proposer:
     state
         Of an earlier proposer that this one goes on from.
     polish
-        Where a basin is finished: polish the best of all and end, in place of a restart.
+        Where a basin is finished: polish the best of all and end, in place of a restart; with residuals that is left to
+        others (:attr:`leaving`).
     """
 
     def __init__(
         self, space: SearchSpace, seed: int, state: ProposerState | None = None, *, polish: bool = False
     ) -> None:
         self._polish = polish
+        self.leaving = False
+        """A basin is finished and residuals are known: the search may end with least squares."""
         self.state = state or ProposerState()
         self._space = space
         self._seed = seed
@@ -167,7 +170,7 @@ class Proposer:
 
     @property
     def finished(self) -> bool:
-        """Whether the best is polished."""
+        """Whether the best is polished, where only the objective is known."""
         return self.state.polishing is not None and self.state.polishing.done
 
     def first(self, drawn: FloatArray, keep: int) -> FloatArray:
@@ -226,6 +229,9 @@ class Proposer:
         if polishing is not None:
             polishing = polishing.after(float(objectives[order[0]]))
         elif self._polish and basins.restarts > before.restarts:
+            if not scalar:
+                self.leaving = True
+                return {}
             polishing = Polishing(float(objectives[order[0]]))
         if polishing is not None:
             basins = before  # it stays where it is
@@ -246,7 +252,7 @@ class Proposer:
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
         if polishing:
-            pattern = polish_pattern(len(moved), scalar=scalar)
+            pattern = polish_pattern(len(moved))
         else:
             whole = self._space.integer.any()
             # responses jump between whole numbers, which says nothing of the slopes along the other parameters

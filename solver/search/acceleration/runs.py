@@ -9,7 +9,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 
-__all__ = ["Runs"]
+__all__ = ["Runs", "latest_residuals"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,3 +42,14 @@ class Runs:
     def succeeded(self) -> BoolArray:
         """Whether a run has a residual vector, shape (N,)."""
         return np.asarray(np.isfinite(self.objectives))
+
+
+def latest_residuals(runs: Runs | None, count: int) -> FloatArray:
+    """Residuals of the last ``count`` of all runs, shape (count, m); nan where a run failed."""
+    if runs is None:
+        raise ValueError("this search needs the runs so far")
+    succeeded = runs.succeeded[-count:]
+    known = runs.residuals(np.nonzero(succeeded)[0] + len(runs.positions) - count)
+    residuals: FloatArray = np.full((count, known.shape[1]), np.nan)
+    residuals[succeeded] = known
+    return residuals

@@ -10,7 +10,6 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.search.acceleration.local_models import levenberg_point
 from geoswarm.solver.search.acceleration.polishing import Polishing, polish_pattern
 from tests.solver.problems import decay_document
 
@@ -75,18 +74,8 @@ def test_it_ends_when_two_generations_gain_nothing_or_after_ten() -> None:
 
 
 def test_half_of_a_polishing_generation_are_steps() -> None:
-    assert [arm.partition(":")[0] for arm in polish_pattern(2, scalar=False)] == ["levenberg", "probe"]
-    arms = polish_pattern(12, scalar=False)
+    assert polish_pattern(2) == ("quadratic:0:1", "probe")
+    arms = polish_pattern(12)
     assert len(arms) == 12
-    assert sum(arm.startswith("levenberg") for arm in arms) == 5
-    assert polish_pattern(4, scalar=True)[:2] == ("quadratic:0:1", "quadratic:0:0.3")
-
-
-def test_damping_shortens_the_step_and_none_solves_linear_residuals() -> None:
-    random = np.random.default_rng(1)
-    points = 0.5 + 0.2 * (random.random((12, 3)) - 0.5)
-    matrix, target = random.standard_normal((5, 3)), np.array([0.55, 0.45, 0.5])
-    components = (points - target) @ matrix.T
-    np.testing.assert_allclose(levenberg_point(points, components, 0, 0.0), target, atol=1e-6)
-    lengths = [np.linalg.norm(levenberg_point(points, components, 0, d) - points[0]) for d in (0.0, 0.1, 1.0, 10.0)]
-    assert lengths == sorted(lengths, reverse=True)
+    assert sum(arm.startswith("quadratic") for arm in arms) == 3
+    assert polish_pattern(4)[:2] == ("quadratic:0:1", "quadratic:0:0.3")

@@ -1,0 +1,135 @@
+"""The end of a polished search: from the best run down to a minimum, and from other basins where that one is in doubt.
+
+A minimum on a bound, one whose residuals follow each other, or a descent that ended with gradients left may not be the
+least one. Then the best runs of other basins are refined, too, until two of them agree on the best minimum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.refinement import Refinement
+from geoswarm.solver.search.space import SearchSpace
+
+__all__ = ["Descended", "Ending"]
+
+_STARTS = 8
+_APART = 0.1  # parts of the range to the nearest better run, and between starts
+_LONGEST, _LONGEST_LATER = 80, 40  # iterations
+_SAME = 1e-6  # relative difference of objectives of one minimum
+_FOLLOWING = 2.5  # autocorrelation of residuals, in its standard errors
+_AGREE, _AGREE_ON_BOUND = 2, 4  # descents that end alike
+_FEWEST = 8  # residuals for an autocorrelation
+
+
+@dataclass(frozen=True, slots=True)
+class Descended:
+    """Where a descent ended: run, f, whether a minimum, on a bound, or whether another basin may hold a better one."""
+
+    row: int
+    objective: float
+    converged: bool
+    on_bound: bool
+    doubtful: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """State of the end of a search.
+
+    Parameters
+    ----------
+    current
+        The descent under way.
+    starts
+        Runs from which others may begin, the best first.
+    descended
+        Those that ended.
+    finished
+        Whether nothing is left to do.
+    """
+
+    current: Refinement
+    starts: tuple[int, ...]
+    descended: tuple[Descended, ...] = ()
+    finished: bool = False
+
+    @classmethod
+    def begin(cls, space: SearchSpace, runs: Runs) -> Ending:
+        """Begin at the best run."""
+        order = np.argsort(runs.objectives, kind="stable")[: int(runs.succeeded.sum())]
+        unit = space.to_unit(runs.positions[order])
+        starts = [0]
+        for i in range(1, len(order)):
+            if len(starts) == _STARTS:
+                break
+            if float(np.abs(unit[:i] - unit[i]).max(axis=1).min()) > _APART:
+                starts.append(i)
+        rows = [int(order[i]) for i in starts]
+        state = cls(Refinement.begin(space, runs, rows[0]), tuple(rows[1:]))
+        return state._following(space, runs) if state.current.finished else state
+
+    @property
+    def converged(self) -> bool:
+        """Whether the best of all descents ended at a minimum."""
+        return min(self.descended, key=lambda end: end.objective).converged if self.descended else False
+
+    def positions(self, space: SearchSpace) -> FloatArray:
+        """Points of the current generation, shape (k, d), natural values."""
+        return space.from_unit(self.current.asked)
+
+    def advance(self, space: SearchSpace, runs: Runs) -> Ending:
+        """Take the results of the current generation, the last of the runs."""
+        longest = _LONGEST_LATER if self.descended else _LONGEST
+        after = replace(self, current=self.current.advance(space, runs, longest))
+        return after._following(space, runs) if after.current.finished else after
+
+    def _following(self, space: SearchSpace, runs: Runs) -> Ending:
+        """The descent ended: the next one, or the end."""
+        current = self.current
+        doubtful = current.outcome != "converged" or current.on_bound or _follow_each_other(runs, current.row)
+        end = Descended(current.row, current.objective, current.outcome == "converged", current.on_bound, doubtful)
+        after = replace(self, descended=(*self.descended, end))
+        best = min(after.descended, key=lambda other: other.objective)
+        agreed = sum(other.converged and other.objective <= best.objective * (1.0 + _SAME) for other in after.descended)
+        if not best.doubtful or agreed >= (_AGREE_ON_BOUND if best.on_bound else _AGREE) or not after.starts:
+            return replace(after, finished=True)
+        following = replace(after, current=Refinement.begin(space, runs, after.starts[0]), starts=after.starts[1:])
+        return following._following(space, runs) if following.current.finished else following
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values, from which :meth:`from_json` restores exactly."""
+        return {
+            "current": self.current.to_json(),
+            "starts": list(self.starts),
+            "descended": [
+                [end.row, end.objective, end.converged, end.on_bound, end.doubtful] for end in self.descended
+            ],
+            "finished": self.finished,
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Ending:
+        """Restore from :meth:`to_json`."""
+        return cls(
+            Refinement.from_json(data["current"]),
+            tuple(data["starts"]),
+            tuple(Descended(*end) for end in data["descended"]),
+            data["finished"],
+        )
+
+
+def _follow_each_other(runs: Runs, row: int) -> bool:
+    """Whether the residuals of a run are correlated with their neighbours beyond chance."""
+    residuals = np.asarray(runs.residuals(np.array([row]))[0])
+    residuals = residuals[residuals != 0.0]
+    total = float(residuals @ residuals)
+    if residuals.size < _FEWEST or total == 0.0:
+        return False
+    return float(residuals[:-1] @ residuals[1:]) / total > _FOLLOWING / float(np.sqrt(residuals.size))

@@ -1,0 +1,237 @@
+"""Problems on which the test of lack of fit is measured: right models of many kinds, and wrong ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.forward.formula import FormulaSpec
+from geoswarm.solver.identifiability import Linearisation, design, from_evaluations
+from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.problem import parse_problem
+
+__all__ = ["DEPARTING", "RIGHT", "WRONG", "Case", "Coverage", "coverage", "fitted", "share_flagged"]
+
+Noise = Callable[[np.random.Generator, FloatArray], FloatArray]
+
+
+def normal(deviation: float) -> Noise:
+    """Independent normal noise."""
+    return lambda random, x: random.normal(0.0, deviation, x.size)
+
+
+def students(deviation: float) -> Noise:
+    """Noise with heavy tails: Student's t with 4 degrees of freedom."""
+    return lambda random, x: deviation / np.sqrt(2.0) * random.standard_t(4.0, x.size)
+
+
+def autocorrelated(deviation: float, rho: float) -> Noise:
+    """Noise of first-order autocorrelation."""
+
+    def draw(random: np.random.Generator, x: FloatArray) -> FloatArray:
+        e = random.normal(0.0, deviation, x.size)
+        e[1:] *= np.sqrt(1.0 - rho * rho)
+        for i in range(1, x.size):
+            e[i] += rho * e[i - 1]
+        return e
+
+    return draw
+
+
+def growing(deviation: float) -> Noise:
+    """Noise that grows as x squared."""
+    return lambda random, x: random.normal(0.0, 1.0, x.size) * deviation * (0.1 + (x / x.max()) ** 2)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem with formulas, the truth, and what is wrong with it.
+
+    ``truth`` calculates the measured series from (x, parameters) where it is not the model itself.
+    """
+
+    formulas: dict[str, str]
+    parameters: dict[str, tuple[float, float, float, str]]  # truth, lower, upper, scale
+    x: dict[str, FloatArray]
+    noise: dict[str, Noise]
+    wrong: dict[str, Callable[[FloatArray], FloatArray]] = field(default_factory=dict)
+    error: dict[str, float] = field(default_factory=dict)
+    weights: dict[str, list[float]] = field(default_factory=dict)
+
+    @property
+    def values(self) -> dict[str, float]:
+        return {name: given[0] for name, given in self.parameters.items()}
+
+    def document(self, random: np.random.Generator) -> dict[str, Any]:
+        observations = []
+        for series, y in exact(self.formulas, self.x, self.values).items():
+            x = self.x[series]
+            bias = self.wrong[series](x) if series in self.wrong else 0.0
+            measured = y + bias + self.noise[series](random, x)
+            points: dict[str, Any] = {"x": x.tolist(), "y": measured.tolist()}
+            if series in self.weights:
+                points["weight"] = self.weights[series]
+            given = {"error": self.error[series]} if series in self.error else {}
+            observations.append({"series": series, "points": points, **given})
+        return {
+            "forward_model": {"kind": "formula", "series": self.formulas},
+            "parameters": {
+                name: {"lower": low, "upper": high, "scale": scale}
+                for name, (_, low, high, scale) in self.parameters.items()
+            },
+            "observations": observations,
+            "stopping": {"max_evaluations": 10},
+        }
+
+
+def exact(formulas: dict[str, str], x: dict[str, FloatArray], values: dict[str, float]) -> dict[str, FloatArray]:
+    """The formulas at the truth."""
+    return FormulaSpec(kind="formula", series=formulas).build().prepare(x)(values)
+
+
+def fitted(case: Case, random: np.random.Generator) -> Linearisation:
+    """One experiment, fitted from the truth and linearised."""
+    calibration = Calibration(parse_problem(case.document(random)), 1)
+    found = polish(calibration, np.array(list(case.values.values())), step=1e-4).parameters
+    plan = design(calibration, found, step=2e-3)
+    return from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+
+
+def share_flagged(case: Case, repeats: int, seed: int = 77) -> float:
+    """Share of the experiments in which the model is said not to describe the data, or the error not to be met."""
+    random = np.random.default_rng(seed)
+    return sum(fitted(case, random).fit.wrong for _ in range(repeats)) / repeats
+
+
+LINE = {"a": (1.0, 0.1, 5.0, "linear"), "b": (0.5, 0.05, 5.0, "log")}
+CURVE = {"a": (2.0, 0.1, 10.0, "linear"), "b": (0.8, 0.05, 8.0, "log")}
+SATURATION = {"y": "a * (1 - exp(-b * x))"}
+HYPERBOLA = {"y": "a * x / (b + x)"}
+EVEN = {n: {"y": np.linspace(0.05, 4.0, n)} for n in (8, 15, 40, 200)}
+SPREAD = {"y": np.geomspace(1e-2, 1e3, 30)}
+TWO = {"level": "a + b * x", "rate": "10 * b * x - a"}
+
+RIGHT: dict[str, Case] = {
+    "8 points, line": Case({"y": "a + b * x"}, LINE, EVEN[8], {"y": normal(0.05)}),
+    "15 points, saturation": Case(SATURATION, CURVE, EVEN[15], {"y": normal(0.05)}),
+    "40 points, saturation": Case(SATURATION, CURVE, EVEN[40], {"y": normal(0.05)}),
+    "200 points, saturation": Case(SATURATION, CURVE, EVEN[200], {"y": normal(0.05)}),
+    "strongly bent": Case(
+        HYPERBOLA, {"a": (2.0, 0.2, 50.0, "log"), "b": (3.0, 0.05, 200.0, "log")}, EVEN[15], {"y": normal(0.04)}
+    ),
+    "readings spaced by the logarithm": Case(
+        {"y": "a + b * ln(1 + x / t)"},
+        {**LINE, "t": (1.0, 0.01, 100.0, "log")},
+        SPREAD,
+        {"y": normal(0.05)},
+    ),
+    "five correlated parameters": Case(
+        {"y": "a + b * x + c * x**2 + d * exp(-k * x)"},
+        {
+            "a": (1.0, -5.0, 5.0, "linear"),
+            "b": (0.5, -5.0, 5.0, "linear"),
+            "c": (0.1, -5.0, 5.0, "linear"),
+            "d": (2.0, -8.0, 8.0, "linear"),
+            "k": (3.0, 0.3, 30.0, "log"),
+        },
+        EVEN[40],
+        {"y": normal(0.05)},
+    ),
+    "repeats": Case({"y": "a + b * x"}, LINE, {"y": np.repeat(np.linspace(0.0, 4.0, 8), 3)}, {"y": normal(0.05)}),
+    "stated error": Case(SATURATION, CURVE, EVEN[15], {"y": normal(0.05)}, error={"y": 0.05}),
+    "graded points": Case(
+        SATURATION,
+        CURVE,
+        EVEN[40],
+        {"y": lambda random, x: random.normal(0.0, 0.05, x.size) / np.sqrt(np.where(np.arange(x.size) % 3, 1.0, 9.0))},
+        weights={"y": np.where(np.arange(40) % 3, 1.0, 9.0).tolist()},
+    ),
+    "two series of different noise": Case(
+        TWO,
+        LINE,
+        {"level": np.linspace(0.0, 4.0, 12), "rate": np.linspace(0.0, 4.0, 40)},
+        {"level": normal(0.05), "rate": normal(1.0)},
+    ),
+    "two series, stated errors": Case(
+        TWO,
+        LINE,
+        {"level": np.linspace(0.0, 4.0, 12), "rate": np.linspace(0.0, 4.0, 40)},
+        {"level": normal(0.05), "rate": normal(1.0)},
+        error={"level": 0.05, "rate": 1.0},
+    ),
+    "heavy tails": Case(SATURATION, CURVE, EVEN[40], {"y": students(0.05)}),
+    "noise that grows as x squared": Case(SATURATION, CURVE, EVEN[40], {"y": growing(0.1)}),
+}
+"""Models that are right, with the noise that they are said to have, or with none stated."""
+
+
+def scaled(shape: Callable[[FloatArray], FloatArray], size: float, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """A systematic deviation whose largest value over x is ``size`` after the best straight line is taken off."""
+    table = np.stack([np.ones_like(x), x], axis=1)
+    left = shape(x) - table @ np.linalg.lstsq(table, shape(x), rcond=None)[0]
+    factor = size / float(np.abs(left).max())
+    return lambda at: factor * shape(at)
+
+
+def _line(points: int, shape: Callable[[FloatArray], FloatArray], error: float | None = None) -> Case:
+    x = np.linspace(0.05, 4.0, points)
+    return Case(
+        {"y": "a + b * x"},
+        {"a": (1.0, -20.0, 20.0, "linear"), "b": (0.5, -20.0, 20.0, "linear")},
+        {"y": x},
+        {"y": normal(0.05)},
+        wrong={"y": scaled(shape, 0.1, x)},
+        error={} if error is None else {"y": error},
+    )
+
+
+SHAPES: dict[str, Callable[[FloatArray], FloatArray]] = {
+    "bend": lambda x: x * x,
+    "wave": lambda x: np.sin(2.0 * x),
+    "step": lambda x: np.where(x > 2.5, 1.0, 0.0),
+}
+
+WRONG: dict[str, Case] = {
+    f"{name}, {points} points{', stated error' if error else ''}": _line(points, shape, error)
+    for error in (None, 0.05)
+    for points in (15, 40, 100)
+    for name, shape in SHAPES.items()
+}
+"""Lines fitted to data with a systematic deviation of at most twice the noise."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """How 95 % intervals of a case did: share that holds the truth by parameter, and share of fits that are warned."""
+
+    covered: FloatArray
+    warned: float
+
+
+def coverage(case: Case, repeats: int, seed: int = 11) -> Coverage:
+    """Repeat an experiment."""
+    random = np.random.default_rng(seed)
+    truth = np.array(list(case.values.values()))
+    held, warned = [], 0
+    for _ in range(repeats):
+        found = fitted(case, random)
+        held.append((found.intervals[:, 0] <= truth) & (truth <= found.intervals[:, 1]))
+        warned += found.fit.wrong or bool(found.dependence)
+    return Coverage(np.mean(held, axis=0), warned / repeats)
+
+
+DEPARTING: dict[str, Case] = {
+    f"correlated noise, {rho}": Case(SATURATION, CURVE, EVEN[40], {"y": autocorrelated(0.05, rho)})
+    for rho in (0.5, 0.8)
+} | {
+    "noise that grows as x squared": RIGHT["noise that grows as x squared"],
+    "bias below the noise": Case(
+        SATURATION, CURVE, EVEN[200], {"y": normal(0.05)}, wrong={"y": lambda x: 0.04 * np.sin(1.5 * x)}
+    ),
+}
+"""Noise that is not independent and even, and a bias: what intervals do under them."""
