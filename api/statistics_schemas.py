@@ -43,6 +43,7 @@ class Threshold(Answer):
     value: float
     origin: Literal["given", "statistics", "samples"]
     explanation: str
+    wanted: Number = Field(description="where it was raised to keep enough samples: what statistics would have")
 
 
 class CorrelationPair(Answer):
@@ -136,10 +137,43 @@ class Verdict(Answer):
     """What the data say about one parameter."""
 
     parameter: str
-    kind: Literal["identified", "bounded_on_one_side", "in_combination", "not_identified", "undecided"]
+    kind: Literal[
+        "identified",
+        "bounded_on_one_side",
+        "in_combination",
+        "not_identified",
+        "undecided",
+        "lack_of_fit",
+        "error_not_met",
+    ]
     sentence: str
     evidence: Evidence
     proposals: list[Proposal]
+
+
+class Misfit(Answer):
+    """A series, or a stage of it, that the model does not describe; numbers in the units of the data."""
+
+    series: str
+    stage: int | None
+    reason: Literal["pattern", "repeats", "stated_error"]
+    probability: Number = Field(description="of as much by chance, were the model right")
+    deviation: Number = Field(description="root mean square of the residuals")
+    largest: Number = Field(description="largest smoothed residual, calculated - measured")
+    x: Number = Field(description="where it is")
+    ratio: Number = Field(description="residuals over the stated error")
+    unit: str
+    x_unit: str
+
+
+class FitVerdict(Answer):
+    """Whether the model describes the data: it stands before all other verdicts."""
+
+    kind: Literal["describes", "lack_of_fit", "error_not_met", "untested"]
+    sentence: str
+    misfits: list[Misfit]
+    remedies: list[str]
+    level: float = Field(description="probability of calling a right model wrong")
 
 
 class OptimumParameter(Answer):
@@ -167,6 +201,17 @@ class Combination(Answer):
     open: bool = Field(description="the data leave it open")
 
 
+class Dependence(Answer):
+    """A series whose residuals are correlated, or of uneven size; intervals allow for it."""
+
+    series: str
+    kind: Literal["correlated", "uneven"]
+    rho: float = Field(description="correlation of neighbouring readings")
+    readings: int
+    effective: float = Field(description="how many independent ones they are worth")
+    sentence: str
+
+
 class Linearisation(Answer):
     """Standard errors and intervals at the optimum."""
 
@@ -176,9 +221,15 @@ class Linearisation(Answer):
     noise: KnownOrEstimated | None
     combinations: list[Combination]
     correlation: list[list[Number]]
+    unclear: list[str] = Field(description="parameters whose sensitivities are too uncertain to say anything")
     derivative_error: Number
-    distance: list[Number] = Field(description="to the nearest minimum in standard errors")
-    at_optimum: bool
+    distance: list[Number] = Field(description="to the nearest minimum inside the bounds, in standard errors")
+    at_optimum: bool = Field(description="false also where no distance is known")
+    held: dict[str, Literal["lower", "upper"]] = Field(
+        description="parameters at a bound beyond which the data pull: the minimum lies on it"
+    )
+    fit: FitVerdict = Field(description="intervals hold only where the model describes the data")
+    dependence: list[Dependence]
 
 
 class LackOfFit(Answer):
@@ -220,6 +271,7 @@ class StatisticsAnswer(Answer):
     """What the stored evaluations tell."""
 
     samples: SampleCounts
+    fit: FitVerdict
     threshold: Threshold
     correlations: list[CorrelationTable]
     projections: list[Projection]
@@ -303,6 +355,7 @@ class FollowUp(Answer):
 class UncertaintyAnswer(Answer):
     """What the follow-ups of a job have found, or a follow-up itself."""
 
+    fit: FitVerdict | None = Field(description="null where nothing was evaluated at an optimum")
     linearisation: Linearisation | None
     objective: Number = Field(description="objective at the optimum of the linearisation")
     start_objective: Number = Field(description="objective where the descent to it began")
@@ -336,7 +389,9 @@ class SensitivityRequest(_Request):
     """Sensitivities at the optimum of a job."""
 
     polish: bool = Field(True, description="go to the minimum first; false: one generation at the best evaluation")
-    step: float | None = Field(None, gt=0, le=0.1, description="largest difference in parts of the range; 0.005")
+    step: float | None = Field(
+        None, gt=0, le=0.1, description="largest difference in parts of the range; found for each parameter if absent"
+    )
     at: dict[str, float] | None = Field(None, description="another optimum: values of the free parameters")
 
 

@@ -2,7 +2,8 @@
 
 The singular values of the weighted derivatives, their columns brought to unit length, compare directions whatever the
 units and ranges of the parameters (Belsley, Kuh and Welsch 1980, chapter 3). One that is 0 within the errors of the
-derivatives belongs to a direction along which nothing measured changes.
+derivatives belongs to a direction along which nothing measured changes, if those errors are small themselves: what is
+left open needs a bound on what it changes. Where the errors are too large for one, nothing can be told.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ _EXACT = 1e-7  # relative size of a singular value that differences cannot tell 
 _TAKES_PART = 0.05  # component from which a parameter belongs to a combination
 _INFLUENCE = 1e-9  # of the longest column
 _ROUNDING = 1e-11  # of the measured values
+_ZERO = 1e-5  # relative size up to which the error of a singular value that is 0 does not matter
+_BELOW_NOISE = 1.0  # change through the whole range, in noise of one reading, that nobody would see
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +36,21 @@ class Combination:
         Move of each parameter, parts of its range in search coordinates, unit length; small ones left out.
     open
         True when the data leave the combination undetermined.
+    change
+        Bound on what a move along it through the whole range of a parameter changes: length of the weighted residuals.
+    exact
+        That bound is 0 but for rounding and differences.
     """
 
     singular_value: float
     components: dict[str, float]
     open: bool
+    change: float = np.inf
+    exact: bool = True
+
+    def unclear(self, noise: float) -> bool:
+        """Whether it looks open only because its derivatives are uncertain, given the noise of a weighted reading."""
+        return self.open and not self.exact and not self.change <= _BELOW_NOISE * noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +85,15 @@ class Directions:
         """Diagonal of the hat matrix, shape (n,)."""
         return np.asarray(np.sum(self.basis * self.basis, axis=1))
 
+    def inverse(self, weighted: FloatArray) -> FloatArray:
+        """Pseudo-inverse, shape (d, n), of the weighted derivatives over what the determined directions move."""
+        return np.asarray(np.linalg.pinv(self.basis.T @ weighted) @ self.basis.T)
+
+    def unclear(self, names: tuple[str, ...], noise: float) -> tuple[str, ...]:
+        """Parameters in directions that only look open, in the order of ``names``; see :meth:`Combination.unclear`."""
+        involved = {name for c in self.combinations if c.unclear(noise) for name in c.components}
+        return tuple(name for name in names if name in involved)
+
 
 def find_directions(names: tuple[str, ...], weighted: FloatArray, errors: FloatArray, values: FloatArray) -> Directions:
     """Split the space of the parameters into determined and open directions.
@@ -88,6 +110,7 @@ def find_directions(names: tuple[str, ...], weighted: FloatArray, errors: FloatA
     uncertain = np.linalg.norm(errors, axis=0)
     floor = max(_INFLUENCE * longest, _ROUNDING * float(np.linalg.norm(values)))
     active = lengths > np.maximum(floor, 3.0 * uncertain)
+    relative = uncertain / np.maximum(lengths, 1e-300)
     derivative_error = float((uncertain[active] / lengths[active]).max(initial=0.0))
     index = np.flatnonzero(active)
     found: list[Combination] = []
@@ -98,8 +121,15 @@ def find_directions(names: tuple[str, ...], weighted: FloatArray, errors: FloatA
         basis = left[:, ~is_open]
         for value, direction, opened in zip(singular, right, is_open, strict=True):
             components = _components([names[i] for i in index], direction, lengths[index], bool(opened))
-            found.append(Combination(float(value), components, bool(opened)))
-    found += [Combination(0.0, {names[i]: 1.0}, True) for i in np.flatnonzero(~active)]
+            move = direction / lengths[index]
+            largest = float(value) + 3.0 * float(np.linalg.norm(relative[index] * direction))
+            change = largest / float(np.abs(move).max())
+            found.append(
+                Combination(float(value), components, bool(opened), change, bool(largest <= _ZERO * singular[0]))
+            )
+    for i in np.flatnonzero(~active):
+        change = float(lengths[i] + 3.0 * uncertain[i])
+        found.append(Combination(0.0, {names[i]: 1.0}, True, change, change <= floor))
     tied = {name for combination in found if combination.open for name in combination.components}
     determined = active & np.array([name not in tied for name in names])
     return Directions(tuple(found), basis, active, determined, lengths / longest, derivative_error)

@@ -14,6 +14,7 @@ from geoswarm.solver.identifiability.samples import Samples
 __all__ = ["Filtered", "Threshold", "filter_samples", "propose_threshold"]
 
 _LEVEL = 0.95
+_THIN = 2.0  # times the threshold that statistics would have, from which a raised one describes the sampling
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +30,14 @@ class Threshold:
         ``samples``.
     explanation
         One sentence: how it was found.
+    wanted
+        Where it was relaxed: the threshold that statistics would have.
     """
 
     value: float
     origin: Literal["given", "statistics", "samples"]
     explanation: str
+    wanted: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +57,20 @@ class Filtered:
     def kept_unbiased(self) -> int:
         """Monte Carlo samples among them."""
         return int(self.samples.unbiased.sum())
+
+    @property
+    def thin(self) -> str | None:
+        """Why good fits describe how sparse the sampling is rather than the data; None where they do not.
+
+        So where the threshold had to be raised to keep enough samples: then some of them fit worse than noise allows.
+        """
+        wanted = self.threshold.wanted
+        if wanted is None or self.threshold.value <= _THIN * wanted:
+            return None
+        return (
+            f"the sampling is too thin to judge: good fits lie below {wanted:.3g}, and to keep {self.kept} samples the "
+            f"threshold was raised to {self.threshold.value:.3g}, {self.threshold.value / wanted:.2g} times that"
+        )
 
     @property
     def statement(self) -> str:
@@ -98,7 +116,7 @@ def propose_threshold(samples: Samples, points: int, *, noise_objective: float |
         f"raised from {value:.3g} ({factor:.3g} times {words} {base:.3g}), below which too few samples lie, "
         f"to keep the best {kept}"
     )
-    return Threshold(relaxed, "samples", how)
+    return Threshold(relaxed, "samples", how, value)
 
 
 def filter_samples(samples: Samples, threshold: Threshold | float) -> Filtered:

@@ -16,10 +16,14 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.follow_up import profile_search, sensitivity_search
+from geoswarm.solver.identifiability.differences import residual_rows
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.sensitivity import Linearisation, from_evaluations
+from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.problem import (
     FollowUpMethod,
     MonteCarloMethod,
@@ -44,6 +48,7 @@ __all__ = [
 ]
 
 _LONGEST_NAME = 200
+_INCOMPLETE = "the sensitivities are not complete yet"
 _OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
 
 
@@ -65,6 +70,8 @@ class Findings:
         Why something could not be had, in sentences.
     responses
         Calculated values there, by series, base units; empty without a linearisation.
+    fit
+        Whether the model describes the data; None where nothing was evaluated at an optimum.
     """
 
     linearisation: Linearisation | None = None
@@ -74,10 +81,12 @@ class Findings:
     global_sensitivities: tuple[GlobalSensitivity, ...] = ()
     notes: tuple[str, ...] = ()
     responses: Mapping[str, FloatArray] = field(default_factory=dict)
+    fit: FitVerdict | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
         return {
+            "fit": None if self.fit is None else self.fit.to_json(),
             "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
             "objective": self.objective,
             "start_objective": self.start_objective,
@@ -216,7 +225,7 @@ def findings_of(
     if isinstance(method, SensitivityMethod):
         return _sensitivity(calibration, method, evaluations, noise, level)
     if isinstance(method, ProfileMethod):
-        return _profiles(calibration, method, evaluations)
+        return _profiles(calibration, method, evaluations, noise)
     return _indices(calibration, evaluations)
 
 
@@ -229,38 +238,47 @@ def _sensitivity(
 ) -> Findings:
     search = sensitivity_search(calibration.space, method)
     start = evaluations[0].objective if evaluations else None
-    position = 0
-    while search.descending:
-        size = 2 * calibration.space.dimension + 1
-        if position + size > len(evaluations):
-            return Findings(start_objective=start, notes=("the descent to the minimum has not ended",))
-        _tell(calibration, search, evaluations[position : position + size])
-        position += size
-    plan = search.plan
-    last = evaluations[position : position + len(plan.positions)]
-    if len(last) < len(plan.positions):
-        return Findings(start_objective=start, notes=("the sensitivities are not complete yet",))
+    position = first = 0
+    while (due := search.ask()) is not None:
+        if search.descending:
+            first = position + len(due)  # of the differences
+        if position + len(due) > len(evaluations):
+            going_on = "the descent to the minimum has not ended" if search.descending else _INCOMPLETE
+            return Findings(start_objective=start, notes=(going_on,))
+        position += len(due)
+        _tell(calibration, search, evaluations[:position], len(due))
+    plan, last = search.plan, evaluations[first:position]
+    if search.steps is not None:
+        plan, rows = search.steps.chosen(residual_rows(calibration, last))
+        last = [last[row] for row in rows]
     try:
         found = from_evaluations(calibration, plan, last, noise=noise, level=level)
     except StatisticsError as error:
         if noise is not None:
             raise
         return Findings(start_objective=start, notes=(str(error),))
-    return Findings(found, last[0].objective, start, responses=dict(last[0].responses))
+    return Findings(found, last[0].objective, start, responses=dict(last[0].responses), fit=found.fit)
 
 
-def _profiles(calibration: Calibration, method: ProfileMethod, evaluations: Sequence[Evaluation]) -> Findings:
+def _profiles(
+    calibration: Calibration,
+    method: ProfileMethod,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+) -> Findings:
     search = profile_search(calibration.space, method)
     position = 0
     while (due := search.ask()) is not None and position + len(due) <= len(evaluations):
-        _tell(calibration, search, evaluations[position : position + len(due)])
+        _tell(calibration, search, evaluations[position : position + len(due)], len(due))
         position += len(due)
     notes = []
     if search.failed:
         notes.append(f"the evaluation of the optimum failed ({evaluations[0].reason}): {evaluations[0].message}")
     elif not search.finished:
         notes.append("the profiles are not complete yet")
-    return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes))
+    samples = Samples.from_evaluations(calibration.problem, evaluations)
+    fit = None if search.objective is None else fit_of_samples(calibration, samples, noise=noise)
+    return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes), fit=fit)
 
 
 def _indices(calibration: Calibration, evaluations: Sequence[Evaluation]) -> Findings:
@@ -280,12 +298,10 @@ def _indices(calibration: Calibration, evaluations: Sequence[Evaluation]) -> Fin
     return Findings(global_sensitivities=tuple(found), notes=tuple(dict.fromkeys(notes)))
 
 
-def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluation]) -> None:
-    objective = calibration.objective
-    failed = np.full(sum(o.y.size for o in objective.observed), np.nan)
-    rows = [objective.weighted_residuals(e.responses) if e.reason is None else failed for e in evaluations]
-    runs = Runs.of(np.array([e.parameters for e in evaluations]), np.array(rows))
-    search.tell(runs.objectives, runs)
+def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluation], count: int) -> None:
+    """Tell a search the last ``count`` of these evaluations; it may look back at the others."""
+    runs = Runs.of(np.array([e.parameters for e in evaluations]), residual_rows(calibration, evaluations))
+    search.tell(runs.objectives[-count:], runs)
 
 
 def join_findings(parts: Sequence[Findings]) -> Findings:
@@ -307,4 +323,5 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         tuple(indices.values()),
         tuple(notes),
         with_optimum.responses,
+        with_optimum.fit or next((part.fit for part in parts if part.fit is not None), None),
     )

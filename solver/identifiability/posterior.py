@@ -20,6 +20,7 @@ from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import Noise, known_noise, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.surface import ResponseSurface, fit_surface
 
 _Likelihood: TypeAlias = Callable[[FloatArray], FloatArray]
@@ -166,7 +167,9 @@ def sample_posterior(
     natural = space.to_natural(low + unit * span)
     error = surface.objective_error * _error_factor(calibration, known, float(samples.objectives[samples.best]))
     intervals = np.quantile(natural, [0.5 - level / 2.0, 0.5 + level / 2.0], axis=0).T
-    warnings = _warnings(samples.names, unit, surface, error, len(chain), time)
+    fit = fit_of_samples(calibration, samples, noise=noise)
+    wrong = (fit.sentence,) if fit.wrong else ()
+    warnings = wrong + _warnings(samples.names, unit, surface, error, len(chain), time)
     cut = _reaches_edge(unit, surface)
     intervals[cut] = np.nan
     return Posterior(

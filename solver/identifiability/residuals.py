@@ -12,7 +12,7 @@ from scipy.special import fdtrc, ndtr
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 
-__all__ = ["LackOfFit", "SeriesResiduals", "durbin_watson", "examine_residuals", "runs_test"]
+__all__ = ["LackOfFit", "SeriesResiduals", "durbin_watson", "examine_residuals", "repeats_test", "runs_test"]
 
 _LEVEL = 0.05
 _FEWEST = 8
@@ -139,7 +139,7 @@ def _examine(
                 "expected): the model misses a part of the data, or readings are not independent; intervals are too "
                 "narrow."
             )
-    lack = _lack_of_fit(x, scaled, weights, dimension)
+    lack = repeats_test(x, scaled, weights, dimension)
     if lack is not None and lack.significant:
         warnings.append(
             f"{series}: the model misses the data by more than the scatter of repeats explains "
@@ -189,8 +189,21 @@ def durbin_watson(residuals: FloatArray) -> tuple[float, float]:
     return statistic, float(ndtr((statistic - 2.0) / deviation))
 
 
-def _lack_of_fit(x: FloatArray, scaled: FloatArray, weights: FloatArray, dimension: int) -> LackOfFit | None:
-    """Split the weighted squares into those within repeats and the rest; ``scaled`` are residuals times sqrt(w)."""
+def repeats_test(x: FloatArray, scaled: FloatArray, weights: FloatArray, dimension: int) -> LackOfFit | None:
+    """Split the weighted squares into those within repeats and the rest.
+
+    Parameters
+    ----------
+    scaled
+        Residuals times the root of ``weights``, shape (m,).
+    dimension
+        Fitted parameters.
+
+    Returns
+    -------
+    LackOfFit or None
+        None without repeats.
+    """
     values, group = np.unique(x, return_inverse=True)
     repeats = len(x) - len(values)
     if repeats == 0:

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.local import CalibrationResult, EvaluationRecord
 from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
@@ -118,20 +119,39 @@ class Samples:
     def from_history(cls, problem: Problem, history: Iterable[EvaluationRecord]) -> Samples:
         """Take the evaluations of an in-process run; failed ones are counted."""
         records = list(history)
-        good = [r for r in records if r.evaluation.objective is not None]
+        generations = np.array([r.generation for r in records], dtype=np.int64)
+        particles = np.array([r.particle for r in records], dtype=np.int64)
+        evaluations = [r.evaluation for r in records]
+        return cls.from_evaluations(problem, evaluations, generations=generations, particles=particles)
+
+    @classmethod
+    def from_evaluations(
+        cls,
+        problem: Problem,
+        evaluations: Sequence[Evaluation],
+        *,
+        generations: IntArray | None = None,
+        particles: IntArray | None = None,
+    ) -> Samples:
+        """Take evaluations with their places in the history; failed ones are counted."""
+        kept = np.array([e.objective is not None for e in evaluations], dtype=np.bool_)
+        good = [e for e in evaluations if e.objective is not None]
         series = [o.series for o in problem.observations]
+        stored = all(e.responses for e in good)
         return cls.from_arrays(
             problem,
-            np.array([r.evaluation.parameters for r in good]),
-            np.array([r.evaluation.objective for r in good], dtype=np.float64),
-            misfits={s: np.array([r.evaluation.misfits[s] for r in good]) for s in series},
+            np.array([e.parameters for e in good]),
+            np.array([e.objective for e in good], dtype=np.float64),
+            misfits={s: np.array([e.misfits[s] for e in good]) for s in series},
             responses={
-                o.series: np.array([r.evaluation.responses[o.series] for r in good]).reshape(-1, o.x.size)
+                o.series: np.array([e.responses[o.series] for e in good]).reshape(-1, o.x.size)
                 for o in problem.observations
-            },
-            generations=np.array([r.generation for r in good], dtype=np.int64),
-            particles=np.array([r.particle for r in good], dtype=np.int64),
-            failed=len(records) - len(good),
+            }
+            if stored
+            else {},
+            generations=None if generations is None else generations[kept],
+            particles=None if particles is None else particles[kept],
+            failed=len(evaluations) - len(good),
         )
 
     @classmethod
@@ -240,8 +260,12 @@ class Samples:
     @property
     def unit(self) -> FloatArray:
         """Place between the bounds in search coordinates, 0 to 1, shape (n, d)."""
+        return self.to_unit(self.parameters)
+
+    def to_unit(self, natural: FloatArray) -> FloatArray:
+        """Natural values, shape (..., d), as places between the bounds in search coordinates, 0 to 1."""
         lower = self.to_search(self.lower)
-        return (self.coordinates - lower) / (self.to_search(self.upper) - lower)
+        return (self.to_search(natural) - lower) / (self.to_search(self.upper) - lower)
 
     def select(self, chosen: BoolArray | IntArray) -> Samples:
         """The samples of a mask or of indices, shape (k,)."""

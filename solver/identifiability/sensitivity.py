@@ -12,15 +12,15 @@ that singular values compare what a move through the whole searched range would 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtri, stdtrit
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.combinations import Combination, Directions, find_directions
+from geoswarm.solver.identifiability.dependence import Dependence, dependence_of
 from geoswarm.solver.identifiability.differences import (
     DifferenceDesign,
     Jacobian,
@@ -28,11 +28,15 @@ from geoswarm.solver.identifiability.differences import (
     design,
     differentiate,
 )
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict, examine_fit, is_exact
+from geoswarm.solver.identifiability.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.spread import Spread, mean_variance
 
 __all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
 
 _FAR = 0.2
+_AT_BOUND = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +52,12 @@ class Linearisation:
     combinations
         All d directions, the best determined first.
     without_influence
-        Parameters on which no measured value depends.
+        Parameters on which no measured value depends there, or less than its noise through the whole range.
+    unclear
+        Parameters whose derivatives are too uncertain to tell whether and how they act; with any of these, no parameter
+        has an interval.
+    held
+        Parameters at a bound beyond which the data pull, with ``lower`` or ``upper``: there the minimum lies on it.
     influences
         Length of the weighted derivative of each parameter over the longest one, shape (d,).
     noise
@@ -70,11 +79,15 @@ class Linearisation:
     derivative_error
         Largest estimated relative error of a derivative column.
     distance
-        How far, in standard errors, a Gauss-Newton step would move each parameter, shape (d,); nan where there is no
-        standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
+        How far, in standard errors, a Gauss-Newton step inside the bounds would move each parameter, shape (d,); nan
+        where there is no standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
     profile_increase
         How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
         without one, by the mean noise variance of the weighted points. nan without noise.
+    fit
+        Whether the model describes the data; where it does not, no interval holds.
+    dependence
+        Series whose residuals are correlated, or of uneven size; intervals allow for it.
     """
 
     names: tuple[str, ...]
@@ -82,6 +95,8 @@ class Linearisation:
     optimum: FloatArray
     combinations: tuple[Combination, ...]
     without_influence: tuple[str, ...]
+    unclear: tuple[str, ...]
+    held: tuple[tuple[str, str], ...]
     influences: FloatArray
     noise: Noise | None
     degrees_of_freedom: int
@@ -93,11 +108,22 @@ class Linearisation:
     derivative_error: float
     distance: FloatArray
     profile_increase: FloatArray
+    fit: FitVerdict
+    dependence: tuple[Dependence, ...] = ()
 
     @property
     def at_optimum(self) -> bool:
-        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum."""
-        return not bool((self.distance > _FAR).any())
+        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum.
+
+        False where no distance is known.
+        """
+        return bool(np.isfinite(self.distance).any()) and not bool((self.distance > _FAR).any())
+
+    @property
+    def far(self) -> float | None:
+        """The largest distance from the minimum in standard errors; None where none is known."""
+        known = self.distance[np.isfinite(self.distance)]
+        return float(known.max()) if known.size else None
 
     def influence(self, name: str) -> float:
         """Length of the parameter's weighted derivative over the longest one, 0 to 1."""
@@ -133,6 +159,8 @@ class Linearisation:
 
     def why_no_interval(self, name: str) -> str:
         """Say why a parameter has no interval."""
+        if name in self.unclear:
+            return "its sensitivities are too uncertain to tell how it acts; the forward model is rough there"
         if name in self.without_influence:
             return "no measured value depends on it"
         tied = self.tied_to(name)
@@ -140,6 +168,8 @@ class Linearisation:
             return f"it acts only in combination with {' and '.join(tied)}"
         if self.noise is None:
             return "there are no more measured points than free parameters, so the noise cannot be estimated; give it"
+        if self.unclear:
+            return f"the sensitivities to {' and '.join(self.unclear)} are too uncertain"
         return "its interval would be wider than the searched range"
 
     def to_json(self) -> dict[str, Any]:
@@ -164,9 +194,13 @@ class Linearisation:
                 for c in self.combinations
             ],
             "correlation": [[_number(v) for v in row] for row in self.correlation().tolist()],
+            "unclear": list(self.unclear),
             "derivative_error": self.derivative_error,
             "distance": [_number(v) for v in self.distance],
             "at_optimum": self.at_optimum,
+            "held": dict(self.held),
+            "fit": self.fit.to_json(),
+            "dependence": [asdict(one) | {"sentence": one.sentence} for one in self.dependence],
         }
 
 
@@ -223,65 +257,68 @@ def linearise(
             dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True)),
         )
     )
-    spread = _Spread.of(calibration, weighted, weights, residuals, found, estimate, level)
-    return _assemble(calibration, jacobian, found, estimate, level, spread, int((weights > 0).sum()))
+    noise_level = 0.0 if estimate is None else float(np.sqrt(mean_variance(calibration, weights, estimate)))
+    unclear = found.unclear(calibration.free_names, noise_level)
+    step = minimising_step(weighted, residuals, found, calibration.space.to_unit(jacobian.optimum))
+    inner = _inner(calibration, jacobian.optimum)
+    fit = examine_fit(
+        calibration,
+        jacobian.responses,
+        {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
+        None if stated is None else stated.deviations,
+    )
+    dependence = _dependence(calibration, jacobian, residuals, weights, found, fit)
+    spread = Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence)
+    if unclear:
+        spread = spread.without_intervals()
+    return _assemble(
+        calibration,
+        jacobian,
+        found,
+        estimate,
+        level,
+        spread,
+        step,
+        unclear,
+        int((weights > 0).sum()),
+        fit,
+        tuple(one for one, _ in dependence),
+    )
+
+
+def _dependence(
+    calibration: Calibration,
+    jacobian: Jacobian,
+    residuals: FloatArray,
+    weights: FloatArray,
+    found: Directions,
+    fit: FitVerdict,
+) -> list[tuple[Dependence, IntArray]]:
+    """Series whose residuals are correlated or of uneven size, and their readings in the order of x."""
+    departing = []
+    start = 0
+    patterned = {m.series for m in fit.misfits if m.reason == "pattern"}
+    for o in calibration.objective.observed:
+        places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
+        places = places[np.argsort(o.x[places - start], kind="stable")]
+        start += o.y.size
+        if is_exact(o, jacobian.responses[o.series] - o.y):
+            continue
+        one = dependence_of(o.series, residuals[places], found.basis[places], o.series in patterned)
+        if one is not None:
+            departing.append((one, places))
+    return departing
+
+
+def _inner(calibration: Calibration, optimum: FloatArray) -> BoolArray:
+    """Parameters that do not lie at a bound, shape (d,): only they were fitted."""
+    unit = calibration.space.to_unit(optimum)
+    return np.asarray((unit > _AT_BOUND) & (unit < 1.0 - _AT_BOUND))
 
 
 def _blocks(leverage: FloatArray, sizes: Sequence[int]) -> list[float]:
     """Trace of each series' block of the hat matrix; their sum is the rank."""
     return [float(part.sum()) for part in np.split(leverage, np.cumsum(sizes)[:-1])]
-
-
-@dataclass(frozen=True, slots=True)
-class _Spread:
-    """Spread of the estimates in parts of the range: covariance (d, d), deviations, half widths, ... each (d,)."""
-
-    covariance: FloatArray
-    deviations: FloatArray
-    half: FloatArray
-    distance: FloatArray
-    profile_increase: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        calibration: Calibration,
-        weighted: FloatArray,
-        weights: FloatArray,
-        residuals: FloatArray,
-        found: Directions,
-        noise: Noise | None,
-        level: float,
-    ) -> _Spread:
-        dimension = weighted.shape[1]
-        nothing = np.full(dimension, np.nan)
-        covariance = np.full((dimension, dimension), np.nan)
-        if noise is None:
-            return cls(covariance, nothing, nothing, nothing, nothing)
-        quantile = _quantile(level, noise)
-        variances = weights * np.concatenate(
-            [
-                np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
-                for o in calibration.objective.observed
-            ]
-        )
-        mean_variance = float(variances.sum() / max(int((weights > 0).sum()), 1))
-        # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
-        inverse = np.linalg.pinv(found.basis.T @ weighted) @ found.basis.T
-        scaled = inverse * np.sqrt(variances)
-        full, curvature = scaled @ scaled.T, inverse @ inverse.T
-        deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
-        half = quantile * deviations
-        half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
-        deviations = np.where(np.isnan(half), np.nan, deviations)
-        shown = np.ix_(~np.isnan(half), ~np.isnan(half))
-        covariance[shown] = full[shown]
-        ratio = np.where(found.determined, np.diag(full) / np.where(found.determined, np.diag(curvature), 1.0), np.nan)
-        increase = quantile**2 * np.where(found.determined, ratio, mean_variance)
-        distance = np.full_like(deviations, np.nan)
-        distance[deviations == 0.0] = 0.0  # a perfect fit
-        np.divide(np.abs(inverse @ residuals), deviations, out=distance, where=deviations > 0.0)
-        return cls(covariance, deviations, half, distance, increase)
 
 
 def _assemble(
@@ -290,8 +327,12 @@ def _assemble(
     found: Directions,
     noise: Noise | None,
     level: float,
-    spread: _Spread,
+    spread: Spread,
+    step: MinimisingStep,
+    unclear: tuple[str, ...],
     points: int,
+    fit: FitVerdict,
+    dependence: tuple[Dependence, ...],
 ) -> Linearisation:
     space = calibration.space
     span = space.search_upper - space.search_lower
@@ -304,7 +345,15 @@ def _assemble(
         optimum=jacobian.optimum,
         combinations=found.combinations,
         without_influence=tuple(
-            n for n, is_active in zip(calibration.free_names, found.active, strict=True) if not is_active
+            name
+            for name, is_active in zip(calibration.free_names, found.active, strict=True)
+            if not is_active and name not in unclear
+        ),
+        unclear=unclear,
+        held=tuple(
+            (name, "lower" if side < 0 else "upper")
+            for name, side in zip(calibration.free_names, step.held, strict=True)
+            if side
         ),
         influences=found.influences,
         noise=noise,
@@ -317,13 +366,9 @@ def _assemble(
         derivative_error=found.derivative_error,
         distance=spread.distance,
         profile_increase=spread.profile_increase,
+        fit=fit,
+        dependence=dependence,
     )
-
-
-def _quantile(level: float, noise: Noise) -> float:
-    if np.isinf(noise.degrees_of_freedom):
-        return float(ndtri(0.5 + level / 2.0))
-    return float(stdtrit(noise.degrees_of_freedom, 0.5 + level / 2.0))
 
 
 def _number(value: float) -> float | None:

@@ -27,7 +27,8 @@ def jacobian_from_samples(calibration: Calibration, samples: Samples) -> Jacobia
     ------
     StatisticsError
         When the evaluations are not dense enough: too few, the hold-out check of the surface is off by more than 5 % of
-        f, or the halves differ by more than a tenth in a derivative. Evaluate the positions of
+        f, the halves differ by more than a tenth in a derivative, or by more than a tenth of what tells the parameters
+        from each other (the smallest singular value). Evaluate the positions of
         :func:`geoswarm.solver.identifiability.design` instead.
     """
     surface = fit_surface(calibration, samples)
@@ -49,6 +50,12 @@ def jacobian_from_samples(calibration: Calibration, samples: Samples) -> Jacobia
         raise StatisticsError(
             f"stored evaluations are not dense enough for sensitivities: that to {name} is uncertain by "
             f"{relative.max():.0%} (at most {_LARGEST_ERROR:.0%}); evaluate around the optimum"
+        )
+    singular = np.linalg.svd(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), compute_uv=False)
+    if relative.max() > _LARGEST_ERROR * singular[-1] / singular[0]:
+        raise StatisticsError(
+            f"stored evaluations are not dense enough for sensitivities: uncertain by {relative.max():.1%}, they "
+            "cannot tell the parameters from each other; evaluate around the optimum"
         )
     observed = calibration.objective.observed
     roots = [np.sqrt(o.weight * o.point_weights / o.y.size)[:, None] for o in observed]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,13 +10,16 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.basins import OtherFit, equivalent_objective, other_fits
 from geoswarm.solver.identifiability.correlations import Correlations, correlate
 from geoswarm.solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.noise import known_noise, noise_objective, problem_noise
 from geoswarm.solver.identifiability.projections import Projection, project
 from geoswarm.solver.identifiability.residuals import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.sensitivity import Linearisation
+from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.verdicts import Verdict, judge
 from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
 
@@ -35,6 +38,18 @@ FOLLOW_UP_BIAS = (
 NOT_AT_OPTIMUM = (
     "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
     "first."
+)
+
+UNKNOWN_OPTIMUM = "Whether the best point is a minimum cannot be told, because no parameter has a standard error there."
+
+OTHER_FITS = (
+    "Another set of parameters fits as well as the optimum (objective {objective:.4g} against {best:.4g}): {values}. "
+    "Search around both, or add a measurement that tells them apart."
+)
+
+ON_BOUND = (
+    "The best fit lies on the {side} bound of {name}, and the data pull beyond it: widen the bound, unless what lies "
+    "beyond is impossible. Intervals of the other parameters hold for {name} on its bound or inside."
 )
 
 
@@ -73,6 +88,8 @@ class Statistics:
         Share of each series in the objective of the best sample.
     warnings
         What to be careful about, in sentences.
+    fit
+        Whether the model describes the data at all: it stands before the verdicts.
     residuals_at_optimum
         The residuals are those of a polished optimum, not of the best sample.
     """
@@ -88,6 +105,7 @@ class Statistics:
     residuals: tuple[SeriesResiduals, ...]
     weights: tuple[SeriesWeight, ...]
     warnings: tuple[str, ...]
+    fit: FitVerdict
     residuals_at_optimum: bool = False
 
     def verdict(self, parameter: str) -> Verdict:
@@ -106,6 +124,7 @@ class Statistics:
                 "kept": filtered.kept,
                 "kept_unbiased": filtered.kept_unbiased,
             },
+            "fit": self.fit.to_json(),
             "threshold": asdict(filtered.threshold),
             "correlations": [_correlation_json(c) for c in (self.pearson, self.pearson_search, self.spearman)],
             "projections": [_projection_json(projection) for projection in self.projections],
@@ -126,6 +145,7 @@ def analyse(
     noise: Mapping[str, float] | float | None = None,
     linearisation: Linearisation | None = None,
     at_optimum: Mapping[str, FloatArray] | None = None,
+    elsewhere: Sequence[tuple[FloatArray, float]] = (),
     bins: int = 30,
 ) -> Statistics:
     """Analyse stored evaluations; runs no forward calculation.
@@ -141,6 +161,8 @@ def analyse(
         At the optimum, from :func:`geoswarm.solver.identifiability.from_evaluations`.
     at_optimum
         Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
+    elsewhere
+        Parameters, natural values, and objectives of minima in other basins, beyond the samples.
     bins
         Of the projections.
 
@@ -166,9 +188,22 @@ def analyse(
     at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
-    warnings = [warning for r in residuals for warning in r.warnings]
+    fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
+    warnings = [] if fit.kind in ("describes", "lack_of_fit") else [w for r in residuals for w in r.warnings]
+    if linearisation is not None:
+        warnings = [*(one.sentence for one in linearisation.dependence), *warnings]
+    if fit.kind != "describes":
+        warnings.insert(0, " ".join((fit.sentence, *fit.remedies)))
     if linearisation is not None and not linearisation.at_optimum:
-        warnings.insert(0, NOT_AT_OPTIMUM.format(far=float(np.nanmax(linearisation.distance))))
+        far = linearisation.far
+        warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
+    others: tuple[OtherFit, ...] = ()
+    if linearisation is not None:
+        lowest = _objective_at(calibration, samples, at_optimum)
+        equal = equivalent_objective(calibration, lowest, known)
+        others = other_fits(samples, linearisation, equal, lowest, elsewhere)
+        warnings[:0] = [_other_fit(samples, other, lowest) for other in others]
+        warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
     if points < samples.dimension:
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
     if samples.source in _BIASES:
@@ -184,13 +219,27 @@ def analyse(
         pearson_search=pearson_search,
         spearman=correlate(filtered.samples, method="spearman"),
         projections=projections,
-        verdicts=judge(samples, filtered, projections, linearisation),
+        verdicts=judge(samples, filtered, projections, linearisation, others, fit),
         linearisation=linearisation,
         residuals=residuals,
         weights=shares(calibration.problem, misfits) if misfits else (),
         warnings=tuple(warnings),
+        fit=fit,
         residuals_at_optimum=bool(at_optimum),
     )
+
+
+def _objective_at(calibration: Calibration, samples: Samples, responses: Mapping[str, FloatArray] | None) -> float:
+    """The objective at the optimum: of its responses where they are given, of the best sample otherwise."""
+    best = float(samples.objectives[samples.best])
+    if not responses:
+        return best
+    return calibration.objective.value(calibration.objective.misfits(dict(responses)))
+
+
+def _other_fit(samples: Samples, other: OtherFit, best: float) -> str:
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in zip(samples.names, other.parameters, strict=True))
+    return OTHER_FITS.format(objective=other.objective, best=best, values=values)
 
 
 def _correlation_json(correlations: Correlations) -> dict[str, Any]:

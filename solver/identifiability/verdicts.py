@@ -2,24 +2,32 @@
 
 Rules, in this order (docs/statistics.md explains them):
 
-1. *Linearisation at the optimum*, when given. A parameter without influence is ``not_identified``. One that takes part
-   in a combination that the data leave open is ``in_combination``.
-2. *Good fits of a sampling*, at least ten. With |r| >= 0.5 to another parameter, over natural values or search
-   coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise, with at most half
-   the prior width left and no bound contact: ``identified``; with contact on one side: ``bounded_on_one_side``; all
-   else: ``not_identified``.
+1. *Linearisation at the optimum*, when given. Where its derivatives are too uncertain: ``undecided``. A parameter
+   without influence is ``not_identified``. One that takes part in a combination that the data leave open is
+   ``in_combination``.
+2. *Good fits of a sampling*, at least ten, below a threshold that is at most twice what statistics would have: above,
+   they describe how thin the sampling is, and are left aside. With |r| >= 0.5 to another parameter, over natural
+   values or search coordinates, where 0 is excluded with 99 % over all pairs together: ``in_combination``. Otherwise,
+   with at most half the prior width left and no bound contact: ``identified``; with contact on one side:
+   ``bounded_on_one_side``; all else: ``not_identified``.
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
-   ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits.
+   ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits. ``not_identified``, too, where
+   stored runs fit as well as the optimum outside the region that the linearisation allows.
+
+Before all of them stands the fit (:mod:`geoswarm.solver.identifiability.lack_of_fit`): where the model does not
+describe the data, or a stated error is not met, no parameter is called ``identified`` or ``bounded_on_one_side``.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
+from geoswarm.solver.identifiability.basins import OtherFit
 from geoswarm.solver.identifiability.correlations import COORDINATES, Correlation, correlate
 from geoswarm.solver.identifiability.filtering import Filtered
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.projections import Projection
 from geoswarm.solver.identifiability.proposals import Proposal, propose
 from geoswarm.solver.identifiability.samples import Samples
@@ -27,7 +35,15 @@ from geoswarm.solver.identifiability.sensitivity import Linearisation
 
 __all__ = ["FEWEST_GOOD_FITS", "WIDTH_LIMIT", "Evidence", "Verdict", "VerdictKind", "judge"]
 
-VerdictKind: TypeAlias = Literal["identified", "bounded_on_one_side", "in_combination", "not_identified", "undecided"]
+VerdictKind: TypeAlias = Literal[
+    "identified",
+    "bounded_on_one_side",
+    "in_combination",
+    "not_identified",
+    "undecided",
+    "lack_of_fit",
+    "error_not_met",
+]
 
 WIDTH_LIMIT = 0.5
 """A parameter that keeps more than this share of its prior width is not identified."""
@@ -94,6 +110,8 @@ def judge(
     filtered: Filtered,
     projections: tuple[Projection, ...],
     linearisation: Linearisation | None = None,
+    others: tuple[OtherFit, ...] = (),
+    fit: FitVerdict | None = None,
 ) -> tuple[Verdict, ...]:
     """Judge every parameter.
 
@@ -105,14 +123,39 @@ def judge(
         Of all samples with the filter's threshold.
     linearisation
         At the optimum, when it was made.
+    others
+        Sets of parameters that fit as well as the optimum, outside the region of its linearisation.
+    fit
+        Whether the model describes the data; that of the linearisation when None.
     """
+    fit = fit or (None if linearisation is None else linearisation.fit)
     tied = _tied_pairs(filtered)
     verdicts = []
     for projection in projections:
-        kind, evidence, sentence = _judge(samples, projection, tied, linearisation)
+        kind, evidence, sentence = _judge(samples, projection, tied, linearisation, filtered.thin)
+        elsewhere = [other for other in others if projection.parameter in other.differs]
+        if linearisation is not None and elsewhere and evidence.basis == "linearisation" and evidence.width_ratio:
+            kind, evidence = "not_identified", replace(evidence, unimodal=False)
+            sentence = _several(projection.parameter, linearisation, elsewhere[0])
+        kind, sentence = _under_fit(projection.parameter, kind, sentence, fit)
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
     return tuple(verdicts)
+
+
+def _under_fit(name: str, kind: VerdictKind, sentence: str, fit: FitVerdict | None) -> tuple[VerdictKind, str]:
+    """What is left of a verdict where the model does not describe the data, or the stated error is not met."""
+    if fit is None or kind not in ("identified", "bounded_on_one_side"):
+        return kind, sentence
+    _, _, values = sentence.partition(": ")
+    if fit.kind == "lack_of_fit":
+        return "lack_of_fit", (
+            f"{name} is that of the closest curve only: the model does not describe the data, so this does not hold: "
+            f"{values}"
+        )
+    if fit.kind == "error_not_met":
+        return "error_not_met", f"{name} is less sure than this says, as the stated error is not met: {values}"
+    return kind, sentence
 
 
 def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
@@ -131,7 +174,11 @@ def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
 
 
 def _judge(
-    samples: Samples, projection: Projection, tied_pairs: tuple[Correlation, ...], linearisation: Linearisation | None
+    samples: Samples,
+    projection: Projection,
+    tied_pairs: tuple[Correlation, ...],
+    linearisation: Linearisation | None,
+    thin: str | None,
 ) -> tuple[VerdictKind, Evidence, str]:
     name = projection.parameter
     swarm = not samples.unbiased.any()
@@ -142,8 +189,11 @@ def _judge(
         return (
             "not_identified",
             evidence,
-            f"{name} has no influence on the measured series: the data say nothing of it.",
+            f"{name} has no influence on the measured series at the optimum: there, the data say nothing of it.",
         )
+    if linearisation is not None and linearisation.unclear:
+        evidence = Evidence("linearisation", good_fits, influence=influence, sampling_bias=swarm)
+        return "undecided", evidence, f"{name} is undecided: {linearisation.why_no_interval(name)}."
     tied = () if linearisation is None else linearisation.tied_to(name)
     if tied:
         evidence = Evidence(
@@ -158,12 +208,14 @@ def _judge(
             "changing them together changes nothing that was measured, so none of them has an interval of its own."
         )
         return "in_combination", evidence, sentence
-    if good_fits >= FEWEST_GOOD_FITS:
+    if good_fits >= FEWEST_GOOD_FITS and thin is None:
         return _judge_sampling(projection, tied_pairs, influence)
     if linearisation is not None:
         return _judge_linearisation(samples, name, linearisation, good_fits, swarm)
     evidence = Evidence("none", good_fits, sampling_bias=swarm)
-    if swarm:
+    if thin is not None and not swarm:
+        reason = thin
+    elif swarm:
         reason = "a swarm crowds where it was drawn to, so the spread of its particles proves nothing"
     else:
         reason = f"only {good_fits} samples fit well, at least {FEWEST_GOOD_FITS} are needed"
@@ -248,6 +300,15 @@ def _judge_linearisation(
             f"{name} is only bounded from {side}: {values}, beyond the {bound} bound.",
         )
     return "not_identified", evidence, f"{name} is not identified: {values}, {width:.0%} of the searched range."
+
+
+def _several(name: str, linearisation: Linearisation, other: OtherFit) -> str:
+    index = linearisation.names.index(name)
+    here, there = float(linearisation.optimum[index]), float(other.parameters[index])
+    return (
+        f"{name} has more than one solution: {here:.4g}, and {there:.4g} with other values of the parameters, fit the "
+        "measurements equally well; the interval at the optimum holds around the first alone."
+    )
 
 
 def _other(pair: Correlation, name: str) -> str:

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, cast
 
 import numpy as np
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
@@ -18,9 +19,23 @@ from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.weighting import WEIGHTINGS, Weighting, scheme_factors
 
-__all__ = ["Reweighted", "SeriesWeight", "Weighting", "reweight", "reweighted_problem", "scheme_weights", "shares"]
+__all__ = [
+    "BY_SPREAD",
+    "Reweighted",
+    "SeriesWeight",
+    "Weighting",
+    "reweight",
+    "reweighted_problem",
+    "scheme_weights",
+    "shares",
+    "spread_weights",
+]
 
 _EDGE_NEIGHBOURS = 0.02
+_FEWEST_FOR_SPREAD = 8
+
+BY_SPREAD = "by_spread"
+"""Scheme of :func:`reweight` that chooses the weights of points from the spread of the residuals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +118,36 @@ def scheme_weights(
     return scheme_factors(weighting, {o.series: o.y for o in problem.observations}, errors)
 
 
+def spread_weights(problem: Problem, responses: Mapping[str, FloatArray]) -> dict[str, list[float]]:
+    """Weights w_h of the points, by series, from the spread of the residuals: 1 / s(x)^2 with mean 1, shape (m_g,).
+
+    ln s is a parabola over the rank of x, fitted to ln |r| (Carroll and Ruppert 1988, section 3.3); weights differ by a
+    factor of 100 at most. Points of weight 0 keep it; a series of fewer than eight points, or of no residuals, keeps
+    its weights.
+
+    Parameters
+    ----------
+    responses
+        Calculated values at the best fit, shape (m_g,), base units.
+    """
+    found = {}
+    for o in problem.observations:
+        used = np.flatnonzero(o.point_weights > 0)
+        used = used[np.argsort(o.x[used], kind="stable")]
+        sizes = np.abs(responses[o.series] - o.y)[used]
+        if used.size < _FEWEST_FOR_SPREAD or not sizes.any():
+            continue
+        rank = np.linspace(-1.0, 1.0, used.size)
+        logarithms = np.log(np.maximum(sizes, 1e-3 * float(np.median(sizes)) + 1e-300))
+        table = np.stack([np.ones_like(rank), rank, rank**2], axis=1)
+        line = table @ np.linalg.lstsq(table, logarithms, rcond=None)[0]
+        own = np.exp(-2.0 * np.maximum(line, line.max() - np.log(10.0)))
+        weights = np.zeros(o.x.size)
+        weights[used] = own / own.mean()
+        found[o.series] = weights.tolist()
+    return found
+
+
 def reweighted_problem(
     problem: Problem,
     *,
@@ -129,7 +174,8 @@ def reweighted_problem(
         series = section["series"]
         section["weight"] = (weights or {}).get(series, effective[series])
         if point_weights and series in point_weights:
-            section["points"]["weight"] = list(point_weights[series])
+            observation = next(o for o in problem.observations if o.series == series)
+            section["points"] = observation.chosen_points().document() | {"weight": list(point_weights[series])}
     return parse_problem(document)
 
 
@@ -139,7 +185,7 @@ def reweight(
     *,
     weights: Mapping[str, float] | None = None,
     point_weights: Mapping[str, list[float]] | None = None,
-    weighting: Weighting | None = None,
+    weighting: Weighting | Literal["by_spread"] | None = None,
     noise: Mapping[str, float] | float | None = None,
 ) -> Reweighted:
     """Calculate the objectives that stored responses have under other weights.
@@ -149,7 +195,8 @@ def reweight(
     Parameters
     ----------
     weights
-        New w_g by series; or let a ``weighting`` scheme choose them.
+        New w_g by series; or let a ``weighting`` scheme choose them; ``by_spread`` chooses w_h
+        (:func:`spread_weights`).
     point_weights
         New w_h by series, shape (m_g,).
     noise
@@ -164,8 +211,13 @@ def reweight(
     """
     if weights is not None and weighting is not None:
         raise StatisticsError("give either weights or weighting, not both")
-    if weighting is not None:
-        weights = scheme_weights(problem, weighting, noise=noise)
+    if weighting == BY_SPREAD:
+        if not samples.responses:
+            raise StatisticsError("weighting by_spread needs the stored responses of the evaluations")
+        fitted = {series: values[samples.best] for series, values in samples.responses.items()}
+        point_weights = spread_weights(problem, fitted) | dict(point_weights or {})
+    elif weighting is not None:
+        weights = scheme_weights(problem, cast(Weighting, weighting), noise=noise)
     changed = reweighted_problem(problem, weights=weights, point_weights=point_weights)
     objective = LeastSquares(
         [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight) for o in changed.observations]

@@ -79,7 +79,7 @@ def test_a_job_is_watched_to_its_end(site: Site, visit: Visit, submit: Callable[
     expect(page.locator("[data-field=evaluations]")).to_have_text("240 / 240")
     expect(page.locator("[data-field=stopped]")).to_have_text("max evaluations")
     best = site.service.get(job_id).parameters or {}
-    expect(page.locator("#parameters tr", has_text="identified")).to_have_count(2)
+    expect(page.locator("#parameters tr", has_text="searched")).to_have_count(2)
     assert float(page.locator("#parameters td.n").first.inner_text()) == pytest.approx(best["a"], rel=1e-5)
     for plot in ("Objective over evaluations", "Generation 39: 6 particles", "y: 3 measured points with first"):
         figure = page.get_by_role("figure", name=re.compile(plot))

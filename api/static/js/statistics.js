@@ -1,4 +1,5 @@
 // What is identified, how well, and what to do next.
+import { alarm, doubt } from "./alarm.js";
 import { announce, connection, element } from "./dom.js";
 import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
@@ -159,7 +160,9 @@ function reweighted(weights) {
 
 function showStatistics(statistics) {
   view.statistics = statistics;
-  const { threshold, warnings, verdicts, correlations } = statistics;
+  const { threshold, verdicts, correlations, fit } = statistics;
+  const warnings = statistics.warnings.filter((text) => !doubt(fit) || !text.startsWith(fit.sentence));
+  place("alarm").replaceChildren(...alarm(fit));
   const names = verdicts.map(({ parameter }) => parameter);
   parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
   place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, typeset(text, names))));

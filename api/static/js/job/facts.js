@@ -4,7 +4,7 @@ import { count, duration, number, symbol, withUnit } from "../format.js";
 import { ENDED } from "../stream.js";
 
 const words = (name) => name.replaceAll("_", " ");
-const HOW = { free: "identified", fixed: "fixed", linked: "linked" };
+const HOW = { free: "searched", fixed: "fixed", linked: "linked" };
 
 export function facts(view) {
   const field = (name) => document.querySelector(`[data-field=${name}]`);
@@ -39,7 +39,7 @@ export function facts(view) {
       return element("tr", {},
         element("td", {}, withUnit(symbol(name), info?.unit), symbol(name) === name ? null : element("small", {}, ` ${name}`)),
         element("td", { class: "n" }, number(value, 6)),
-        element("td", {}, info ? HOW[info.form] : job.free_parameters.includes(name) ? "identified" : "given"),
+        element("td", {}, info ? HOW[info.form] : job.free_parameters.includes(name) ? "searched" : "given"),
         element("td", { class: "n" }, range));
     });
     place.replaceChildren(element("table", {},

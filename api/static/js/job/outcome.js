@@ -1,11 +1,26 @@
-// Why a job failed, in one step: what happened, with the first failed evaluation at hand.
+// Why a job failed, in one step, with the first failed evaluation at hand; and whether the model describes the data.
+import { alarm } from "../alarm.js";
 import { announce, element } from "../dom.js";
 import { get } from "../http.js";
+import { ENDED } from "../stream.js";
 import { openEvaluation } from "./evaluation.js";
 
 export function outcome(view) {
   const place = document.getElementById("outcome");
-  let shown = null;
+  let shown = null, judged = null;
+
+  /** At the end of a search: the verdict that its values do not hold without. */
+  async function judge() {
+    const { job } = view;
+    if (!ENDED.has(job.state) || job.objective === null || judged === job.evaluations) return;
+    judged = job.evaluations;
+    try {
+      const { fit } = await get(`/jobs/${view.id}/statistics`);
+      document.getElementById("alarm").replaceChildren(...alarm(fit));
+    } catch (error) {
+      if (error.status !== 409) announce(error.message);
+    }
+  }
 
   async function first() {
     try {
@@ -18,6 +33,7 @@ export function outcome(view) {
   }
 
   function show() {
+    judge();
     const { job } = view;
     const now = JSON.stringify([job.error, job.failed_evaluations]);
     if (now === shown) return;

@@ -1,4 +1,5 @@
 // Follow-ups that evaluate more around the optimum, and what they have found: intervals and profiles.
+import { doubt } from "../alarm.js";
 import { element, once } from "../dom.js";
 import { number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
@@ -52,14 +53,14 @@ export class Uncertainty {
     if (open) this.timer = setTimeout(() => this.refresh(), 1000 * AGAIN_SECONDS);
   }
 
-  intervals({ linearisation, notes }) {
+  intervals({ linearisation, notes, fit }) {
     const remarks = notes.map((text) => element("p", { class: "help" }, text));
     if (!linearisation) return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
     const rows = Object.entries(linearisation.parameters).map(([name, at]) => element("tr", {}, element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),
       element("td", {}, at.interval ? `${number(at.interval[0])} … ${number(at.interval[1])}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
-    const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval`, "Influence"];
-    const where = linearisation.at_optimum ? "" : "The search had not reached the minimum: these values are those of a point near it.";
+    const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval${doubt(fit) ? `: does not hold. ${doubt(fit)}` : ""}`, "Influence"];
+    const where = linearisation.at_optimum || linearisation.distance.every((d) => d === null) ? "" : "The search had not reached the minimum: these values are those of a point near it.";
     return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...remarks];
   }
 

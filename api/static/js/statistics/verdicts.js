@@ -4,7 +4,7 @@ import { count, number, percent, symbol } from "../format.js";
 
 const KINDS = {
   identified: "identified", bounded_on_one_side: "bounded on one side", in_combination: "in combination",
-  not_identified: "not identified", undecided: "undecided",
+  not_identified: "not identified", undecided: "undecided", lack_of_fit: "≠ the model does not fit", error_not_met: "≠ stated error not met",
 };
 const BASES = { sampling: "sampling", linearisation: "sensitivities at the optimum", none: "too little" };
 const DO = { fix: "Fix", link: "Link", widen: "Widen" };

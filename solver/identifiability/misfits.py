@@ -1,0 +1,175 @@
+"""Where a model does not describe the data, by how much, and what to do about it: in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.consolidation import find_consolidation
+from geoswarm.solver.problem.stages import stage_times
+from geoswarm.solver.problem.units import convert
+
+__all__ = ["DOES_NOT_HOLD", "SHORT", "Misfit", "remedies_of", "sentence_of"]
+
+_NO_UNITS = ("", "1", "-", "dimensionless")
+_MOST_NAMED = 3
+
+DOES_NOT_HOLD = {
+    "lack_of_fit": "the model does not describe the data: the interval does not hold",
+    "error_not_met": "the stated error is not met: the interval is too narrow",
+}
+"""What stands beside an interval, by the kind of the verdict on the fit."""
+
+SHORT = {"lack_of_fit": "model does not fit", "error_not_met": "stated error not met"}
+"""The same in the heading of a column."""
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """One series, or one stage of it, that the model does not describe.
+
+    Parameters
+    ----------
+    series, stage
+        Where; ``stage`` None for the series as a whole, else from 1.
+    reason
+        ``pattern`` in the residuals, ``repeats`` that scatter less, or a ``stated_error`` that is exceeded.
+    probability
+        Of as much by chance, were the model right; over all parts together.
+    deviation
+        Root mean square of the residuals [unit].
+    largest, x
+        Largest smoothed residual (calculated - measured) [unit] and where [x_unit].
+    ratio
+        ``deviation`` over the stated error; None without one.
+    unit, x_unit
+        Those of the data.
+    """
+
+    series: str
+    stage: int | None
+    reason: Literal["pattern", "repeats", "stated_error"]
+    probability: float
+    deviation: float
+    largest: float
+    x: float
+    ratio: float | None
+    unit: str
+    x_unit: str
+
+    def in_units_of(self, problem: Problem) -> Misfit:
+        """The same with the numbers in the units of the data."""
+        observation = next(o for o in problem.observations if o.series == self.series)
+        info = next(i for i in problem.model.series if i.name == self.series)
+        unit, x_unit = observation.y_unit or info.y_unit, observation.x_unit or info.x_unit
+
+        def difference(value: float) -> float:  # offsets of a unit do not matter
+            zero, moved = convert([0.0, value], info.y_unit, unit)
+            return float(moved - zero)
+
+        return replace(
+            self,
+            deviation=difference(self.deviation),
+            largest=difference(self.largest),
+            x=float(convert([self.x], info.x_unit, x_unit)[0]),
+            unit="" if unit in _NO_UNITS else unit,
+            x_unit="" if x_unit in _NO_UNITS else x_unit,
+        )
+
+    @property
+    def place(self) -> str:
+        """Series and stage in words."""
+        return self.series if self.stage is None else f"{self.series}, stage {self.stage}"
+
+
+def sentence_of(misfits: Sequence[Misfit]) -> str:
+    """Say where and by how much."""
+    patterns = [m for m in misfits if m.reason != "stated_error"]
+    exceeded = [m for m in misfits if m.reason == "stated_error"]
+    parts = []
+    if patterns:
+        series = list(dict.fromkeys(m.series for m in patterns))
+        parts.append(
+            f"The model does not describe {_listed(series)}: "
+            + "; ".join(_how_far([m for m in patterns if m.series == name]) for name in series[:_MOST_NAMED])
+            + ". The parameters are those of the closest curve, and their intervals do not hold."
+        )
+    for misfit in exceeded[:_MOST_NAMED]:
+        factor = f"{misfit.ratio or 0.0:.2g}"
+        parts.append(
+            f"The stated error of {misfit.series} is not met: the residuals ({_amount(misfit.deviation, misfit.unit)}) "
+            f"are {factor} times as large, so intervals that rest on it are about {factor} times too narrow."
+        )
+    return " ".join(parts)
+
+
+def _how_far(misfits: Sequence[Misfit]) -> str:
+    """One series: its stages, the largest smoothed residual and its place, and the probability of the pattern."""
+    whole = next((m for m in misfits if m.stage is None), None)
+    worst = max(misfits, key=lambda m: abs(m.largest))
+    stages = sorted(m.stage for m in misfits if m.stage is not None)
+    places = f"stage{'s' if len(stages) > 1 else ''} {_listed(_spans(stages))} " if stages else ""
+    side = "above" if worst.largest > 0 else "below"
+    least = min(m.probability for m in misfits)
+    chance = "below 0.2%" if least <= 0.002 else f"of {least:.1%}"
+    if all(m.reason == "repeats" for m in misfits):
+        reason = "more than the scatter of repeats explains"
+    else:
+        reason = f"noise has such a pattern with a probability {chance}"
+    rest = "" if whole is None else f", root mean square {_amount(whole.deviation, whole.unit)}"
+    at = f"{worst.x:.4g} {worst.x_unit}".strip()
+    return (
+        f"it misses {places or 'the readings '}by up to {_amount(abs(worst.largest), worst.unit)} (calculated {side} "
+        f"measured, near {at}){rest}; {reason}"
+    )
+
+
+def _spans(numbers: Sequence[int]) -> list[str]:
+    """Numbers in words, three or more in a row as "2 to 6"."""
+    groups: list[list[int]] = []
+    for number in numbers:
+        if groups and number == groups[-1][-1] + 1:
+            groups[-1].append(number)
+        else:
+            groups.append([number])
+    return [
+        word
+        for group in groups
+        for word in ([f"{group[0]} to {group[-1]}"] if len(group) > 2 else [str(number) for number in group])
+    ]
+
+
+def _amount(value: float, unit: str) -> str:
+    return f"{value:.2g} {unit}".strip()
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:
+    """Say what to do."""
+    patterns = [m for m in misfits if m.reason != "stated_error"]
+    found = []
+    staged = [m.series for m in patterns if stage_times(problem.forward_model, m.series).size > 1]
+    primary = [p for p in find_consolidation(problem) if p.series in staged]
+    found += [p.sentence for p in primary]
+    if staged and not primary:
+        found.append(
+            "Primary consolidation is not part of the soil laws: leave out readings before its end in every stage "
+            "(stage_x_from in the observation), or calibrate stage_settlement, the values at the ends of the stages."
+        )
+    if patterns:
+        found.append(
+            "Look at the fit: leave out what the model does not contain (x_from, x_to, leave_out_stages), free a "
+            "parameter that is fixed, or take another law."
+        )
+        found.append(
+            "If the model is right and the readings drift or depend on one another, only the intervals are wrong: "
+            "thin the readings out until the residuals no longer follow one another."
+        )
+    if any(m.reason == "stated_error" for m in misfits):
+        found.append("State the error that the readings have, or leave 'error' out: it is then estimated.")
+    return tuple(found)
