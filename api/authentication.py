@@ -44,7 +44,7 @@ class Authenticator:
     Parameters
     ----------
     settings
-        Whether a key is needed at all, and the one of the environment.
+        Whether a key is needed from the beginning, and the one of the environment.
     service
         Its store holds the other keys.
     """
@@ -55,6 +55,21 @@ class Authenticator:
         self._service = service
         self._requests = RateLimiter(settings.requests_per_second, settings.request_burst)
         self._failures = RateLimiter(FAILURES_PER_SECOND, FAILURE_BURST)
+
+    async def asks(self) -> bool:
+        """Whether a key is needed now; from the moment when the first one is made, by whatever process.
+
+        Raises
+        ------
+        StoreUnavailableError
+            When it cannot be known whether there are keys.
+        """
+        return self.needed or await anyio.to_thread.run_sync(self.asks_here)
+
+    def asks_here(self) -> bool:
+        """Do what :meth:`asks` does, in this thread."""
+        self.needed = self.needed or KeyRing(self._service.store).used()  # revoking a key does not open the door again
+        return self.needed
 
     @property
     def sessions(self) -> SessionBook:
@@ -71,7 +86,7 @@ class Authenticator:
         StoreUnavailableError
             When keys cannot be looked up.
         """
-        if not self.needed:
+        if not await self.asks():
             return Identity(LOCAL)
         key, token = given_key(headers), given_token(headers)
         if key is None and token is not None:

@@ -22,6 +22,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from geoswarm.api.headers import add_security_headers
 from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError
@@ -53,6 +54,7 @@ __all__ = [
 
 logger = logging.getLogger("geoswarm.api")
 
+_METHODS = ("DELETE", "GET", "HEAD", "PATCH", "POST", "PUT")
 MEDIA_TYPE = "application/problem+json"
 TYPE_PREFIX = "urn:geoswarm:error:"
 
@@ -216,6 +218,16 @@ def wants_page(request: Request) -> bool:
     return not request.url.path.startswith("/api/") and "text/html" in request.headers.get("accept", "")
 
 
+def _allowed(app: FastAPI, request: Request) -> str:
+    """All methods of a path: several routes may share it, and each names its own only."""
+    possible = [
+        method
+        for method in _METHODS
+        if any(route.matches({**request.scope, "method": method})[0] is Match.FULL for route in app.routes)
+    ]
+    return ", ".join(possible) or "other methods"
+
+
 def install_error_handlers(app: FastAPI, pages: Callable[[Request, DetailError], Response]) -> None:
     """Make the application answer every error with a problem detail, or with a page where a page was asked for.
 
@@ -233,7 +245,8 @@ def install_error_handlers(app: FastAPI, pages: Callable[[Request, DetailError],
         if found.status == 404:
             found.detail = f"There is nothing at {request.url.path}. The routes are listed in /openapi.json."
         elif found.status == 405:
-            allowed = found.headers.get("allow") or found.headers.get("Allow") or "other methods"
+            allowed = _allowed(app, request)
+            found.headers = {k: v for k, v in found.headers.items() if k.lower() != "allow"} | {"Allow": allowed}
             found.detail = f"{request.method} is not possible at {request.url.path}; possible: {allowed}."
         return told(request, found)
 

@@ -42,7 +42,6 @@ class Gate:
 
     def __init__(self, app: ASGIApp, settings: ApiSettings, authenticator: Authenticator) -> None:
         self._app = app
-        self._keyless = not settings.needs_key
         self._hosts = LOOPBACK_HOSTS | settings.allowed_hosts
         self._authenticator = authenticator
 
@@ -72,7 +71,7 @@ class Gate:
         """Return who asks, None for what everybody may see; raise DetailError for what is refused."""
         method, path = scope["method"], scope["path"]
         host = headers.get("host", "")
-        if self._keyless and _host_name(host) not in self._hosts:
+        if not self._authenticator.needed and _host_name(host) not in self._hosts:
             raise DetailError(
                 403,
                 f"Host {host!r} is not answered without an API key; accepted: {', '.join(sorted(self._hosts))}.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -10,8 +11,12 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.consolidation import find_consolidation
+from geoswarm.solver.runlog import RunLog
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
+
+_TRIED_GENERATIONS, _LONGEST_TRIAL = 4, 1.0
 
 WARM_UP_LIMIT = 5.0
 """A first calculation shorter than this [s] is repeated: it may have been loading its kernels."""
@@ -67,7 +72,10 @@ class CheckReport:
     test_run
         The one forward calculation.
     estimated_seconds
-        Time of the planned evaluations on one worker, at most ``max_seconds`` [s]; None without a plan.
+        Time of the planned evaluations on one worker and of the search itself, at most ``max_seconds`` [s]; None
+        without a plan.
+    warnings
+        What in the measurements the model does not contain, and what to do, in sentences.
     """
 
     name: str
@@ -78,6 +86,7 @@ class CheckReport:
     planned_evaluations: int | None
     test_run: TestRunReport
     estimated_seconds: float | None
+    warnings: tuple[str, ...] = ()
 
 
 def check_problem(
@@ -115,10 +124,13 @@ def check_problem(
         forward_model=problem.forward_model.kind,
         method=problem.method.kind,
         free_parameters=problem.free_names,
+        warnings=tuple(found.sentence for found in find_consolidation(problem)),
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
         test_run=_report(run, problem, problem.values(point.tolist())),
-        estimated_seconds=_estimate(run.seconds, planned, problem.stopping.max_seconds),
+        estimated_seconds=_estimate(
+            run.seconds + search_seconds(calibration, run), planned, problem.stopping.max_seconds
+        ),
     )
 
 
@@ -128,6 +140,33 @@ def middle(calibration: Calibration) -> FloatArray:
     centre = space.to_natural((space.search_lower + space.search_upper) / 2)
     initial = [parameter.initial for parameter in calibration.problem.free]
     return np.array([c if i is None else i for c, i in zip(centre, initial, strict=True)], dtype=np.float64)
+
+
+def search_seconds(calibration: Calibration, run: Evaluation) -> float:
+    """Time that the search itself takes for one evaluation [s], measured over some generations with made-up responses.
+
+    Only a search that learns from all runs takes any time that counts. Its responses are those of the ``run``, scaled
+    by what the proposals are.
+    """
+    if not calibration.accelerated or calibration.follow_up is not None or run.reason is not None:
+        return 0.0
+    progress, log = calibration.start(), RunLog(calibration)
+    stored: list[list[dict[str, FloatArray]]] = []
+    width = np.maximum(calibration.space.search_upper - calibration.space.search_lower, 1e-300)
+    taken, begun = 0.0, time.perf_counter()
+    for _ in range(_TRIED_GENERATIONS):
+        factors = 1.0 + (calibration.space.to_search(progress.positions) - calibration.space.search_lower) / width
+        stored.append([{s: y * float(f) for s, y in run.responses.items()} for f in factors.prod(axis=1)])
+        objectives = [calibration.objective.value(calibration.objective.misfits(r)) for r in stored[-1]]
+        log.add(list(progress.positions), objectives)
+        runs = log.runs(lambda keys: [stored[generation][particle] for generation, particle in keys])
+        began = time.perf_counter()
+        step = calibration.advance(progress, objectives, 0.0, runs, criteria=())
+        taken = (time.perf_counter() - began) / len(objectives)
+        progress = step.progress
+        if not len(progress.positions) or time.perf_counter() - begun > _LONGEST_TRIAL:
+            break
+    return taken
 
 
 def _estimate(seconds: float, planned: int | None, max_seconds: float | None) -> float | None:

@@ -60,7 +60,9 @@ class FollowUp:
     def learns(self) -> bool:
         """Whether the search needs the residuals of all runs so far."""
         method = self._method
-        return isinstance(method, ProfileMethod) or (isinstance(method, SensitivityMethod) and method.polish)
+        if isinstance(method, SensitivityMethod):
+            return method.polish or method.step is None
+        return isinstance(method, ProfileMethod)
 
     def search(self, snapshot: Snapshot | None = None) -> Search:
         """Begin the search, or go on with it."""

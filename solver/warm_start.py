@@ -90,13 +90,23 @@ def best_of(problem: Problem, offers: Sequence[Offer]) -> Offer | None:
 def _places(problem: Problem, earlier: Problem) -> dict[str, IntArray] | str:
     """Indices of the observed points in the earlier curves, by series."""
     known = {observation.series: observation.x.tolist() for observation in earlier.observations}
+    inputs = {observation.series: observation.inputs for observation in earlier.observations}
     places: dict[str, IntArray] = {}
     for observation in problem.observations:
         x = known.get(observation.series)
+        if observation.inputs or inputs.get(observation.series):  # a point is then more than its x
+            if x != observation.x.tolist() or not _same(observation.inputs, inputs[observation.series]):
+                return f"has other points or inputs of {observation.series}"
+            places[observation.series] = np.arange(len(x))
+            continue
         if x is None or not set(observation.x.tolist()) <= set(x):
             return f"has no responses at all observed points of {observation.series}"
         places[observation.series] = np.array([x.index(value) for value in observation.x.tolist()], dtype=np.int64)
     return places
+
+
+def _same(inputs: Mapping[str, FloatArray], others: Mapping[str, FloatArray]) -> bool:
+    return inputs.keys() == others.keys() and all(np.array_equal(inputs[name], others[name]) for name in inputs)
 
 
 def _point(problem: Problem, values: Mapping[str, float]) -> FloatArray | None:

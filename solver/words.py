@@ -13,6 +13,8 @@ VERDICTS = {
     "in_combination": "only in combination",
     "not_identified": "not identified",
     "undecided": "undecided",
+    "lack_of_fit": "the model does not fit",
+    "error_not_met": "stated error not met",
 }
 """Kind of verdict -> words."""
 
@@ -22,7 +24,8 @@ REASONS = {
     "target_objective": "objective at or below the target",
     "stagnation_generations": "objective no longer lowered",
     "samples_completed": "all samples evaluated",
-    "polished": "best parameters polished",
+    "polished": "polished to a minimum",
+    "polish_unfinished": "polishing ended before a minimum",
     "design_completed": "all planned evaluations made",
 }
 """Stop reason -> words."""

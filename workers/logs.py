@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 
 from geoswarm.workers.secrets import redact
 
-__all__ = ["CONTEXT", "JsonFormatter", "LogFormat", "TextFormatter", "start_logging"]
+__all__ = ["CONTEXT", "JsonFormatter", "KnownEvents", "LogFormat", "TextFormatter", "start_logging"]
 
 LogFormat: TypeAlias = Literal["text", "json"]
 
@@ -66,10 +66,28 @@ class TextFormatter(logging.Formatter):
         return redact(f"{head} [{' '.join(context)}]{newline}{traceback}" if context else head + newline + traceback)
 
 
+class KnownEvents(logging.Filter):
+    """Leaves out what others log about events that are handled: it would look like a fault of ours.
+
+    That a reader of events has gone (asyncio warns with every write until it notices), and the traceback of a pool
+    process that was killed (Celery's, without a line of what was killed); the line that says so stays.
+    """
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Decide about a record."""
+        if record.name == "asyncio" and record.getMessage().startswith("socket.send() raised exception"):
+            return False
+        kind = record.exc_info[0] if isinstance(record.exc_info, tuple) else None
+        if record.name.startswith(("celery", "billiard")) and kind is not None and kind.__name__ == "WorkerLostError":
+            record.exc_info = record.exc_text = None
+        return True
+
+
 def start_logging(level: str | int, form: LogFormat | None = None) -> None:
     """Write records of a level and above to stderr; processes that this one starts take over the form."""
     chosen = form or os.environ.get(FORMAT_VARIABLE, "text")
     os.environ[FORMAT_VARIABLE] = chosen
     handler = logging.StreamHandler()
     handler.setFormatter(JsonFormatter() if chosen == "json" else TextFormatter())
+    handler.addFilter(KnownEvents())
     logging.basicConfig(level=level.upper() if isinstance(level, str) else level, handlers=[handler], force=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from sqlalchemy import Connection
@@ -193,7 +193,7 @@ class StatisticsDesk:
         *,
         weights: Mapping[str, float] | None = None,
         point_weights: Mapping[str, list[float]] | None = None,
-        weighting: Weighting | None = None,
+        weighting: Weighting | Literal["by_spread"] | None = None,
         noise: Mapping[str, float] | float | None = None,
     ) -> dict[str, Any]:
         """Calculate the objectives that the stored responses have under other weights.

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator
-from contextlib import aclosing
+from contextlib import aclosing, suppress
 from typing import Annotated
 
 import anyio.to_thread
-from fastapi import APIRouter, Header, Query, Response
+from fastapi import APIRouter, Header, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
+from geoswarm.api.authentication import Authenticator
 from geoswarm.api.dependencies import Feed, JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.feed import EventFeed
+from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.views import EventView
 
 __all__ = ["encode_event", "router"]
@@ -37,6 +39,7 @@ async def events(
     job_id: JobId,
     feed: Feed,
     service: Service,
+    request: Request,
     after: Annotated[int | None, Query(ge=0, le=MAX_EVENT_ID, description="id of the last event received")] = None,
     last_event_id: Annotated[str | None, Header(description="sent by clients that reconnect; wins over after")] = None,
 ) -> Response:
@@ -49,7 +52,9 @@ async def events(
     if not await feed.read(job_id, start) and await feed.has_ended(job_id):
         return Response(status_code=204)
     return StreamingResponse(
-        _stream(feed, job_id, start), media_type="text/event-stream", headers={"X-Accel-Buffering": "no"}
+        _stream(feed, job_id, start, request.app.state.authenticator),
+        media_type="text/event-stream",
+        headers={"X-Accel-Buffering": "no"},
     )
 
 
@@ -61,10 +66,15 @@ def _start(after: int | None, last_event_id: str | None) -> int:
     raise DetailError(422, f"Last-Event-ID {last_event_id!r} is not the id of an event (a whole number).")
 
 
-async def _stream(feed: EventFeed, job_id: str, after: int) -> AsyncIterator[str]:
+async def _stream(feed: EventFeed, job_id: str, after: int, authenticator: Authenticator) -> AsyncIterator[str]:
+    open_to_all = not authenticator.needed
     yield f"retry: {RECONNECT_MILLISECONDS}\n\n"
     async with aclosing(feed.listen(job_id, after)) as listening:
         async for event in listening:
+            if open_to_all:
+                with suppress(StoreUnavailableError):
+                    if await authenticator.asks():  # a key was made meanwhile: nobody listens on without one
+                        return
             yield ": still here\n\n" if event is None else encode_event(event)
 
 

@@ -29,7 +29,7 @@ async def sign_in(given: Annotated[SignIn, Body()], request: Request, response: 
     Without the need of a key there is nothing to sign in to, and no cookie.
     """
     authenticator: Authenticator = request.app.state.authenticator
-    if not authenticator.needed:
+    if not await authenticator.asks():
         return _session(Identity(LOCAL), key_needed=False)
     key = given.key.get_secret_value().encode()
     principal = await authenticator.holder(key, request.client.host if request.client else "", CHALLENGE)

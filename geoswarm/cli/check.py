@@ -11,7 +11,8 @@ import click
 from geoswarm.cli.failures import FailedRunError
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
-from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
     from geoswarm.solver.check import CheckReport
@@ -34,6 +35,7 @@ def check_command(problem: Path, as_json: bool) -> None:
 
     loaded = load_problem(problem)
     compile_seconds = ready(loaded)
+    warn_of_many_points(loaded)
     check = check_problem(loaded)
     if as_json:
         echo_json({"valid": True, **asdict(check), "compile_seconds": compile_seconds})
@@ -44,26 +46,35 @@ def check_command(problem: Path, as_json: bool) -> None:
 
 
 def _show(problem: Problem, check: CheckReport) -> None:
-    from geoswarm.cli.labels import parameter_rows, with_unit
+    from geoswarm.cli.labels import parameter_rows, root_mean_square, with_unit
     from geoswarm.solver.report import objective_unit
 
     run = check.test_run
+    rms = [f"{series} {root_mean_square(problem, series, misfit)}" for series, misfit in run.misfits.items()]
     planned = check.planned_evaluations
     cost = "not limited by a number of evaluations"
     if planned is not None:
         cost = f"at most {planned} evaluations"
         if check.estimated_seconds is not None:
-            cost += f", about {duration(check.estimated_seconds)} on one worker"
+            cost += f", about {duration(check.estimated_seconds)} on one worker, the search's own time included"
     echo_facts(
         f"{check.name}: valid",
         {
             "forward model": check.forward_model,
             "method": check.method.replace("_", " "),
             "free parameters": ", ".join(check.free_parameters),
-            "measured points": str(check.data_points),
+            "measured points": f"{check.data_points}{_left_out(problem)}",
             "test run": f"{run.state} in {duration(run.seconds)}",
             "objective there": with_unit(number(run.objective), objective_unit(problem)),
+            **({"root mean square": ", ".join(rms)} if rms else {}),
             "cost": cost,
         },
     )
+    for warning in check.warnings:
+        note(f"Warning: {warning}")
     echo_table("Test run", ("parameter", "", "value", "unit"), parameter_rows(problem, run.parameters), right=(2,))
+
+
+def _left_out(problem: Problem) -> str:
+    count = sum(observation.left_out for observation in problem.observations)
+    return f" ({count} more take no part)" if count else ""

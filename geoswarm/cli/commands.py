@@ -31,6 +31,10 @@ _RESULTS = "What a job, or a run in a folder, tells"
 _OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
+    "init": CommandEntry("geoswarm.cli.init", _PROBLEM, "Write a commented problem to begin with, and its data."),
+    "inline": CommandEntry(
+        "geoswarm.cli.init", _PROBLEM, "Write a problem as JSON with its data inside, as the body of POST /api/v1/jobs."
+    ),
     "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
     "evaluate": CommandEntry("geoswarm.cli.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
     "run": CommandEntry("geoswarm.cli.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),

@@ -2,25 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.output import note
 
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
 
-__all__ = ["connect", "find_job"]
+__all__ = ["SLOW_ANSWER", "connect", "find_calibration", "find_job"]
 
 LATEST = "latest"
 _SEARCHED_PAGES, _PAGE = 10, 200
 _SHORTEST_PREFIX = 4
+_UNAUTHORIZED = 401
+SLOW_ANSWER = 900.0
+"""For what the service calculates before it answers, such as a posterior sample [s]."""
+_LONGEST_CHAIN = 10
 
 
-def connect(url: str, api_key: str | None) -> Client:
-    """Return a client, a context manager; nothing is sent yet."""
-    from geoswarm.client import Client
+@contextmanager
+def connect(url: str, api_key: str | None, timeout: float = 60.0) -> Iterator[Client]:
+    """Give a client; nothing is sent yet.
 
-    return Client(url, api_key=api_key)
+    Parameters
+    ----------
+    timeout
+        How long an answer may take [s].
+
+    Raises
+    ------
+    BadInputError
+        When the service asks for another key.
+    """
+    from geoswarm.client import Client, UnauthorizedError
+
+    try:
+        with Client(url, api_key=api_key, timeout=timeout) as client:
+            yield client
+    except UnauthorizedError as error:
+        if error.status != _UNAUTHORIZED:
+            raise
+        given = "another one" if api_key else "one"
+        raise BadInputError(f"{error}\nGive {given} with --api-key KEY or in GEOSWARM_API_KEY.") from error
 
 
 def find_job(client: Client, job: str) -> Job:
@@ -51,6 +77,30 @@ def find_job(client: Client, job: str) -> Job:
     if not found:
         raise BadInputError(f"there is no job '{job}'; 'geoswarm list' shows the jobs")
     return found[0]
+
+
+def find_calibration(client: Client, job: str) -> Job:
+    """Return a job as :func:`find_job` does, but for ``latest`` the calibration that the newest job examines.
+
+    Raises
+    ------
+    BadInputError
+        When no job, or several, are meant.
+    """
+    from geoswarm.client import NotFoundError
+
+    newest = found = find_job(client, job)
+    for _ in range(_LONGEST_CHAIN if job == LATEST else 0):
+        examined = client.problem(found.id).get("method", {}).get("of")
+        if examined is None:
+            break
+        try:
+            found = client.get(examined)
+        except NotFoundError:
+            break
+    if found is not newest:
+        note(f"The newest job, {newest.id}, is a follow-up: this is the calibration {found.id} that it examines.")
+    return found
 
 
 def _with_prefix(client: Client, prefix: str) -> list[Job]:

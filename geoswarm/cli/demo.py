@@ -62,8 +62,9 @@ def demo_command(port: int, workers: int, no_wait: bool) -> None:
             with open_engine(settings) as engine, _serving(engine.service, listener) as url:
                 with connect(url, None) as client:
                     job = follow(client, client.submit(problem))
-                _show(job, url)
-                if not no_wait and sys.stdout.isatty():
+                waits = not no_wait and sys.stdout.isatty()
+                _show(job, url if waits else None)
+                if waits:
                     _wait_for_interrupt()
         finally:
             listener.close()
@@ -97,7 +98,7 @@ def _serving(service: JobService, listener: socket.socket) -> Iterator[str]:
         thread.join(_START_SECONDS)
 
 
-def _show(job: Job, url: str) -> None:
+def _show(job: Job, url: str | None) -> None:
     if job.state != "finished" or job.parameters is None:
         raise FailedRunError(f"the job {job.state}: {job.error}" if job.error else f"the job was {job.state}")
     rows = [
@@ -113,8 +114,8 @@ def _show(job: Job, url: str) -> None:
             "stopped": reasons_in_words(job.stop_reasons),
             "evaluations": f"{job.evaluations} in {job.generations} generations (the paper: {_PUBLISHED_RUNS})",
             "search": duration(job.seconds),
-            "page": f"{url}/jobs/{job.id}",
-        },
+        }
+        | ({} if url is None else {"page": f"{url}/jobs/{job.id}"}),  # nobody serves a page when the command has ended
     )
 
 

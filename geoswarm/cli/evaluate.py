@@ -148,7 +148,7 @@ def _document(problem: Problem, values: Mapping[str, float], evaluation: Evaluat
 
 
 def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation) -> None:
-    from geoswarm.cli.labels import parameter_rows, with_unit
+    from geoswarm.cli.labels import parameter_rows, root_mean_square, with_unit
     from geoswarm.solver.report import objective_unit, series_curves, series_shares
 
     echo_facts(problem.name, {"objective": with_unit(number(evaluation.objective), objective_unit(problem))})
@@ -164,10 +164,14 @@ def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation)
                 with_unit(number(curve.measured_x[-1]), curve.x_unit),
                 with_unit(number(curve.measured_y[-1]), curve.y_unit),
                 with_unit(number(curve.at_points[-1]), curve.y_unit),
+                root_mean_square(problem, curve.series, share.misfit),
                 number(share.misfit),
                 f"{share.share:.0%}",
             )
         )
     echo_table(
-        None, ("series", "points", "last x", "measured", "calculated", "misfit", "share"), rows, right=range(1, 7)
+        None,
+        ("series", "points", "last x", "measured", "calculated", "root mean square", "misfit", "share"),
+        rows,
+        right=range(1, 8),
     )

@@ -40,6 +40,10 @@ def export_command(job: str, form: str | None, output: Path | None, url: str, ap
     Ordered by generation and particle, one row or object an evaluation. A file appears only when it is complete.
     """
     ending = "" if output is None else output.suffix.lower()[1:]
+    if form is None and ending not in ("", "csv", "json", "parquet", "txt"):
+        raise BadInputError(
+            f"--output {output}: the file could be .csv, .json or .parquet; --format csv writes CSV text into it anyway"
+        )
     chosen = form or (ending if ending in ("json", "parquet") else "csv")
     if chosen == "parquet" and output is None:
         raise BadInputError("--format parquet needs --output FILE: it is no text for a terminal")

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.connection import SLOW_ANSWER, connect, find_calibration
+from geoswarm.cli.fit import interval_heading, show_fit
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
 from geoswarm.cli.source import as_folder, known_noise, noise_option
@@ -38,8 +39,8 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
         name, calibration = stored.problem.name, Calibration(stored.problem, stored.record.seed)
         found = jsonable(sample_posterior(calibration, stored.samples, noise=known).to_json())
     else:
-        with connect(url, api_key) as client:
-            job = find_job(client, source)
+        with connect(url, api_key, SLOW_ANSWER) as client:
+            job = find_calibration(client, source)
             name, found = job.name, client.posterior(job.id, noise=known)
     if as_json:
         echo_json(found)
@@ -62,10 +63,11 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
 def show_findings(name: str, found: Mapping[str, Any]) -> None:
     """Write the tables of what follow-ups found."""
     click.secho(name, bold=True)
+    show_fit(found["fit"])
     if found["linearisation"] is not None:
         _show_linearisation(found)
     if found["profiles"]:
-        _show_profiles(found["profiles"])
+        _show_profiles(found["profiles"], found["fit"])
     for indices in found["global_sensitivities"]:
         _show_indices(indices)
     for remark in found["notes"]:
@@ -79,7 +81,7 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
         rows.append((parameter, number(row["value"], 6), number(row["standard_error"], 3), *_ends(row["interval"])))
         if row["why_no_interval"] is not None:
             reasons.append(f"{parameter} has no interval: {row['why_no_interval']}")
-    columns = ("parameter", "optimum", "standard error", f"{linearisation['level']:.0%} from", "to")
+    columns = ("parameter", "optimum", "standard error", *interval_heading(linearisation["level"], found["fit"]))
     echo_table(None, columns, rows, right=(1, 2, 3, 4))
     for combination in linearisation["combinations"]:
         if combination["open"]:
@@ -96,11 +98,17 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
     echo_facts(None, facts)
     for reason in reasons:
         note(f"Note: {reason}")
-    if not linearisation["at_optimum"]:
+    for one in linearisation["dependence"]:
+        note(f"Note: {one['sentence']}")
+    for parameter, side in linearisation["held"].items():
+        note(f"Note: the best fit lies on the {side} bound of {parameter}, and the data pull beyond it")
+    if all(distance is None for distance in linearisation["distance"]):
+        note("Warning: whether this is a minimum cannot be told, because no parameter has a standard error")
+    elif not linearisation["at_optimum"]:
         note("Warning: this is not the minimum yet, so the intervals are off; let it be polished (--polish)")
 
 
-def _show_profiles(profiles: list[dict[str, Any]]) -> None:
+def _show_profiles(profiles: list[dict[str, Any]], fit: Mapping[str, Any] | None) -> None:
     rows = []
     for profile in profiles:
         missing = "open" if profile["complete"] else "not reached yet"
@@ -108,7 +116,7 @@ def _show_profiles(profiles: list[dict[str, Any]]) -> None:
         rows.append((profile["parameter"], *ends, str(len(profile["values"]))))
         if profile["better"] is not None:
             note(f"Warning: the profile of {profile['parameter']} found a lower objective, {number(profile['better'])}")
-    echo_table(None, ("parameter", "95% from", "to", "points"), rows, right=(1, 2, 3))
+    echo_table(None, ("parameter", *interval_heading(0.95, fit), "points"), rows, right=(1, 2, 3))
 
 
 def _show_indices(found: Mapping[str, Any]) -> None:

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.labels import root_mean_square, with_unit
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number, reasons_in_words
 
 if TYPE_CHECKING:
-    from geoswarm.client import Job
+    from geoswarm.client import Client, Job
+    from geoswarm.solver.problem import Problem
 
 __all__ = [
     "cancel_command",
@@ -105,23 +107,47 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
             best = client.best(found.id)
         except NotFoundError:
             best = None
+        problem = None if best is None or as_json else _problem(client, found)
     if as_json:
         echo_json(jsonable(found) | {"best": best and jsonable(best), "diversity": scatter} | more)
         return
-    show_job(found, diversity=scatter)
+    show_job(found, diversity=scatter, problem=problem)
     if attempts is not None:
         show_attempts(tries)
     if failures:
         show_failures(reasons, failed)
     if more:
         return
-    if best is not None and len(best.misfits) > 1:
-        rows = [(series, number(misfit)) for series, misfit in best.misfits.items()]
-        echo_table(None, ("series", "misfit"), rows, right=(1,))
+    if best is not None:
+        rows = [
+            (
+                series,
+                number(misfit),
+                "-" if problem is None or misfit is None else root_mean_square(problem, series, misfit),
+            )
+            for series, misfit in best.misfits.items()
+        ]
+        echo_table(None, ("series", "misfit", "root mean square"), rows, right=(1, 2))
 
 
-def show_job(job: Job, *, diversity: float | None = None) -> None:
-    """Write what a job is and has found; ``diversity`` of its last generation, where it is known."""
+def _problem(client: Client, job: Job) -> Problem | None:
+    """The problem of a job, for units; None where this installation lacks its forward model."""
+    from geoswarm.solver.errors import SolverError
+    from geoswarm.solver.problem import parse_problem
+
+    try:
+        return parse_problem(client.problem(job.id))
+    except SolverError:
+        return None
+
+
+def show_job(job: Job, *, diversity: float | None = None, problem: Problem | None = None) -> None:
+    """Write what a job is and has found; ``diversity`` of its last generation and ``problem``, where they are known."""
+    unit = ""
+    if problem is not None:
+        from geoswarm.solver.report import objective_unit
+
+        unit = objective_unit(problem)
     facts = {
         "id": job.id,
         "state": job.state,
@@ -131,7 +157,7 @@ def show_job(job: Job, *, diversity: float | None = None) -> None:
         "running time": duration(job.seconds),
         "stopped": reasons_in_words(job.stop_reasons),
         "seed": str(job.seed),
-        "objective": number(job.objective),
+        "objective": with_unit(number(job.objective), unit),
     }
     if diversity is not None:
         facts["diversity"] = f"{number(diversity, 2)} (1: all over the space, 0: at one point)"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from geoswarm.cli.databases import existing_store
 from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import database_option, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from geoswarm.workers.access import Role
-    from geoswarm.workers.store import Store
 
 __all__ = ["keys_command"]
 
@@ -45,8 +45,11 @@ def create_command(
 ) -> None:
     """Make a key and print it, once: only its hash is kept."""
     from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.settings import Settings, mask_url
+    from geoswarm.workers.store import Store
 
-    store = _store(database)
+    settings = Settings.from_environment(database_url=database)
+    store = Store(settings)
     try:
         key, view = KeyRing(store).create(owner, role, label=label, valid_seconds=expires)
     finally:
@@ -55,7 +58,8 @@ def create_command(
         echo_json({"key": key} | jsonable(view))
         return
     click.echo(key)
-    note("Keep it now: it is not shown again. A service that was started without keys asks for one after a restart.")
+    note(f"Made in {mask_url(settings.database_url)}.")
+    note("Keep it now: it is not shown again. A service on this database asks for a key from now on.")
 
 
 @keys_command.command("list")
@@ -64,8 +68,9 @@ def create_command(
 def list_keys_command(as_json: bool, database: str | None) -> None:
     """List the keys: everything but the keys themselves."""
     from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.settings import mask_url
 
-    store = _store(database)
+    store = existing_store(database)
     try:
         views = KeyRing(store).list()
     finally:
@@ -74,7 +79,7 @@ def list_keys_command(as_json: bool, database: str | None) -> None:
         echo_json({"items": [jsonable(view) for view in views]})
         return
     if not views:
-        click.echo("No keys. Make one with 'geoswarm keys create --owner NAME --role admin'.")
+        click.echo(f"No keys in {mask_url(store.url)}. Make one with 'geoswarm keys create --owner NAME --role admin'.")
         return
     rows = [
         (v.id, v.owner, v.role, v.state, _day(v.created_at), _day(v.expires_at), _day(v.used_at), v.label)
@@ -92,7 +97,7 @@ def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
     from geoswarm.workers.keys import KEY_PATTERN, KeyRing
 
     whole = KEY_PATTERN.fullmatch(key_id)
-    store = _store(database)
+    store = existing_store(database)
     try:
         view = KeyRing(store).revoke(whole["id"] if whole else key_id)
     finally:
@@ -101,13 +106,6 @@ def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
         echo_json(jsonable(view))
         return
     echo_facts(None, {"id": view.id, "owner": view.owner, "state": view.state})
-
-
-def _store(database: str | None) -> Store:
-    from geoswarm.workers.settings import Settings
-    from geoswarm.workers.store import Store
-
-    return Store(Settings.from_environment(database_url=database))
 
 
 def _day(moment: datetime | None) -> str:

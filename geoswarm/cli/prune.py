@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from geoswarm.cli.databases import existing_store
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import database_option, json_option
@@ -43,19 +44,18 @@ def prune_command(
     """
     from geoswarm.workers.retention import prune, run_prune
     from geoswarm.workers.settings import Settings
-    from geoswarm.workers.store import Store
 
-    settings = Settings.from_environment(database_url=database)
     if every is not None:
         if dry_run or as_json:
             raise BadInputError("--every runs until it is stopped and goes with neither --dry-run nor --json")
         if every < SHORTEST_ROUND:
             raise BadInputError(f"--every {every:g}s: at least {SHORTEST_ROUND:g}s is accepted, for example 24h")
+        settings = Settings.from_environment(database_url=database)
         prepare("prune", log_level, log_format, settings)
         note("geoswarm prune; Ctrl-C stops it.")
         run_prune(settings, older_than, states or ENDED, every)
         return
-    store = Store(settings)
+    store = existing_store(database)
     try:
         pruned = prune(store, older_than, states or ENDED, dry_run=dry_run)
     finally:

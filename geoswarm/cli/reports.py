@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.connection import SLOW_ANSWER, connect, find_calibration
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.figures import figures_missing
 from geoswarm.cli.options import connection_options
@@ -65,8 +65,8 @@ def report_command(
     if folder is not None:
         written = _of_folder(folder, target, view, html, pdf, figures)
     else:
-        with connect(url, api_key) as client:
-            written = _of_job(client, find_job(client, source).id, target, view, html, pdf, figures)
+        with connect(url, api_key, SLOW_ANSWER if posterior else 60.0) as client:
+            written = _of_job(client, find_calibration(client, source).id, target, view, html, pdf, figures)
     note("Written: " + ", ".join(str(path) for path in written))
 
 

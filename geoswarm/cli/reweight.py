@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.connection import connect, find_calibration
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
@@ -22,8 +22,9 @@ __all__ = ["reweight_command"]
 @click.option("--weight", "weights", multiple=True, metavar="SERIES=WEIGHT", help="New weight w of a series.")
 @click.option(
     "--weighting",
-    type=click.Choice(("by_error", "by_count", "by_range")),
-    help="Scheme that chooses the weights: precision of the readings, number of readings, range of the readings.",
+    type=click.Choice(("by_error", "by_count", "by_range", "by_spread")),
+    help="Scheme that chooses the weights: precision, number or range of the readings of a series; by_spread: of "
+    "the points, by the spread of the residuals.",
 )
 @noise_option
 @click.option(
@@ -60,7 +61,7 @@ def reweight_command(
         found = _of_folder(folder, options)
     else:
         with connect(url, api_key) as client:
-            found = client.reweight(find_job(client, source).id, **options)
+            found = client.reweight(find_calibration(client, source).id, **options)
     if output is not None:
         text = json.dumps(found["problem"], indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         output.write_text(text, encoding="utf-8")

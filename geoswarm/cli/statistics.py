@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.connection import connect, find_calibration
 from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.fit import show_fit
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.proposals import proposals_by_key
 from geoswarm.cli.source import as_folder, known_noise, noise_option, threshold_check
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
 
 __all__ = ["statistics_command"]
-
-_KINDS = ("fix", "link", "widen")
 
 
 @click.command("statistics")
@@ -31,7 +31,8 @@ _KINDS = ("fix", "link", "widen")
     "--accept",
     multiple=True,
     metavar="KIND:NAME[=VALUE]",
-    help="Accept a proposal for the problem of a follow-up job: fix:phi, fix:phi=20, link:lambda_star, widen:c.",
+    help="Accept a proposal for the problem of a follow-up job: fix:phi, fix:phi=20, link:lambda_star, widen:c; where "
+    "there are several, link:POP:OCR.",
 )
 @click.option(
     "--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Problem file for --accept."
@@ -68,7 +69,7 @@ def statistics_command(
         found, document = jsonable(report.statistics.to_json()), report.problem.document()
     else:
         with connect(url, api_key) as client:
-            job = find_job(client, source)
+            job = find_calibration(client, source)
             found = client.statistics(job.id, threshold=threshold, noise=known)
             document = client.problem(job.id)
     if accept:
@@ -83,14 +84,10 @@ def statistics_command(
 def _show(name: str, found: Mapping[str, Any]) -> None:
     samples, threshold = found["samples"], found["threshold"]
     click.secho(name, bold=True)
+    show_fit(found["fit"])
     for verdict in found["verdicts"]:
         click.echo(f"  {verdict['sentence']}")
-    rows = [
-        (f"{p['kind']}:{p['parameter']}", p["sentence"])
-        for verdict in found["verdicts"]
-        for p in verdict["proposals"]
-        if p["kind"] in _KINDS
-    ]
+    rows = [(key, p["sentence"]) for key, p in proposals_by_key(found).items()]
     if rows:
         echo_table(None, ("--accept", "proposal"), rows)
     pairs = found["correlations"][0]["pairs"]
@@ -115,7 +112,10 @@ def _show(name: str, found: Mapping[str, Any]) -> None:
         "failed": str(samples["failed"]),
     }
     echo_facts(None, facts)
+    told = "" if found["fit"]["kind"] == "describes" else found["fit"]["sentence"]
     for warning in found["warnings"]:
+        if told and warning.startswith(told):
+            continue
         note(f"Warning: {warning}")
 
 
@@ -123,9 +123,7 @@ def _follow_up(
     found: Mapping[str, Any], document: dict[str, Any], accept: tuple[str, ...], output: Path | None
 ) -> None:
     """Write the problem with the accepted proposals; it is checked before."""
-    proposals = {
-        (p["kind"], p["parameter"]): p["changes"] for verdict in found["verdicts"] for p in verdict["proposals"]
-    }
+    proposals = proposals_by_key(found)
     changed = json.loads(json.dumps(document))
     for item in accept:
         kind, _, rest = item.partition(":")
@@ -140,11 +138,12 @@ def _follow_up(
             except ValueError:
                 raise BadInputError(f"--accept {item}: '{value}' is not a number") from None
             continue
-        changes = proposals.get((kind, name))
-        if changes is None or kind not in _KINDS:
-            known = ", ".join(f"{k}:{n}" for k, n in proposals if k in _KINDS)
-            raise BadInputError(f"--accept {item}: no such proposal; there are: {known or 'none'}")
-        changed["parameters"] |= changes["parameters"]
+        chosen = [item] if item in proposals else [key for key in proposals if key.startswith(f"{item}:")]
+        if not chosen:
+            raise BadInputError(f"--accept {item}: no such proposal; there are: {', '.join(proposals) or 'none'}")
+        if len(chosen) > 1:
+            raise BadInputError(f"--accept {item}: several proposals are called so; give {' or '.join(chosen)}")
+        changed["parameters"] |= proposals[chosen[0]]["changes"]["parameters"]
     _write_problem(_checked(changed), output)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["follow", "submit_command", "watch_command"]
 
+_NAMED = 3
+
 
 @click.command("submit")
 @problem_argument
@@ -29,10 +31,23 @@ __all__ = ["follow", "submit_command", "watch_command"]
     metavar="KEY",
     help="Submitting again with the same key and problem gives the same job instead of a second one.",
 )
+@click.option(
+    "--warm-start",
+    "earlier",
+    multiple=True,
+    metavar="ID",
+    help="Earlier job with the same forward model, whose runs the search learns from; may be repeated.",
+)
 @json_option
 @connection_options
 def submit_command(
-    problem: Path, watch: bool, idempotency_key: str | None, as_json: bool, url: str, api_key: str | None
+    problem: Path,
+    watch: bool,
+    idempotency_key: str | None,
+    earlier: tuple[str, ...],
+    as_json: bool,
+    url: str,
+    api_key: str | None,
 ) -> None:
     """Submit a problem as a job.
 
@@ -40,12 +55,12 @@ def submit_command(
     forward model, whose stored evaluations the search could have learnt from, are named.
     """
     with connect(url, api_key) as client:
-        for earlier in client.warm_starts(problem):
-            note(
-                f"Job {earlier.job} ({earlier.name}) has {earlier.evaluations} stored evaluations of this forward "
-                f"model; to learn from them: warm_start: {{jobs: [{earlier.job}]}}"
-            )
-        job = client.submit(problem, idempotency_key=idempotency_key)
+        if earlier:
+            given: Path | dict[str, Any] = _learning_from([find_job(client, one).id for one in earlier], problem)
+        else:
+            given = problem
+            _tell_of_earlier(client, problem)
+        job = client.submit(given, idempotency_key=idempotency_key)
         if watch:
             note(f"Job {job.id}; Ctrl-C stops watching, the job goes on.")
             _end(follow(client, job), as_json)
@@ -53,6 +68,25 @@ def submit_command(
             echo_json(jsonable(job))
         else:
             click.echo(job.id)
+
+
+def _learning_from(jobs: list[str], problem: Path) -> dict[str, Any]:
+    from geoswarm.solver.problem import load_problem
+
+    return load_problem(problem).document() | {"warm_start": {"jobs": jobs}}
+
+
+def _tell_of_earlier(client: Client, problem: Path) -> None:
+    """Name, in one remark, the jobs that the search could learn from."""
+    found = client.warm_starts(problem)
+    if not found:
+        return
+    named = ", ".join(f"{one.job} ({one.name}, {one.evaluations} evaluations)" for one in found[:_NAMED])
+    more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    note(
+        f"The search could learn from stored evaluations of the same forward model: {named}{more}. "
+        f"To do so: geoswarm submit {problem} --warm-start {found[0].job}"
+    )
 
 
 @click.command("watch")

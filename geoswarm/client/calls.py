@@ -114,7 +114,7 @@ def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str,
     Raises
     ------
     GeoswarmError
-        When the URL is not one of HTTP, or the file with the key cannot be used.
+        When the URL is not one of HTTP, the file with the key cannot be used, or the key cannot be sent.
     """
     url = base_url or os.environ.get("GEOSWARM_URL") or DEFAULT_URL
     try:
@@ -127,6 +127,10 @@ def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str,
         key = api_key or secret("GEOSWARM_API_KEY")
     except SecretFileError as error:
         raise GeoswarmError(str(error)) from None
+    if key and not (key.isascii() and key.isprintable()):
+        wrong = next(character for character in key if not (character.isascii() and character.isprintable()))
+        where = "the API key" if api_key else "the API key in GEOSWARM_API_KEY"
+        raise GeoswarmError(f"{where} has the character {wrong!r}; keys are printable ASCII, such as gsw_0f3a...")
     return url, {"Authorization": f"Bearer {key}"} if key else {}
 
 

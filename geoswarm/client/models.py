@@ -276,6 +276,7 @@ class CheckResult:
     planned_evaluations: int | None
     test_run: TestRun
     estimated_seconds: float | None
+    warnings: list[str]
     warm_starts: list[WarmStart]
 
 

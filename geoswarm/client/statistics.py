@@ -51,7 +51,7 @@ class Statistics(ABC):
         weights, point_weights
             w_g by series and w_h of every point by series.
         weighting
-            ``by_error``, ``by_count`` or ``by_range`` in place of ``weights``.
+            ``by_error``, ``by_count`` or ``by_range`` in place of ``weights``, or ``by_spread`` for those of points.
         noise
             Standard deviation of a reading, base units, for ``by_error``.
         """
@@ -192,7 +192,7 @@ class AsyncStatistics(ABC):
         weights, point_weights
             w_g by series and w_h of every point by series.
         weighting
-            ``by_error``, ``by_count`` or ``by_range`` in place of ``weights``.
+            ``by_error``, ``by_count`` or ``by_range`` in place of ``weights``, or ``by_spread`` for those of points.
         noise
             Standard deviation of a reading, base units, for ``by_error``.
         """

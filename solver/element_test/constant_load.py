@@ -32,7 +32,7 @@ FINISHED: Final = 0
 DIVERGED: Final = 1
 FAILED_SOIL: Final = 2
 
-_MAX_STEPS = 2000
+_MAX_STEPS = 20_000  # a step takes some 10 us; 1e-5 for mu* and 1e-7 for the tolerance need 2500 in a stage
 _KINK_SHARE = 0.1  # weight of the stress change in a step that reaches a limit
 _LOCAL_SHARE = 0.1  # share of the tolerance granted to one step
 _FIRST_SHARE = 0.1  # the first step of a stage is at least this share of it

@@ -106,6 +106,14 @@ class ForwardModelSpec(BaseModel, ABC):
 
     kind: str
 
+    @property
+    def quick(self) -> bool:
+        """Whether a report may make some hundred further runs unasked: they take seconds on any machine.
+
+        A property of the model, not a time that is measured: what is said must not hang on the speed of a machine.
+        """
+        return False
+
     def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
         """The same section with the contents of the files that it names in place of their names.
 

@@ -54,6 +54,11 @@ class CombinedSpec(ForwardModelSpec):
         unchanged = all(parts[name] is part for name, part in self.parts.items())
         return self if unchanged else self.model_copy(update={"parts": parts})
 
+    @property
+    def quick(self) -> bool:
+        """When all parts are."""
+        return all(part.quick for part in self.parts.values())
+
     def build(self) -> CombinedModel:
         """Build the forward models of all parts."""
         return CombinedModel({name: spec.build() for name, spec in self.parts.items()})

@@ -24,6 +24,9 @@ class OedometerSpec(StagedLoadSpec):
     Series: ``settlement`` (m) and ``axial_strain`` over time, and ``stage_settlement``, ``stage_axial_strain``,
     ``stage_void_ratio`` over the stage number. Settlement is positive downwards. ``axial_strain`` is the engineering
     (laboratory) strain: settlement over the initial height. Inside, strain is logarithmic unless ``geometry: fixed``.
+
+    Primary consolidation is not modelled: there is no excess pore pressure. Leave out the readings before its end in
+    every stage (``stage_x_from`` in the observation), or calibrate ``stage_settlement``.
     """
 
     kind: Literal["oedometer"] = "oedometer"

@@ -95,7 +95,9 @@ def soil_parameters(OCR: float = 1.0, POP: float = 0.0) -> tuple[ParameterInfo, 
             "OCR",
             "OCR",
             "",
-            "Initial overconsolidation ratio p_p/p_eq of the model; without cohesion that of the vertical stress.",
+            "Initial overconsolidation ratio p_p/p_eq of the model; without cohesion that of the vertical stress. "
+            "Translated, both hold a = c cot(phi): with p = a = 20 kPa, OCR = 2 is a preconsolidation stress of "
+            "2 (p + a) - a = 60 kPa. POP counts stresses as they are.",
             default=OCR,
             lower=1.0,
             typical=(1.0, 4.0),

@@ -139,6 +139,11 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         json_schema_extra=in_unit("1", 0.5, 3),
     )
 
+    @property
+    def quick(self) -> bool:
+        """At one material point, not with finite elements."""
+        return self.discretization == "material_point"
+
     @model_validator(mode="after")
     def _consistent(self) -> StagedLoadSpec:
         if self.OCR is not None and self.POP is not None:

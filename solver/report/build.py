@@ -13,11 +13,13 @@ from geoswarm.solver.identifiability import (
     Samples,
     Statistics,
     analyse,
-    design,
     from_evaluations,
     linearise,
 )
-from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.identifiability.basins import equivalent_objective, heads_elsewhere
+from geoswarm.solver.identifiability.differences import evaluate_differences
+from geoswarm.solver.identifiability.noise import known_noise, problem_noise
+from geoswarm.solver.identifiability.polish import Polished, polish
 from geoswarm.solver.identifiability.stored import jacobian_from_samples
 from geoswarm.solver.local import CalibrationResult
 from geoswarm.solver.problem import ParticleSwarmMethod, Problem
@@ -32,7 +34,9 @@ from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 __all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
 
 
-_BUDGET = 20.0  # s
+_MOST_RUNS = 2000  # of one polish
+_MOST_BASINS = 2  # beside that of the best sample
+_BETTER = 1e-9  # relative decrease of the objective
 
 
 class Report:
@@ -89,6 +93,7 @@ class Report:
                 noise=noise,
                 linearisation=found if optimum is None else optimum.linearisation,
                 at_optimum=uncertainty.findings.responses if optimum is None else optimum.polished.evaluation.responses,
+                elsewhere=() if optimum is None else optimum.elsewhere,
             )
 
     @cached_property
@@ -149,13 +154,15 @@ def report_of_result(
     Parameters
     ----------
     linearise
-        Whether to polish the optimum and calculate the sensitivities there, with some hundred further forward runs. By
-        default after a swarm only: the best of a sampling is no optimum.
+        Whether to polish the optimum and calculate the sensitivities there, with some hundred further forward runs of a
+        quick model, from stored runs otherwise. By default after a swarm only: the best of a sampling is no optimum.
     """
     samples = Samples.from_result(problem, result)
     wanted = isinstance(problem.method, ParticleSwarmMethod) if linearise is None else linearise
     found = linearise_here(problem, samples, result.seed) if wanted and samples.size else None
-    return Report(problem, record_of_result(problem, result), samples, threshold=threshold, optimum=found)
+    stored = linearise_stored(problem, samples, result.seed) if wanted and found is None else None
+    record = record_of_result(problem, result)
+    return Report(problem, record, samples, threshold=threshold, optimum=found, linearisation=stored)
 
 
 def linearise_stored(
@@ -176,19 +183,29 @@ def linearise_here(
 ) -> Optimum | None:
     """Polish the best sample and linearise there, with forward runs in this process.
 
-    None where the data do not allow it, or where a forward run takes so long that the few hundred needed would take
-    more than 20 s.
+    Basins that the search left unfinished are polished, too; the optimum is the best of all. None where the data do not
+    allow it, and for forward models that are not quick (:attr:`geoswarm.solver.forward.base.ForwardModelSpec.quick`).
     """
-    calibration = Calibration(problem, seed)
-    best = samples.parameters[samples.best]
-    seconds = calibration.evaluate(best).seconds
-    affordable = int(_BUDGET / max(seconds, 1e-6))
-    if affordable < 40 * samples.dimension:
+    if not problem.forward_model.quick:
         return None
+    calibration = Calibration(problem, seed)
+    known = problem_noise(problem) if noise is None else known_noise(problem, noise)
     try:
-        polished = polish(calibration, best, max_evaluations=min(affordable, 2000))
-        plan = design(calibration, polished.parameters)
-        found = from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions], noise=noise)
+        best = polish(calibration, samples.parameters[samples.best], max_evaluations=_MOST_RUNS)
+        found = _linearise(calibration, best, noise)
+        limit = equivalent_objective(calibration, best.objective, known)
+        heads = heads_elsewhere(samples, found, limit, best.objective)[:_MOST_BASINS]
+        further = [polish(calibration, samples.parameters[head], max_evaluations=_MOST_RUNS) for head in heads]
+        for other in sorted(further, key=lambda polished: polished.objective)[:1]:
+            if other.objective < best.objective * (1.0 - _BETTER):
+                further = [best, *(polished for polished in further if polished is not other)]
+                best, found = other, _linearise(calibration, other, noise)
     except SolverError:
         return None
-    return Optimum(polished, found)
+    return Optimum(best, found, tuple((polished.parameters, polished.objective) for polished in further))
+
+
+def _linearise(
+    calibration: Calibration, polished: Polished, noise: Mapping[str, float] | float | None
+) -> Linearisation:
+    return from_evaluations(calibration, *evaluate_differences(calibration, polished.parameters), noise=noise)

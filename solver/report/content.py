@@ -9,11 +9,13 @@ from typing import Any
 
 from geoswarm.solver.identifiability import Statistics
 from geoswarm.solver.identifiability.follow_ups import follow_up_of
+from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
 from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.figures import FigureSet
 from geoswarm.solver.report.labels import ParameterLabel, parameter_labels
-from geoswarm.solver.report.parts import Card, Picture, Table
+from geoswarm.solver.report.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.record import Optimum, RunRecord, method_in_words
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.report.uncertainty_tables import uncertainty_tables
@@ -30,6 +32,7 @@ class Content:
     state: str
     facts: tuple[tuple[str, str], ...]
     summary: str
+    alarm: Alarm | None
     cards: tuple[Card, ...]
     notes: tuple[str, ...]
     pictures: tuple[Picture, ...]
@@ -84,6 +87,7 @@ def report_content(
         title=problem.name,
         state=record.state,
         facts=facts,
+        alarm=_alarm(None if statistics is None else statistics.fit, uncertainty),
         summary=_summary(cards, record) if judged else uncertainty.summary(record.evaluations),
         cards=cards,
         notes=tuple(
@@ -140,6 +144,21 @@ _CAPTIONS: dict[str, tuple[str, str, bool]] = {
         False,
     ),
 }
+
+
+_HEADINGS = {
+    "lack_of_fit": "The model does not describe the data",
+    "error_not_met": "The stated error is not met",
+}
+
+
+def _alarm(fit: FitVerdict | None, uncertainty: Uncertainty) -> Alarm | None:
+    """What is wrong with the fit as a whole; None where nothing is."""
+    for found in (uncertainty.findings.fit, fit):
+        if found is not None and found.wrong:
+            remedies = tuple(map(typeset, found.remedies))
+            return Alarm(found.kind, _HEADINGS[found.kind], typeset(found.sentence), remedies)
+    return None
 
 
 def _card(
@@ -232,6 +251,8 @@ def _parameter_table(
     uncertainty: Uncertainty,
 ) -> Table:
     rows = []
+    fit = None if statistics is None else statistics.fit
+    doubt = f" ({DOES_NOT_HOLD[fit.kind]})" if fit is not None and fit.wrong else ""
     free = _polished(optimum, uncertainty)
     polished = None if free is None else problem.values([free[name] for name in problem.free_names])
     for name, parameter in problem.parameters.items():
@@ -240,7 +261,7 @@ def _parameter_table(
         cells = [shown, number(values[name]), *([] if polished is None else [number(polished[name])]), label.unit]
         if isinstance(parameter, FreeParameter):
             interval = _interval(statistics, name)
-            sure = "–" if interval is None else f"{number(interval[0], 3)} … {number(interval[1], 3)}"
+            sure = "–" if interval is None else f"{number(interval[0], 3)} … {number(interval[1], 3)}{doubt}"
             cells += [f"{number(parameter.lower)} … {number(parameter.upper)}", parameter.scale, sure]
         elif isinstance(parameter, LinkedParameter):
             cells += [f"= {parameter.expression.text}", "linked", ""]
@@ -325,7 +346,9 @@ def _notes(statistics: Statistics) -> tuple[str, ...]:
         notes.append("Widths and correlations come from the Monte Carlo samples alone; the swarm's are biased.")
     if statistics.samples.failed:
         notes.append(f"{statistics.samples.failed} evaluations failed and take no part.")
-    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings))
+    fit = statistics.fit  # stands at the head
+    told = {" ".join((fit.sentence, *fit.remedies))} if fit.wrong else set()
+    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings if warning not in told))
 
 
 def _r(value: float | None) -> str:

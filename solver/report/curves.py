@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,7 +12,9 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.problem import Observation, Problem
+from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.problem.units import convert
+from geoswarm.solver.report.thinning import MOST_SHOWN, shown
 
 __all__ = [
     "SeriesCurve",
@@ -63,6 +64,22 @@ class SeriesCurve:
     at_points: FloatArray
     initial: FloatArray | None = None
     breaks: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    def thinned(self) -> SeriesCurve:
+        """Return the curve with as many points as a figure can show."""
+        if max(len(self.x), len(self.measured_x)) <= MOST_SHOWN:
+            return self
+        line = shown(self.y) if self.initial is None else shown(self.y, self.initial)
+        points = shown(self.measured_y, self.residuals)
+        return replace(
+            self,
+            x=self.x[line],
+            y=self.y[line],
+            initial=None if self.initial is None else self.initial[line],
+            measured_x=self.measured_x[points],
+            measured_y=self.measured_y[points],
+            at_points=self.at_points[points],
+        )
 
     @property
     def residuals(self) -> FloatArray:
@@ -144,17 +161,8 @@ def load_times(problem: Problem, series: str) -> FloatArray:
 
     Empty for every other series. Times count from the series' zero; loads before it are left out.
     """
-    spec: Any = problem.forward_model
-    part, dot, inner = series.partition(".")
-    if dot and hasattr(spec, "parts"):
-        spec, series = spec.parts[part], inner
-    stages = getattr(spec, "stages", ())
-    if not stages or series.startswith("stage_"):
-        return np.empty(0)
-    durations = np.array([stage.duration for stage in stages])
-    starts = np.concatenate([[0.0], np.cumsum(durations)[:-1]])
-    starts = starts - starts[getattr(spec, "zero_at_stage", 1) - 1]
-    return np.asarray(starts[starts >= 0.0], dtype=np.float64)
+    starts = stage_times(problem.forward_model, series)
+    return np.asarray(starts[starts >= 0.0])
 
 
 def _calculate(

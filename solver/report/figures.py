@@ -174,7 +174,8 @@ class FigureSet:
         best = self._record.best
         if best is None:
             return []
-        return series_curves(self._problem, best.responses, best.parameters, initial_values(self._problem))
+        curves = series_curves(self._problem, best.responses, best.parameters, initial_values(self._problem))
+        return [curve.thinned() for curve in curves]
 
     def _matrix(self, statistics: Statistics, samples: Samples) -> MatrixData:
         return MatrixData(

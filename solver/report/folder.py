@@ -18,7 +18,7 @@ from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.identifiability.posterior import sample_posterior
 from geoswarm.solver.local import GenerationRecord
 from geoswarm.solver.problem import ParticleSwarmMethod, Problem, parse_problem
-from geoswarm.solver.report.build import Report, linearise_here
+from geoswarm.solver.report.build import Report, linearise_here, linearise_stored
 from geoswarm.solver.report.folder_findings import findings_of_folder
 from geoswarm.solver.report.folder_tables import column, read_table
 from geoswarm.solver.report.record import BestFit, RunRecord
@@ -57,6 +57,11 @@ def run_of_folder(folder: Path) -> StoredRun:
     FolderError
         When a file is missing or cannot be read.
     """
+    if (folder / "run.journal").is_file():
+        raise FolderError(
+            f"{folder} holds a run that was cut off, or is still running; 'geoswarm run {folder / 'problem.json'} "
+            f"--output {folder} --resume' goes on with it"
+        )
     missing = [name for name in _NEEDED if not (folder / name).is_file()]
     if missing:
         raise FolderError(
@@ -108,13 +113,16 @@ def report_of_folder(
         raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
     swarm = isinstance(problem.method, ParticleSwarmMethod) and samples.size > 0
     examine = swarm and findings.linearisation is None
+    optimum = linearise_here(problem, samples, seed, noise=noise) if examine else None
+    stored_runs = examine and optimum is None
     sample = sample_posterior(Calibration(problem, seed), samples, noise=noise) if posterior else None
     return Report(
         problem,
         stored.record,
         samples,
         threshold=threshold,
-        optimum=linearise_here(problem, samples, seed, noise=noise) if examine else None,
+        optimum=optimum,
+        linearisation=linearise_stored(problem, samples, seed, noise=noise) if stored_runs else None,
         noise=noise,
         uncertainty=Uncertainty(findings, sample),
     )

@@ -16,6 +16,8 @@ SIGNS = {
     "in_combination": "⇄",
     "not_identified": "✕",
     "undecided": "?",
+    "lack_of_fit": "≠",
+    "error_not_met": "≠",
 }
 """A sign for each kind of verdict, so that its colour is not all that tells it."""
 

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Card", "Picture", "Table"]
+__all__ = ["Alarm", "Card", "Picture", "Table"]
+
+
+@dataclass(frozen=True, slots=True)
+class Alarm:
+    """What stands before everything else, where results do not hold: heading, what is wrong, what to do."""
+
+    kind: str
+    heading: str
+    sentence: str
+    remedies: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

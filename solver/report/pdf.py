@@ -10,7 +10,7 @@ from typing import Any
 
 from geoswarm.solver.report.content import Content
 from geoswarm.solver.report.html import SIGNS
-from geoswarm.solver.report.parts import Card, Picture, Table
+from geoswarm.solver.report.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.style import GRID, INK, MUTED, png_of
 
 __all__ = ["pdf_report"]
@@ -23,6 +23,8 @@ _COLOURS = {
     "in_combination": "#005a8e",
     "not_identified": "#8f3f00",
     "undecided": MUTED,
+    "lack_of_fit": "#a1121f",
+    "error_not_met": "#a1121f",
 }
 
 
@@ -46,7 +48,10 @@ def pdf_report(content: Content) -> bytes:
         subject=content.summary,
     )
     width = document.width
-    story: list[Any] = [_text(content.title, "title"), _text(content.summary, "lead")]
+    story: list[Any] = [_text(content.title, "title")]
+    if content.alarm is not None:
+        story += [_alarm(content.alarm, width), Spacer(1, 3 * mm)]
+    story.append(_text(content.summary, "lead"))
     story += [_facts(content.facts, width), Spacer(1, 4 * mm)]
     if content.cards:
         story.append(_text("Verdicts", "heading"))
@@ -127,6 +132,20 @@ def _facts(facts: Sequence[tuple[str, str]], width: float, columns: int = 3) -> 
     rows = [cells[i : i + columns] for i in range(0, len(cells), columns)]
     rows[-1] += [[""]] * (columns - len(rows[-1]))
     return Grid(rows, colWidths=[width / columns] * columns, style=_grid_style(lines=False), hAlign="LEFT")
+
+
+def _alarm(alarm: Alarm, width: float) -> Any:
+    """What stands before everything: in a box, with what to do."""
+    from reportlab.lib.colors import HexColor
+    from reportlab.platypus import Paragraph
+    from reportlab.platypus import Table as Grid
+
+    colour = HexColor(_COLOURS[alarm.kind])
+    head = Paragraph(f"{SIGNS[alarm.kind]} {alarm.heading}", _styles()["heading"].clone("alarm", textColor=colour))
+    lines = [head, _text(alarm.sentence, "body"), _text("What to do:", "bold")]
+    lines += [_text(f"{number}. {remedy}", "body") for number, remedy in enumerate(alarm.remedies, 1)]
+    style = [("BOX", (0, 0), (-1, -1), 1.2, colour), ("LINEBEFORE", (0, 0), (0, -1), 5, colour)]
+    return Grid([[lines]], colWidths=[width], style=style)
 
 
 def _card(card: Card, width: float) -> Any:

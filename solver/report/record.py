@@ -32,10 +32,14 @@ class BestFit:
 
 @dataclass(frozen=True, slots=True)
 class Optimum:
-    """The best fit after polishing, and what the data determine there."""
+    """The best fit after polishing, what the data determine there, and minima of other basins that were looked at.
+
+    ``elsewhere``: their parameters, shape (d,), natural values, and objectives.
+    """
 
     polished: Polished
     linearisation: Linearisation
+    elsewhere: tuple[tuple[FloatArray, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

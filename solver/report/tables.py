@@ -10,11 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.local import CalibrationResult
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.local import CalibrationResult, GenerationRecord
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.versions import versions
 
 __all__ = [
+    "evaluation_header",
+    "evaluation_row",
+    "generation_header",
+    "generation_row",
     "parameter_column",
     "result_document",
     "write_evaluations",
@@ -36,9 +42,14 @@ def parameter_column(name: str, taken: Collection[str] = _TAKEN) -> str:
     return f"parameter.{name}" if name in taken else name
 
 
-def result_document(problem: Problem, result: CalibrationResult) -> dict[str, Any]:
-    """Return the whole result but its history, JSON-able; values in base units."""
+def result_document(problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> dict[str, Any]:
+    """Return the whole result but its history, JSON-able; values in base units.
+
+    ``objective`` and ``parameters`` are the best of the search. Where the report polished them, ``polished`` has the
+    parameters that fit better, and how many further runs it took.
+    """
     best = result.best
+    polished = None if optimum is None else optimum.polished
     return {
         "name": problem.name,
         "state": result.state,
@@ -52,6 +63,12 @@ def result_document(problem: Problem, result: CalibrationResult) -> dict[str, An
         "seed": result.seed,
         "error": result.error,
         "versions": dict(versions()),
+        "polished": polished
+        and {
+            "objective": polished.objective,
+            "parameters": problem.values(polished.parameters.tolist()),
+            "evaluations": polished.evaluations,
+        },
         "best": best
         and {
             "generation": result.best_generation,
@@ -64,9 +81,9 @@ def result_document(problem: Problem, result: CalibrationResult) -> dict[str, An
     }
 
 
-def write_result(path: Path, problem: Problem, result: CalibrationResult) -> None:
+def write_result(path: Path, problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> None:
     """Write :func:`result_document` as JSON."""
-    _write_json(path, result_document(problem, result))
+    _write_json(path, result_document(problem, result, optimum))
 
 
 def write_problem(path: Path, problem: Problem, seed: int) -> None:
@@ -74,25 +91,27 @@ def write_problem(path: Path, problem: Problem, seed: int) -> None:
     _write_json(path, problem.document() | {"seed": seed})
 
 
-def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -> None:
-    """Write one row an evaluation: place, outcome, free parameters, misfit of each series, why it failed.
+def evaluation_header(problem: Problem) -> list[str]:
+    """Return the columns of evaluations.csv: place, outcome, free parameters, misfit of each series, why it failed.
 
     Same columns as the CSV export of a service, without what only a service knows (attempts, worker, times).
     """
-    series = [o.series for o in problem.observations]
-    before, after = ("generation", "particle", "state", "objective"), ("reason", "message", "seconds")
     parameters = [parameter_column(name) for name in problem.free_names]
-    header = [*before, *parameters, *(f"misfit.{name}" for name in series), *after]
+    misfits = [f"misfit.{o.series}" for o in problem.observations]
+    return ["generation", "particle", "state", "objective", *parameters, *misfits, "reason", "message", "seconds"]
 
-    def rows() -> Iterable[Sequence[object]]:
-        for record in result.history:
-            e = record.evaluation
-            state = "finished" if e.reason is None else "failed"
-            misfits = [e.misfits.get(name) for name in series]
-            place = [record.generation, record.particle, state, e.objective]
-            yield [*place, *e.parameters.tolist(), *misfits, e.reason, e.message, e.seconds]
 
-    _write_csv(path, header, rows())
+def evaluation_row(problem: Problem, generation: int, particle: int, e: Evaluation) -> list[object]:
+    """Return one row of evaluations.csv."""
+    state = "finished" if e.reason is None else "failed"
+    misfits = [e.misfits.get(o.series) for o in problem.observations]
+    return [generation, particle, state, e.objective, *e.parameters.tolist(), *misfits, e.reason, e.message, e.seconds]
+
+
+def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write one row an evaluation."""
+    rows = (evaluation_row(problem, r.generation, r.particle, r.evaluation) for r in result.history)
+    _write_csv(path, evaluation_header(problem), rows)
 
 
 def write_responses(path: Path, problem: Problem, result: CalibrationResult) -> None:
@@ -112,18 +131,23 @@ def write_responses(path: Path, problem: Problem, result: CalibrationResult) -> 
     np.savez_compressed(path, **place, **arrays)  # type: ignore[arg-type]  # the stubs take any further keyword for an option
 
 
+_OF_GENERATIONS = ("generation", "evaluations", "failed", "best_objective", "objective")
+
+
+def generation_header(problem: Problem) -> list[str]:
+    """Return the columns of generations.csv: totals so far, its best objective, the best so far with all parameters."""
+    return [*_OF_GENERATIONS, *(parameter_column(name, _OF_GENERATIONS) for name in problem.parameters)]
+
+
+def generation_row(problem: Problem, r: GenerationRecord) -> list[object]:
+    """Return one row of generations.csv."""
+    values = [None if r.parameters is None else r.parameters[name] for name in problem.parameters]
+    return [r.number, r.evaluations, r.failed, r.best_objective, r.objective, *values]
+
+
 def write_generations(path: Path, problem: Problem, result: CalibrationResult) -> None:
-    """Write one row a generation: totals so far, its best objective, the best so far with all parameters."""
-    names = list(problem.parameters)
-    before = ("generation", "evaluations", "failed", "best_objective", "objective")
-    header = [*before, *(parameter_column(name, before) for name in names)]
-
-    def rows() -> Iterable[Sequence[object]]:
-        for r in result.generation_records:
-            values = [None] * len(names) if r.parameters is None else [r.parameters[name] for name in names]
-            yield [r.number, r.evaluations, r.failed, r.best_objective, r.objective, *values]
-
-    _write_csv(path, header, rows())
+    """Write one row a generation."""
+    _write_csv(path, generation_header(problem), (generation_row(problem, r) for r in result.generation_records))
 
 
 def _write_json(path: Path, data: object) -> None:

@@ -64,6 +64,7 @@ def test_json_of_a_new_key_holds_it_once(url: str, capsys: pytest.CaptureFixture
     ],
 )
 def test_what_keys_refuses(url: str, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Store(Settings(database_url=url)).close()
     assert main(["keys", *arguments, "--database", url]) == 2
     assert said in capsys.readouterr().err
 

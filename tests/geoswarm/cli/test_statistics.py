@@ -30,13 +30,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_statistics_say_what_the_data_say(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["statistics", str(folder)]) == 0
+    assert "the sampling is too thin to judge" in capsys.readouterr().out
+    assert main(["statistics", str(folder), "--threshold", "0.05"]) == 0
     captured = capsys.readouterr()
     assert "amplitude is determined only in combination with" in captured.out
     assert "fix:amplitude" in captured.out
     assert "of 2000 evaluations (monte carlo)" in captured.out
     assert main(["statistics", str(folder), "--threshold", "0.05", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    assert document["threshold"] == {"value": 0.05, "origin": "given", "explanation": "given: 0.05"}
+    assert document["threshold"] == {"value": 0.05, "origin": "given", "explanation": "given: 0.05", "wanted": None}
 
 
 def test_accepted_proposals_give_a_problem_that_runs(
@@ -54,7 +56,7 @@ def test_accepted_proposals_give_a_problem_that_runs(
     assert fixed.value == 2.0
     assert main(["run", str(following), "--json"]) == 0
     capsys.readouterr()
-    assert main(["statistics", str(folder), "--accept", "link:k"]) == 0
+    assert main(["statistics", str(folder), "--threshold", "0.05", "--accept", "link:k"]) == 0
     linked = json.loads(capsys.readouterr().out)
     path = tmp_path / "linked.json"
     path.write_text(json.dumps(linked), encoding="utf-8")

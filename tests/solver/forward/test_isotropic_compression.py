@@ -16,6 +16,16 @@ HEIGHT, DIAMETER = 0.09855, 0.04988
 MODEL = isotropic_spec(initial_void_ratio=1.13).build()
 
 
+def test_OCR_multiplies_the_pressure_shifted_by_the_attraction() -> None:
+    """OCR (p + a) = p + POP + a: what the documentation says of OCR with cohesion."""
+    attraction = ISOTROPIC_IDENTIFIED["c"] / math.tan(math.radians(ISOTROPIC_IDENTIFIED["phi"]))
+    series = {"stage_volumetric_strain": np.array([1.0, 2.0, 3.0])}
+    by_ratio = isotropic_spec(OCR=2.0).build().prepare(series)(ISOTROPIC_IDENTIFIED)
+    by_stress = isotropic_spec(POP=0.2 + attraction).build().prepare(series)(ISOTROPIC_IDENTIFIED)
+    for name in series:
+        assert by_ratio[name] == pytest.approx(by_stress[name], rel=1.0e-9)
+
+
 def closed_form(times: np.ndarray) -> np.ndarray:
     """Volume strain under the published loads: a creep law at constant stress in each stage, joined by hand."""
     values = ISOTROPIC_IDENTIFIED

@@ -111,6 +111,17 @@ def test_halving_the_tolerance_changes_the_curve_by_less_than_the_tolerance() ->
         assert np.abs(coarse - fine).max() < 1.0e-6
 
 
+def test_a_tolerance_of_1e_7_is_met_where_creep_slows_down_in_ten_thousand_logarithms_of_time() -> None:
+    soil = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 1.0e-5, "c": 1.0, "phi": 20.0, "psi": 0.0}
+    wanted = {"stage_axial_strain": [float(n) for n in range(1, 17)]}
+    coarse, fine = (
+        run(oedometer_spec(tolerance=t).build(), wanted, soil)["stage_axial_strain"] for t in (1.0e-5, 1.0e-7)
+    )
+    assert np.abs(coarse - fine).max() < 1.0e-5
+    # 200, 400 and 800 kPa: virgin compression, lambda* for each logarithm of stress.
+    assert np.diff(-np.log1p(-fine))[5:7] == pytest.approx(0.1 * math.log(2.0), rel=0.02)
+
+
 def test_overconsolidation_from_OCR_or_POP_as_field_or_parameter() -> None:
     def final(spec: OedometerSpec, **parameters: float) -> float:
         return float(run(spec.build(), {"stage_settlement": [5]}, {**IDENTIFIED, **parameters})["stage_settlement"][0])
