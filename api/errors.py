@@ -21,8 +21,9 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
+from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
-from starlette.routing import Match
+from starlette.routing import Match, Mount
 
 from geoswarm.api.headers import add_security_headers
 from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError
@@ -218,14 +219,15 @@ def wants_page(request: Request) -> bool:
     return not request.url.path.startswith("/api/") and "text/html" in request.headers.get("accept", "")
 
 
-def _allowed(app: FastAPI, request: Request) -> str:
-    """All methods of a path: several routes may share it, and each names its own only."""
+def _allowed(app: FastAPI, request: Request, named: str | None) -> str:
+    """All methods of a path: several routes may share it, and each names its own only (``named``)."""
+    routes = [route for route in app.routes if not isinstance(route, Mount)]
     possible = [
         method
         for method in _METHODS
-        if any(route.matches({**request.scope, "method": method})[0] is Match.FULL for route in app.routes)
+        if any(route.matches({**request.scope, "method": method})[0] is Match.FULL for route in routes)
     ]
-    return ", ".join(possible) or "other methods"
+    return ", ".join(possible) or named or "other methods"
 
 
 def install_error_handlers(app: FastAPI, pages: Callable[[Request, DetailError], Response]) -> None:
@@ -245,8 +247,9 @@ def install_error_handlers(app: FastAPI, pages: Callable[[Request, DetailError],
         if found.status == 404:
             found.detail = f"There is nothing at {request.url.path}. The routes are listed in /openapi.json."
         elif found.status == 405:
-            allowed = _allowed(app, request)
-            found.headers = {k: v for k, v in found.headers.items() if k.lower() != "allow"} | {"Allow": allowed}
+            headers = MutableHeaders(found.headers)
+            headers["allow"] = allowed = _allowed(app, request, headers.get("allow"))
+            found.headers = dict(headers)
             found.detail = f"{request.method} is not possible at {request.url.path}; possible: {allowed}."
         return told(request, found)
 

@@ -12,6 +12,8 @@ from geoswarm.workers import errors as workers_errors
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, line_problem
 
 
@@ -52,7 +54,8 @@ def test_a_foreign_cursor_is_refused(app: App) -> None:
 class BrokenService(JobService):
     """Its database is gone, or it has a bug."""
 
-    def __init__(self, error: Exception) -> None:
+    def __init__(self, error: Exception, folder: Path) -> None:
+        super().__init__(Store(Settings(database_url=f"sqlite:///{folder}/jobs.db")), MuteDoorbell())
         self.error = error
 
     def get(self, _job_id: str) -> object:  # type: ignore[override]
@@ -63,9 +66,9 @@ class BrokenService(JobService):
 
 
 def test_an_unexpected_error_is_logged_with_its_id_and_told_without_a_traceback(
-    caplog: pytest.LogCaptureFixture,
+    caplog: pytest.LogCaptureFixture, tmp_path: Path
 ) -> None:
-    app = App(BrokenService(ZeroDivisionError("secret detail")))
+    app = App(BrokenService(ZeroDivisionError("secret detail"), tmp_path))
     with caplog.at_level(logging.ERROR, logger="geoswarm.api"):
         answer = app.get(f"{API}/jobs/x")
     detail = answer.json()
@@ -78,8 +81,8 @@ def test_an_unexpected_error_is_logged_with_its_id_and_told_without_a_traceback(
     assert any(detail["instance"] in record.getMessage() and record.exc_info for record in caplog.records)
 
 
-def test_an_unavailable_database_is_503() -> None:
-    app = App(BrokenService(StoreUnavailableError("the database db does not answer")))
+def test_an_unavailable_database_is_503(tmp_path: Path) -> None:
+    app = App(BrokenService(StoreUnavailableError("the database db does not answer"), tmp_path))
     answer = app.get(f"{API}/jobs/x")
     assert answer.status_code == 503
     assert answer.headers["retry-after"] == "5"
@@ -87,8 +90,8 @@ def test_an_unavailable_database_is_503() -> None:
     assert answer.json()["detail"] == "the database db does not answer"
 
 
-def test_ready_tells_which_dependency_is_down() -> None:
-    app = App(BrokenService(ValueError()))
+def test_ready_tells_which_dependency_is_down(tmp_path: Path) -> None:
+    app = App(BrokenService(ValueError(), tmp_path))
     answer = app.get("/health/ready")
     assert answer.status_code == 503
     assert answer.json() == {

@@ -80,12 +80,13 @@ def test_commands_read_files_and_the_command_line_wins(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("GEOSWARM_DATABASE_URL_FILE", written(tmp_path, f"sqlite:///{tmp_path}/jobs.db"))
-    assert main(["keys", "list"]) == 0
+    assert main(["keys", "create", "--owner", "anna"]) == 0
     assert (tmp_path / "jobs.db").exists()
     monkeypatch.setenv("GEOSWARM_DATABASE_URL", "sqlite:///elsewhere.db")
     assert main(["keys", "list"]) == 2
     assert "both set" in capsys.readouterr().err
-    assert main(["keys", "list", "--database", f"sqlite:///{tmp_path}/other.db"]) == 0
+    assert main(["keys", "list", "--database", f"sqlite:///{tmp_path}/jobs.db"]) == 0
+    assert "anna" in capsys.readouterr().out
     monkeypatch.setenv("GEOSWARM_API_KEY_FILE", f"{tmp_path}/nothing")
     assert main(["list"]) == 2
     error = capsys.readouterr().err
