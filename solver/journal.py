@@ -7,6 +7,7 @@ start, then evaluations as they finish, and after each generation what follows i
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import struct
@@ -21,6 +22,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Progress, Step
+from geoswarm.solver.file_locks import try_lock
 
 __all__ = ["Journal", "Keeper", "RunIdentity", "Stored", "read_journal"]
 
@@ -143,7 +145,9 @@ class Journal(Keeper):
         self._stored = stored
         self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666), "r+b", 0)
         self._synced = time.monotonic()
-        _lock(self._file, path)
+        if not try_lock(self._file):
+            self._file.close()
+            raise BlockingIOError(errno.EWOULDBLOCK, "another process is running into this folder", str(path))
         try:
             if stored is None:
                 self._file.truncate(0)
@@ -209,21 +213,6 @@ class Journal(Keeper):
         view = memoryview(record)
         while view:  # a full disk takes a part, then says so
             view = view[self._file.write(view) or 0 :]
-
-
-def _lock(file: IO[bytes], path: Path) -> None:
-    """Keep other processes from writing to a file as long as it is open, where the system can do that."""
-    try:
-        import fcntl
-    except ImportError:
-        return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        file.close()
-        raise BlockingIOError(error.errno, "another process is running into this folder", str(path)) from error
-    except OSError:
-        return  # a file system without locks
 
 
 def _records(stream: IO[bytes]) -> Iterator[tuple[bytes, bytes, bytes, int]]:

@@ -22,6 +22,8 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
+from geoswarm.solver.file_locks import try_lock
+
 __all__ = ["SOLVER", "alone", "cache_folder", "fingerprint", "settle"]
 
 log = logging.getLogger(__name__)
@@ -139,21 +141,13 @@ def alone(folder: Path | None, unwanted: Callable[[], bool] = lambda: False) -> 
 
     Gives False when ``unwanted`` became true before it was this process's turn.
     """
-    if folder is None or sys.platform == "win32":  # two may compile at once there, and lose nothing but time
+    if folder is None:
         yield True
         return
-    import fcntl
-
-    with (folder / _LOCK).open("w") as lock:
+    with (folder / _LOCK).open("w") as lock:  # without locks two may compile at once, and lose nothing but time
         while not unwanted():
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                time.sleep(LOOK_SECONDS)
-            except OSError:  # a file system without locks
-                break
-        else:
-            yield False
-            return
-        yield True
+            if try_lock(lock):
+                yield True
+                return
+            time.sleep(LOOK_SECONDS)
+        yield False
