@@ -1,0 +1,42 @@
+"""What runs without a service needs no module that only POSIX systems have: macOS and Windows cannot be tried here."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+WITHOUT_POSIX = """
+import builtins, sys
+POSIX = {"fcntl", "grp", "posix", "pty", "pwd", "resource", "syslog", "termios", "tty"}
+usual = builtins.__import__
+
+def refuse(name, globals=None, locals=None, fromlist=(), level=0):
+    # what geoswarm itself asks for: on those systems the libraries have other parts for the same
+    if name.partition(".")[0] in POSIX and (globals or {}).get("__name__", "").startswith("geoswarm"):
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+    return usual(name, globals, locals, fromlist, level)
+
+builtins.__import__ = refuse
+if __name__ == "__main__":
+    import geoswarm.client
+    from geoswarm.cli import main
+    for command in (
+        ["examples", "oedometer", "example"],
+        ["init", "oedometer", "--output", "own"],
+        ["check", "example/problem.yaml"],
+        ["evaluate", "example/problem.yaml", "--set", "lambda_star=0.06", "--set", "kappa_star=0.03", "--set", "c=27"],
+        ["run", "own/problem.yaml", "--output", "out", "--workers", "2"],
+        ["statistics", "out"],
+    ):
+        print(command, flush=True)
+        assert main(command) == 0
+"""
+
+
+def test_runs_and_the_client_need_no_module_of_posix(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(WITHOUT_POSIX)
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "out" / "result.json").exists()
