@@ -55,6 +55,8 @@ class FitShare(Model):
     weight: float
     misfit: Number
     share: float
+    root_mean_square: Number = Field(description="of the residuals, weighted as the points are, in unit")
+    unit: str = Field(description="of the measured values")
 
 
 class FitCurve(Model):

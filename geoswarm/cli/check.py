@@ -47,10 +47,11 @@ def check_command(problem: Path, as_json: bool) -> None:
 
 def _show(problem: Problem, check: CheckReport) -> None:
     from geoswarm.cli.labels import parameter_rows, root_mean_square, with_unit
-    from geoswarm.solver.report import objective_unit
+    from geoswarm.solver.report import objective_unit, series_shares
 
     run = check.test_run
-    rms = [f"{series} {root_mean_square(problem, series, misfit)}" for series, misfit in run.misfits.items()]
+    shares = series_shares(problem, run.misfits) if run.misfits else []
+    rms = [f"{share.series} {root_mean_square(share)}" for share in shares]
     planned = check.planned_evaluations
     cost = "not limited by a number of evaluations"
     if planned is not None:

@@ -164,7 +164,7 @@ def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation)
                 with_unit(number(curve.measured_x[-1]), curve.x_unit),
                 with_unit(number(curve.measured_y[-1]), curve.y_unit),
                 with_unit(number(curve.at_points[-1]), curve.y_unit),
-                root_mean_square(problem, curve.series, share.misfit),
+                root_mean_square(share),
                 number(share.misfit),
                 f"{share.share:.0%}",
             )

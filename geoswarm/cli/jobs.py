@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, Literal
@@ -119,15 +120,18 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
     if more:
         return
     if best is not None:
-        rows = [
-            (
-                series,
-                number(misfit),
-                "-" if problem is None or misfit is None else root_mean_square(problem, series, misfit),
-            )
-            for series, misfit in best.misfits.items()
-        ]
+        rows = _misfit_rows(problem, best.misfits)
         echo_table(None, ("series", "misfit", "root mean square"), rows, right=(1, 2))
+
+
+def _misfit_rows(problem: Problem | None, misfits: Mapping[str, float | None]) -> list[tuple[str, str, str]]:
+    """Series, misfit and root mean square."""
+    from geoswarm.solver.report import series_shares
+
+    known = {series: misfit for series, misfit in misfits.items() if misfit is not None}
+    if problem is None or len(known) < len(misfits):
+        return [(series, number(misfit), "-") for series, misfit in misfits.items()]
+    return [(share.series, number(share.misfit), root_mean_square(share)) for share in series_shares(problem, known)]
 
 
 def _problem(client: Client, job: Job) -> Problem | None:

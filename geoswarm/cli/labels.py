@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ from geoswarm.cli.output import number
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
+    from geoswarm.solver.report import SeriesShare
 
 __all__ = ["parameter_rows", "root_mean_square", "symbol_and_unit", "with_unit"]
 
@@ -19,15 +19,9 @@ def with_unit(text: str, unit: str) -> str:
     return f"{text} {unit}" if unit and unit not in ("dimensionless", "1", "-") and text != "-" else text
 
 
-def root_mean_square(problem: Problem, series: str, misfit: float) -> str:
-    """Return the root mean square of a series' residuals, weighted as its points are, in the unit of its data."""
-    from geoswarm.solver.problem.units import convert
-
-    observation = next(o for o in problem.observations if o.series == series)
-    base = next(info.y_unit for info in problem.model.series if info.name == series)
-    unit = observation.y_unit or base
-    value = math.sqrt(misfit / float(observation.point_weights.mean()))
-    return with_unit(number(float(convert(value, base, unit)), 3), unit)
+def root_mean_square(share: SeriesShare) -> str:
+    """Write the root mean square of a series' residuals in the unit of its data."""
+    return with_unit(number(share.root_mean_square, 3), share.unit)
 
 
 def symbol_and_unit(problem: Problem, name: str) -> tuple[str, str]:

@@ -181,7 +181,7 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
             s.series,
             number(s.weight),
             number(s.misfit),
-            root_mean_square(problem, s.series, s.misfit),
+            root_mean_square(s),
             f"{s.share:.0%}",
         )
         for s in series_shares(problem, result.best.misfits)

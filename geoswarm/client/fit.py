@@ -42,12 +42,14 @@ class FitSeries:
 
 @dataclass(frozen=True, slots=True)
 class FitShare:
-    """Part of one series in the objective, from 0 to 1."""
+    """Part of one series in the objective, from 0 to 1; root mean square of its residuals in the data's unit."""
 
     series: str
     weight: float
     misfit: float | None
     share: float
+    root_mean_square: float | None
+    unit: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -225,12 +225,18 @@ def _tables(
         tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum, uncertainty))
         unit = objective_unit(problem)
         rows = [
-            (s.series, number(s.weight), number(s.misfit), f"{s.share:.1%}".replace("%", " %"))
+            (
+                s.series,
+                number(s.weight),
+                number(s.misfit),
+                f"{s.share:.1%}".replace("%", " %"),
+                f"{number(s.root_mean_square, 3)} {s.unit}".rstrip(),
+            )
             for s in series_shares(problem, best.misfits)
         ]
         misfit = f"misfit f′ [{unit}]" if unit else "misfit f′ [(unit of the series)²]"
-        columns = ("series", "weight w", misfit, "share of the objective")
-        tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3)))
+        columns = ("series", "weight w", misfit, "share of the objective", "root mean square")
+        tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3, 4)))
     if statistics is not None and len(statistics.pearson.names) > 1 and follow_up_of(problem) is None:
         tables.append(_correlation_table(statistics, labels))
     if statistics is not None:

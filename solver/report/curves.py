@@ -99,12 +99,16 @@ class SeriesShare:
         w_g and f'_g of equations (1) and (2), (base unit)^2.
     share
         w_g f'_g / f, between 0 and 1; 0 when the objective is 0.
+    root_mean_square
+        Of the residuals, weighted as the points are, in ``unit``: that of the measured values.
     """
 
     series: str
     weight: float
     misfit: float
     share: float
+    root_mean_square: float
+    unit: str
 
 
 def series_curves(
@@ -177,12 +181,15 @@ def _calculate(
 
 def series_shares(problem: Problem, misfits: Mapping[str, float]) -> list[SeriesShare]:
     """Return the share of every series in the objective, in the order of the problem."""
-    parts = [(o.series, o.weight, misfits[o.series]) for o in problem.observations]
-    objective = sum(weight * misfit for _, weight, misfit in parts)
-    return [
-        SeriesShare(series, weight, misfit, weight * misfit / objective if objective > 0.0 else 0.0)
-        for series, weight, misfit in parts
-    ]
+    objective = sum(o.weight * misfits[o.series] for o in problem.observations)
+    base = {info.name: info.y_unit for info in problem.model.series}
+    shares = []
+    for o in problem.observations:
+        misfit, unit = misfits[o.series], o.y_unit or base[o.series]
+        deviation = float(convert(math.sqrt(misfit / float(o.point_weights.mean())), base[o.series], unit))
+        share = o.weight * misfit / objective if objective > 0.0 else 0.0
+        shares.append(SeriesShare(o.series, o.weight, misfit, share, deviation, unit))
+    return shares
 
 
 def objective_unit(problem: Problem) -> str:

@@ -25,6 +25,11 @@ export function withUnit(label, unit) {
   return unit && unit !== "1" && unit !== "-" ? `${label} [${unit}]` : label;
 }
 
+/** A value with its unit. */
+export function amount(value, unit, digits = 3) {
+  return value === null || !unit || ["1", "-", "dimensionless"].includes(unit) ? number(value, digits) : `${number(value, digits)} ${unit}`;
+}
+
 /** Unit of the objective: the square of that of the series ([{y_unit}]), nothing where they differ. */
 export function objectiveUnit(series) {
   const units = [...new Set(series.map(({ y_unit }) => y_unit))];

@@ -71,6 +71,8 @@ def test_shares_add_up_to_the_objective(problem: Problem) -> None:
     shares = series_shares(problem, {"settlement": 2.0, "heave": 1.0})
     assert [(s.series, s.weight, s.misfit) for s in shares] == [("settlement", 1.0, 2.0), ("heave", 3.0, 1.0)]
     assert [s.share for s in shares] == pytest.approx([0.4, 0.6], rel=1e-12)
+    assert shares[0].unit == "mm"
+    assert shares[0].root_mean_square == pytest.approx(1000.0 * 2.0**0.5, rel=1e-12)  # misfits are in m²
     assert [s.share for s in series_shares(problem, {"settlement": 0.0, "heave": 0.0})] == [0.0, 0.0]
 
 

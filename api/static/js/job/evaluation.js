@@ -1,6 +1,6 @@
 // One evaluation: why it failed, parameters, response, tries, log.
 import { announce, dialog, element } from "../dom.js";
-import { duration, moment, number, symbol, withUnit } from "../format.js";
+import { amount, duration, moment, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { plot } from "../plot.js";
 import { fitPlot } from "./fit_plot.js";
@@ -46,7 +46,8 @@ function parameters(fit, chosen) {
 }
 
 function shares(chosen) {
-  return rows("Shares", ["Series", "Misfit [base unit²]", "Share"], chosen.shares.map(({ series, misfit, share }) => [series, number(misfit, 6), `${(100 * share).toFixed(1)} %`]));
+  return rows("Shares", ["Series", "Root mean square", "Misfit [base unit²]", "Share"],
+    chosen.shares.map((one) => [one.series, amount(one.root_mean_square, one.unit), number(one.misfit, 6), `${(100 * one.share).toFixed(1)} %`]));
 }
 
 function attempts(tries) {

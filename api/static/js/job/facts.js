@@ -1,6 +1,6 @@
 // The numbers at the top, and the parameters of the best evaluation.
 import { element, empty } from "../dom.js";
-import { count, duration, number, symbol, withUnit } from "../format.js";
+import { amount, count, duration, number, symbol, withUnit } from "../format.js";
 import { ENDED } from "../stream.js";
 
 const words = (name) => name.replaceAll("_", " ");
@@ -62,6 +62,9 @@ export function facts(view) {
     generation: show,
     fit() {
       document.querySelector("[data-unit]").textContent = view.fit.objective_unit ? `[${view.fit.objective_unit}]` : "";
+      const best = view.fit.curves.find(({ role }) => role === "best");
+      field("deviation").replaceChildren(...(best?.shares ?? []).map(({ series, root_mean_square: value, unit }) =>
+        element("div", {}, best.shares.length > 1 ? `${words(series)} ` : "", amount(value, unit))));
       parameters();
     },
   };

@@ -6,7 +6,7 @@ import { ENDED } from "../stream.js";
 import { openEvaluation } from "./evaluation.js";
 
 export function outcome(view) {
-  const place = document.getElementById("outcome");
+  const place = document.getElementById("outcome"), warnings = document.getElementById("warnings");
   let shown = null, judged = null;
 
   /** At the end of a search: the verdict that its values do not hold without. */
@@ -35,9 +35,10 @@ export function outcome(view) {
   function show() {
     judge();
     const { job } = view;
-    const now = JSON.stringify([job.error, job.failed_evaluations]);
+    const now = JSON.stringify([job.error, job.failed_evaluations, job.warnings]);
     if (now === shown) return;
     shown = now;
+    warnings.replaceChildren(...job.warnings.map((text) => element("li", {}, text)));
     const failed = job.failed_evaluations;
     const why = failed ? element("button", { type: "button", class: job.error ? "quiet" : "link", onclick: first }, job.error ? "Show the first failed evaluation" : "See why") : null;
     if (job.error) place.replaceChildren(element("div", { class: "error" }, element("p", {}, job.error), why));
