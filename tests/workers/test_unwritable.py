@@ -83,14 +83,16 @@ def working(store: Store, settings: Settings) -> Iterator[Worker]:
 
     thread = threading.Thread(target=work)
     thread.start()
-    yield worker
-    worker.stopping.set()
-    thread.join(30)
-    worker.close()
+    try:
+        yield worker
+    finally:  # a thread that is left would keep the process of the tests from ending
+        worker.stopping.set()
+        thread.join(30)
+        worker.close()
     assert not thread.is_alive()
 
 
-def wait_until(condition: Callable[[], bool], seconds: float = 30.0) -> None:
+def wait_until(condition: Callable[[], bool], seconds: float = 300.0) -> None:
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, "did not happen in time"
