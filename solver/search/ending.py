@@ -1,7 +1,8 @@
 """The end of a polished search: from the best run down to a minimum, and from other basins where that one is in doubt.
 
-A minimum on a bound, one whose residuals follow each other, or a descent that ended with gradients left may not be the
-least one. Then the best runs of other basins are refined, too, until two of them agree on the best minimum.
+A minimum on a bound, one whose residuals follow each other, one that some parameter does not change at all, or a descent
+that ended with gradients left may not be the least one. Then the best runs of other basins are refined, too, until two
+of them agree on the best minimum. No run that is better than all of these ends is left behind: it is the next start.
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ _STARTS = 8
 _APART = 0.1  # parts of the range to the nearest better run, and between starts
 _LONGEST, _LONGEST_LATER = 80, 40  # iterations
 _SAME = 1e-6  # relative difference of objectives of one minimum
+_ARRIVED, _ABOVE = 1e-3, 1e-3  # at a known minimum: parts of the range, and of its objective
+_BESIDE, _ROUGH = 1e-2, 1e-3  # parts of the range; of the objective
+_IDLE = 1e-6  # change by a move through the range, relative to the residuals
 _FOLLOWING = 2.5  # autocorrelation of residuals, in its standard errors
 _AGREE, _AGREE_ON_BOUND = 2, 4  # descents that end alike
 _FEWEST = 8  # residuals for an autocorrelation
@@ -86,22 +90,33 @@ class Ending:
 
     def advance(self, space: SearchSpace, runs: Runs) -> Ending:
         """Take the results of the current generation, the last of the runs."""
-        longest = _LONGEST_LATER if self.descended else _LONGEST
-        after = replace(self, current=self.current.advance(space, runs, longest))
-        return after._following(space, runs) if after.current.finished else after
+        leading = self.current.known is None or self.current.objective < self.current.known
+        current = self.current.advance(space, runs, _LONGEST if leading else _LONGEST_LATER)
+        after = replace(self, current=current)
+        return after._following(space, runs) if current.finished or after._arrived(space, runs) else after
+
+    def _arrived(self, space: SearchSpace, runs: Runs) -> Descended | None:
+        """The minimum, known already, that the descent has come to."""
+        for end in self.descended:
+            apart = float(np.abs(space.to_unit(runs.positions[end.row]) - self.current.current).max())
+            if end.converged and apart < _ARRIVED and self.current.objective <= end.objective * (1.0 + _ABOVE):
+                return end
+        return None
 
     def _following(self, space: SearchSpace, runs: Runs) -> Ending:
         """The descent ended: the next one, or the end."""
-        current = self.current
-        doubtful = current.outcome != "converged" or current.on_bound or _follow_each_other(runs, current.row)
-        end = Descended(current.row, current.objective, current.outcome == "converged", current.on_bound, doubtful)
+        end = self._arrived(space, runs) or _end(space, runs, self.current)
         after = replace(self, descended=(*self.descended, end))
         best = min(after.descended, key=lambda other: other.objective)
         agreed = sum(other.converged and other.objective <= best.objective * (1.0 + _SAME) for other in after.descended)
-        if not best.doubtful or agreed >= (_AGREE_ON_BOUND if best.on_bound else _AGREE) or not after.starts:
+        sure = not best.doubtful or agreed >= (_AGREE_ON_BOUND if best.on_bound else _AGREE)
+        better = _better(space, runs, best)
+        if better is None and (sure or not after.starts):
             return replace(after, finished=True)
-        following = replace(after, current=Refinement.begin(space, runs, after.starts[0]), starts=after.starts[1:])
-        return following._following(space, runs) if following.current.finished else following
+        row, *later = (better, *after.starts) if better is not None else after.starts
+        descent = Refinement.begin(space, runs, row, best.objective * (1.0 - _SAME))
+        following = replace(after, current=descent, starts=tuple(later))
+        return following._following(space, runs) if descent.finished else following
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, from which :meth:`from_json` restores exactly."""
@@ -123,6 +138,22 @@ class Ending:
             tuple(Descended(*end) for end in data["descended"]),
             data["finished"],
         )
+
+
+def _end(space: SearchSpace, runs: Runs, current: Refinement) -> Descended:
+    """How a descent ended. A place where nothing changes the responses is no minimum."""
+    idle = np.diag(current.curvature)[~space.integer] <= _IDLE**2 * current.objective
+    converged = current.outcome == "converged" and not (idle.size and idle.all())
+    doubtful = not converged or current.on_bound or bool(idle.any()) or _follow_each_other(runs, current.row)
+    return Descended(current.row, current.objective, converged, current.on_bound, doubtful)
+
+
+def _better(space: SearchSpace, runs: Runs, best: Descended) -> int | None:
+    """The best run of all, where it is better than every end; beside the end only beyond what roughness makes."""
+    row = int(np.argmin(runs.objectives))
+    apart = float(np.abs(space.to_unit(runs.positions[row]) - space.to_unit(runs.positions[best.row])).max())
+    gain = _SAME if apart > _BESIDE else _ROUGH
+    return row if runs.objectives[row] < best.objective * (1.0 - gain) else None
 
 
 def _follow_each_other(runs: Runs, row: int) -> bool:

@@ -63,6 +63,8 @@ class Refinement:
         Of Levenberg-Marquardt, and the decrease that the trial promises.
     fine, first, outcome
         Whether short differences are in use; f at the start; how it ended.
+    known
+        f of the best minimum known before. What does no better needs no short differences.
     """
 
     stage: Literal["begin", "check", "trial", "slopes"]
@@ -83,15 +85,16 @@ class Refinement:
     fine: bool = False
     first: float = 0.0
     outcome: Outcome = ""
+    known: float | None = None
 
     @classmethod
-    def begin(cls, space: SearchSpace, runs: Runs, row: int) -> Refinement:
+    def begin(cls, space: SearchSpace, runs: Runs, row: int, known: float | None = None) -> Refinement:
         """Begin at a run."""
         point = space.to_unit(runs.positions[row])
         nothing = np.zeros(len(point))
         objective = float(runs.objectives[row])
-        state = cls("begin", point[None], (), point, row, objective, nothing, np.diag(nothing), point, first=objective)
-        return state._slopes(space, both=True)
+        state = cls("begin", point[None], (), point, row, objective, nothing, np.diag(nothing), point)
+        return replace(state, first=objective, known=known)._slopes(space, both=True)
 
     @property
     def finished(self) -> bool:
@@ -262,7 +265,7 @@ class Refinement:
 
     def _finer(self, space: SearchSpace) -> Refinement:
         """Nothing to gain with these differences: once more with shorter ones, or the end."""
-        if self.fine:
+        if self.fine or (self.known is not None and self.objective >= self.known):
             return replace(self, outcome="converged")
         again = replace(self, stage="slopes", fine=True, goal=self.current, linear=(), damping=_LEAST_DAMPING)
         return again._slopes(space, both=True)
