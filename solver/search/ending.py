@@ -1,8 +1,9 @@
 """The end of a polished search: from the best run down to a minimum, and from other basins where that one is in doubt.
 
-A minimum on a bound, one whose residuals follow each other, one that some parameter does not change at all, or a descent
-that ended with gradients left may not be the least one. Then the best runs of other basins are refined, too, until two
-of them agree on the best minimum. No run that is better than all of these ends is left behind: it is the next start.
+A minimum on a bound, one whose residuals follow each other, one that some parameter does not change at all, or a
+descent that ended with gradients left may not be the least one. Then the best runs of other basins are refined, too,
+until two of them agree on the best minimum; parameters that enter linearly help to find such basins. No run that is
+better than all of these ends is left behind: it is the next start.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.refinement import Refinement
 from geoswarm.solver.search.space import SearchSpace
+from geoswarm.solver.search.survey import Survey
 
 __all__ = ["Descended", "Ending"]
 
@@ -55,6 +57,10 @@ class Ending:
         Runs from which others may begin, the best first.
     descended
         Those that ended.
+    linear
+        Parameters that were found to enter linearly.
+    survey, surveyed
+        The look at the whole space that is under way, and whether there was one.
     finished
         Whether nothing is left to do.
     """
@@ -62,6 +68,9 @@ class Ending:
     current: Refinement
     starts: tuple[int, ...]
     descended: tuple[Descended, ...] = ()
+    linear: tuple[int, ...] = ()
+    survey: Survey | None = None
+    surveyed: bool = False
     finished: bool = False
 
     @classmethod
@@ -86,13 +95,15 @@ class Ending:
 
     def positions(self, space: SearchSpace) -> FloatArray:
         """Points of the current generation, shape (k, d), natural values."""
-        return space.from_unit(self.current.asked)
+        return space.from_unit(self.current.asked if self.survey is None else self.survey.asked)
 
     def advance(self, space: SearchSpace, runs: Runs) -> Ending:
         """Take the results of the current generation, the last of the runs."""
+        if self.survey is not None:
+            return self._looked(space, runs, self.survey)
         leading = self.current.known is None or self.current.objective < self.current.known
         current = self.current.advance(space, runs, _LONGEST if leading else _LONGEST_LATER)
-        after = replace(self, current=current)
+        after = replace(self, current=current, linear=self.linear or current.linear)
         return after._following(space, runs) if current.finished or after._arrived(space, runs) else after
 
     def _arrived(self, space: SearchSpace, runs: Runs) -> Descended | None:
@@ -111,12 +122,37 @@ class Ending:
         agreed = sum(other.converged and other.objective <= best.objective * (1.0 + _SAME) for other in after.descended)
         sure = not best.doubtful or agreed >= (_AGREE_ON_BOUND if best.on_bound else _AGREE)
         better = _better(space, runs, best)
-        if better is None and (sure or not after.starts):
+        if better is not None:
+            return after._begin(space, runs, better)
+        if sure:
             return replace(after, finished=True)
-        row, *later = (better, *after.starts) if better is not None else after.starts
-        descent = Refinement.begin(space, runs, row, best.objective * (1.0 - _SAME))
-        following = replace(after, current=descent, starts=tuple(later))
-        return following._following(space, runs) if descent.finished else following
+        if not after.surveyed:
+            centre = space.to_unit(runs.positions[best.row])
+            survey = Survey.begin(space, centre, after.linear)
+            after = replace(after, survey=survey, surveyed=survey is not None)
+        return after if after.survey is not None else after._next(space, runs)
+
+    def _looked(self, space: SearchSpace, runs: Runs, survey: Survey) -> Ending:
+        """Take a generation of the survey; the points of the second one are starts."""
+        if not survey.projected:
+            following = survey.advance(space, runs)
+            after = replace(self, survey=following)
+            return after if following is not None else after._next(space, runs)
+        first = len(runs.positions) - len(survey.asked)
+        rows = [first + i for i in range(len(survey.asked)) if runs.succeeded[first + i]]
+        starts = sorted([*rows, *self.starts], key=lambda row: (float(runs.objectives[row]), row))
+        return replace(self, survey=None, starts=tuple(starts))._next(space, runs)
+
+    def _next(self, space: SearchSpace, runs: Runs) -> Ending:
+        """The next start, if one is left."""
+        if not self.starts:
+            return replace(self, finished=True)
+        return replace(self, starts=self.starts[1:])._begin(space, runs, self.starts[0])
+
+    def _begin(self, space: SearchSpace, runs: Runs, row: int) -> Ending:
+        known = min(end.objective for end in self.descended) * (1.0 - _SAME)
+        following = replace(self, current=Refinement.begin(space, runs, row, known))
+        return following._following(space, runs) if following.current.finished else following
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, from which :meth:`from_json` restores exactly."""
@@ -126,6 +162,9 @@ class Ending:
             "descended": [
                 [end.row, end.objective, end.converged, end.on_bound, end.doubtful] for end in self.descended
             ],
+            "linear": list(self.linear),
+            "survey": None if self.survey is None else self.survey.to_json(),
+            "surveyed": self.surveyed,
             "finished": self.finished,
         }
 
@@ -136,6 +175,9 @@ class Ending:
             Refinement.from_json(data["current"]),
             tuple(data["starts"]),
             tuple(Descended(*end) for end in data["descended"]),
+            tuple(data["linear"]),
+            None if data["survey"] is None else Survey.from_json(data["survey"]),
+            data["surveyed"],
             data["finished"],
         )
 
