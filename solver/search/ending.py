@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -140,8 +141,10 @@ class Ending:
             return after if following is not None else after._next(space, runs)
         first = len(runs.positions) - len(survey.asked)
         rows = [first + i for i in range(len(survey.asked)) if runs.succeeded[first + i]]
-        starts = sorted([*rows, *self.starts], key=lambda row: (float(runs.objectives[row]), row))
-        return replace(self, survey=None, starts=tuple(starts))._next(space, runs)
+        # in turn: the search itself crowds around few basins, whose objectives are the lower for that
+        pairs = zip_longest(rows, self.starts)
+        starts = tuple(row for pair in pairs for row in pair if row is not None)
+        return replace(self, survey=None, starts=starts)._next(space, runs)
 
     def _next(self, space: SearchSpace, runs: Runs) -> Ending:
         """The next start, if one is left."""

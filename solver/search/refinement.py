@@ -31,13 +31,14 @@ from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Outcome", "Refinement"]
 
-Outcome: TypeAlias = Literal["", "converged", "stuck", "long"]
+Outcome: TypeAlias = Literal["", "converged", "stuck", "long", "worse"]
 
 _COARSE, _FINE = 1e-4, 1e-5  # differences, parts of the range
 _LINEAR, _LINEAR_FAR = 1e-5, 1e-6  # second over first difference; misprediction over change
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e8
 _COARSE_GAIN, _FINE_GAIN = 1e-8, 1e-13  # of f: less is not worth a generation
 _ROUNDING_GAIN = 1e-8  # of f: predicted, but lost in rounding
+_ABOVE, _HOPELESS = 1e-3, 1e-2  # a known minimum: of f; of the way down to it
 _CENTRAL_FROM = 1e-2  # relative decrease below which differences are taken on both sides
 _RAISE, _LOWER = 12.0, 0.1  # of the damping
 _NOTHING = 1e-20  # of the objective at the start: a perfect fit
@@ -72,7 +73,8 @@ class Refinement:
     fine, first, outcome
         Whether short differences are in use; f at the start; how it ended.
     known
-        f of the best minimum known before. What does no better needs no short differences.
+        f of the best minimum known before. What does no better needs no short differences; what promises hardly any
+        of the way down to it is left.
     """
 
     stage: Literal["begin", "check", "trial", "slopes"]
@@ -286,6 +288,9 @@ class Refinement:
             return replace(self, outcome="stuck")
         step = trial - self.current
         predicted = -float(2.0 * self.gradient @ step + step @ self.curvature @ step)
+        above = 0.0 if self.known is None else self.objective - self.known
+        if self.damping <= _DAMPING and above > _ABOVE * self.objective and predicted < _HOPELESS * above:
+            return replace(self, outcome="worse")
         if not predicted > (_FINE_GAIN if self.fine else _COARSE_GAIN) * self.objective:
             # so short a step promises nothing, whatever is left
             return replace(self, outcome="stuck") if self.fine and self.damping > 1.0 else self._finer(space)
