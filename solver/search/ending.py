@@ -153,8 +153,8 @@ class Ending:
         return replace(self, starts=self.starts[1:])._begin(space, runs, self.starts[0])
 
     def _begin(self, space: SearchSpace, runs: Runs, row: int) -> Ending:
-        known = min(end.objective for end in self.descended) * (1.0 - _SAME)
-        following = replace(self, current=Refinement.begin(space, runs, row, known))
+        minima = [end.objective * (1.0 - _SAME) for end in self.descended if end.converged]
+        following = replace(self, current=Refinement.begin(space, runs, row, min(minima, default=None)))
         return following._following(space, runs) if following.current.finished else following
 
     def to_json(self) -> dict[str, Any]:

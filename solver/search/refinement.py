@@ -37,10 +37,10 @@ _COARSE, _FINE = 1e-4, 1e-5  # differences, parts of the range
 _LINEAR, _LINEAR_FAR = 1e-5, 1e-6  # second over first difference; misprediction over change
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e8
 _COARSE_GAIN, _FINE_GAIN = 1e-8, 1e-13  # of f: less is not worth a generation
-_ROUNDING_GAIN = 1e-8  # of f: predicted, but lost in rounding
+_ROUNDING_GAIN, _LOST = 1e-8, 1e-11  # of f: predicted, but lost in rounding perhaps, and surely
 _ABOVE, _HOPELESS = 1e-3, 1e-2  # a known minimum: of f; of the way down to it
 _CENTRAL_FROM = 1e-2  # relative decrease below which differences are taken on both sides
-_RAISE, _LOWER = 12.0, 0.1  # of the damping
+_RAISE, _RAISE_FINE, _LOWER = 12.0, 100.0, 0.1  # of the damping
 _NOTHING = 1e-20  # of the objective at the start: a perfect fit
 _HALVINGS = 20
 
@@ -261,6 +261,9 @@ class Refinement:
     def _shorter(self, space: SearchSpace) -> Refinement:
         """A trial was no better: lost in rounding, or damp more."""
         if self.predicted <= _ROUNDING_GAIN * self.objective:
+            damping = self.damping * _RAISE_FINE
+            if self.fine and self.predicted > _LOST * self.objective and damping < 1.0:
+                return replace(self, damping=damping)._next(space)  # too long a step along a curved valley?
             return self._finer(space)
         damping = self.damping * _RAISE
         if damping > _MOST_DAMPING:
