@@ -272,6 +272,8 @@ class Refinement:
 
     def _finer(self, space: SearchSpace) -> Refinement:
         """Nothing to gain with these differences: once more with shorter ones, or the end."""
+        if self.fine and self.damping > 1.0:  # so short a step promises nothing, whatever is left
+            return replace(self, outcome="stuck")
         if self.fine or (self.known is not None and self.objective >= self.known):
             return replace(self, outcome="converged")
         again = replace(self, stage="slopes", fine=True, goal=self.current, linear=(), damping=_LEAST_DAMPING)
@@ -295,8 +297,7 @@ class Refinement:
         if self.damping <= _DAMPING and above > _ABOVE * self.objective and predicted < _HOPELESS * above:
             return replace(self, outcome="worse")
         if not predicted > (_FINE_GAIN if self.fine else _COARSE_GAIN) * self.objective:
-            # so short a step promises nothing, whatever is left
-            return replace(self, outcome="stuck") if self.fine and self.damping > 1.0 else self._finer(space)
+            return self._finer(space)
         moves = far_moves(trial, self.linear)
         points = [moved(trial, index, length) for index, length in moves]
         if not all(admissible(space, point) for point in points):
