@@ -29,6 +29,7 @@ _LONGEST, _LONGEST_LATER = 80, 40  # iterations
 _SAME = 1e-6  # relative difference of objectives of one minimum
 _ARRIVED, _ABOVE = 1e-3, 1e-3  # at a known minimum: parts of the range, and of its objective
 _BESIDE, _ROUGH = 1e-2, 1e-3  # parts of the range; of the objective
+_LITTLE = 1e-2  # of the objective, promised where a descent is stuck
 _IDLE = 1e-3  # change by a move through the range at the slope of the end, relative to the residuals
 _FOLLOWING = 2.5  # autocorrelation of residuals, in its standard errors
 _AGREE, _AGREE_ON_BOUND = 2, 4  # descents that end alike
@@ -189,7 +190,8 @@ def _end(space: SearchSpace, runs: Runs, current: Refinement) -> Descended:
     """How a descent ended. A place where nothing changes the responses is no minimum."""
     idle = np.diag(current.curvature)[~space.integer] <= _IDLE**2 * current.objective
     converged = current.outcome == "converged" and not (idle.size and idle.all())
-    doubtful = not converged or current.on_bound or bool(idle.any()) or _follow_each_other(runs, current.row)
+    rough = current.outcome == "stuck" and current.promise <= _LITTLE  # no reason to look elsewhere
+    doubtful = not (converged or rough) or current.on_bound or bool(idle.any()) or _follow_each_other(runs, current.row)
     return Descended(current.row, current.objective, converged, current.on_bound, doubtful)
 
 

@@ -41,6 +41,7 @@ _ROUNDING_GAIN, _LOST = 1e-8, 1e-11  # of f: predicted, but lost in rounding per
 _ABOVE, _HOPELESS = 1e-3, 1e-2  # a known minimum: of f; of the way down to it
 _CENTRAL_FROM = 1e-2  # relative decrease below which differences are taken on both sides
 _RAISE, _RAISE_FINE, _LOWER = 12.0, 100.0, 0.1  # of the damping
+_SETTLED = 1e-6  # of f: less is promised with long differences at a minimum of a rough model
 _NOTHING = 1e-20  # of the objective at the start: a perfect fit
 _HALVINGS = 20
 
@@ -75,6 +76,8 @@ class Refinement:
     known
         f of the best minimum known before. What does no better needs no short differences; what promises hardly any
         of the way down to it is left.
+    promise
+        Largest decrease of f that a step from the current point promised with long differences, relative to f.
     """
 
     stage: Literal["begin", "check", "trial", "slopes"]
@@ -96,6 +99,7 @@ class Refinement:
     first: float = 0.0
     outcome: Outcome = ""
     known: float | None = None
+    promise: float = 0.0
 
     @classmethod
     def begin(cls, space: SearchSpace, runs: Runs, row: int, known: float | None = None) -> Refinement:
@@ -250,6 +254,7 @@ class Refinement:
         after = replace(
             self, current=self.goal, row=row, objective=float(runs.objectives[row]), iterations=self.iterations + 1
         )._with_slopes(columns, centre)
+        after = after if self.fine else replace(after, promise=0.0)
         return replace(after, outcome="long") if after.iterations >= longest else after._next(space)
 
     def _goal_row(self, first: int) -> int:
@@ -265,14 +270,14 @@ class Refinement:
             if self.fine and self.predicted > _LOST * self.objective and damping < 1.0:
                 return replace(self, damping=damping)._next(space)  # too long a step along a curved valley?
             return self._finer(space)
-        damping = self.damping * _RAISE
+        damping = self.damping * (_RAISE_FINE if self.fine else _RAISE)
         if damping > _MOST_DAMPING:
-            return replace(self, outcome="stuck") if self.fine else self._finer(space)
+            return self._finer(space)
         return replace(self, damping=damping)._next(space)
 
     def _finer(self, space: SearchSpace) -> Refinement:
         """Nothing to gain with these differences: once more with shorter ones, or the end."""
-        if self.fine and self.damping > 1.0:  # so short a step promises nothing, whatever is left
+        if self.fine and self.damping > 1.0 and self.promise > _SETTLED:  # so short a step says nothing of what is left
             return replace(self, outcome="stuck")
         if self.fine or (self.known is not None and self.objective >= self.known):
             return replace(self, outcome="converged")
@@ -302,9 +307,9 @@ class Refinement:
         points = [moved(trial, index, length) for index, length in moves]
         if not all(admissible(space, point) for point in points):
             return replace(self, linear=())._next(space)
-        return replace(
-            self, stage="trial", asked=np.array([trial, *points]), moves=moves, predicted=predicted, goal=trial
-        )
+        promise = self.promise if self.fine else max(self.promise, predicted / self.objective)
+        asked = np.array([trial, *points])
+        return replace(self, stage="trial", asked=asked, moves=moves, predicted=predicted, goal=trial, promise=promise)
 
     def _step(self) -> FloatArray:
         """The damped step inside the bounds; parameters that enter linearly are not damped."""

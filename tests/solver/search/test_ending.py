@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -120,6 +121,24 @@ def test_polished_is_said_of_the_best_run_alone() -> None:
             r.evaluation.objective for r in result.history if r.evaluation.objective is not None
         )
         assert result.stop_reasons != ("polished",) or improvable(problem, result) < 1e-6
+
+
+@pytest.mark.parametrize(("roughness", "reason"), [(1e-9, "polished"), (1e-6, "polished"), (1e-4, "polish_unfinished")])
+def test_a_rough_model_costs_no_more_and_is_not_called_polished(roughness: float, reason: str) -> None:
+    """Roughness as of a forward model that iterates: below what matters a minimum is one, above it gradients are left."""
+    y = 3.0 * np.exp(-0.7 * T) + 0.5 + SCATTER
+    rough = f"a * exp(-k * x) + c + {roughness} * sin(1e6 * (a + k + 0.1 * c) + x)"
+    result = calibrate(polished(rough, {"a": free(), "k": free(), "c": free(0.0, 2.0)}, y), seed=1)
+    assert result.stop_reasons == (reason,)
+    assert result.evaluations < 200
+    assert result.objective == pytest.approx(calibrate(decay(), seed=1).objective, rel=10.0 * roughness)
+
+
+def test_a_slow_first_evaluation_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = [record.evaluation.objective for record in calibrate(looked_around(), seed=2).history]
+    evaluate, waits = Calibration.evaluate, iter([3600.0])
+    monkeypatch.setattr(Calibration, "evaluate", lambda self, x: replace(evaluate(self, x), seconds=next(waits, 0.0)))
+    assert [record.evaluation.objective for record in calibrate(looked_around(), seed=2).history] == whole
 
 
 def test_a_plateau_is_no_minimum() -> None:

@@ -84,8 +84,8 @@ def improvable(case: ArchiveSet, result: CalibrationResult) -> float:
 def test_thirteen_of_sixteen_sets_within_a_thousand_runs() -> None:
     """Measured: 13 sets in all five seeds, Gauss1, Gauss3 and ENSO in none (docs/statistics.md).
 
-    Where another minimum is called polished, it is one: SciPy finds nothing lower beside it, and the model is said not to
-    describe the data there. The best run is the result.
+    Where another minimum is called polished, it is one: SciPy finds nothing lower beside it, and the model is said
+    not to describe the data there. The best run is the result.
     """
     reached = {}
     for name in NAMES:
