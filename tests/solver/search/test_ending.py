@@ -125,7 +125,7 @@ def test_polished_is_said_of_the_best_run_alone() -> None:
 
 @pytest.mark.parametrize(("roughness", "reason"), [(1e-9, "polished"), (1e-6, "polished"), (1e-4, "polish_unfinished")])
 def test_a_rough_model_costs_no_more_and_is_not_called_polished(roughness: float, reason: str) -> None:
-    """Roughness as of a forward model that iterates: below what matters a minimum is one, above it gradients are left."""
+    """Roughness as of a model that iterates: below what matters a minimum is one, above it gradients are left."""
     y = 3.0 * np.exp(-0.7 * T) + 0.5 + SCATTER
     rough = f"a * exp(-k * x) + c + {roughness} * sin(1e6 * (a + k + 0.1 * c) + x)"
     result = calibrate(polished(rough, {"a": free(), "k": free(), "c": free(0.0, 2.0)}, y), seed=1)
