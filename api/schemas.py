@@ -268,7 +268,9 @@ class CheckResult(Model):
     data_points: int
     planned_evaluations: int | None = Field(description="null when only time or quality ends the search")
     test_run: TestRun
-    estimated_seconds: float | None = Field(description="time of all planned evaluations on one worker")
+    estimated_seconds: float | None = Field(
+        description="time of all planned evaluations on one worker and of the search itself"
+    )
     warnings: list[str] = Field(description="what in the measurements the model does not contain, and what to do")
     warm_starts: list[WarmStart] = Field(description="earlier jobs that it could learn from, newest first")
 

@@ -24,7 +24,7 @@ REASONS = {
     "target_objective": "objective at or below the target",
     "stagnation_generations": "objective no longer lowered",
     "samples_completed": "all samples evaluated",
-    "polished": "polished to a minimum",
+    "polished": "polished to a local minimum",
     "polish_unfinished": "polishing ended before a minimum",
     "design_completed": "all planned evaluations made",
 }

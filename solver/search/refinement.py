@@ -18,20 +18,30 @@ from scipy.optimize import lsq_linear
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.projection import (
+    FAR_MOVE,
+    admissible,
+    far_moves,
+    moved,
+    project,
+    residuals_of,
+    slopes_of_moves,
+)
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Outcome", "Refinement"]
 
-Outcome: TypeAlias = Literal["", "converged", "stuck", "long"]
+Outcome: TypeAlias = Literal["", "converged", "stuck", "long", "worse"]
 
 _COARSE, _FINE = 1e-4, 1e-5  # differences, parts of the range
-_FAR_MOVE = 0.1  # of parameters that enter linearly
 _LINEAR, _LINEAR_FAR = 1e-5, 1e-6  # second over first difference; misprediction over change
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e8
 _COARSE_GAIN, _FINE_GAIN = 1e-8, 1e-13  # of f: less is not worth a generation
-_ROUNDING_GAIN = 1e-8  # of f: predicted, but lost in rounding
+_ROUNDING_GAIN, _LOST = 1e-8, 1e-11  # of f: predicted, but lost in rounding perhaps, and surely
+_ABOVE, _HOPELESS = 1e-3, 1e-2  # a known minimum: of f; of the way down to it
 _CENTRAL_FROM = 1e-2  # relative decrease below which differences are taken on both sides
-_RAISE, _LOWER = 12.0, 0.1  # of the damping
+_RAISE, _RAISE_FINE, _LOWER = 12.0, 100.0, 0.1  # of the damping
+_SETTLED = 1e-6  # of f: less is promised with long differences at a minimum of a rough model
 _NOTHING = 1e-20  # of the objective at the start: a perfect fit
 _HALVINGS = 20
 
@@ -63,6 +73,11 @@ class Refinement:
         Of Levenberg-Marquardt, and the decrease that the trial promises.
     fine, first, outcome
         Whether short differences are in use; f at the start; how it ended.
+    known
+        f of the best minimum known before. What does no better needs no short differences; what promises hardly any
+        of the way down to it is left.
+    promise
+        Largest decrease of f that a step from the current point promised with long differences, relative to f.
     """
 
     stage: Literal["begin", "check", "trial", "slopes"]
@@ -83,15 +98,17 @@ class Refinement:
     fine: bool = False
     first: float = 0.0
     outcome: Outcome = ""
+    known: float | None = None
+    promise: float = 0.0
 
     @classmethod
-    def begin(cls, space: SearchSpace, runs: Runs, row: int) -> Refinement:
+    def begin(cls, space: SearchSpace, runs: Runs, row: int, known: float | None = None) -> Refinement:
         """Begin at a run."""
         point = space.to_unit(runs.positions[row])
         nothing = np.zeros(len(point))
         objective = float(runs.objectives[row])
-        state = cls("begin", point[None], (), point, row, objective, nothing, np.diag(nothing), point, first=objective)
-        return state._slopes(space, both=True)
+        state = cls("begin", point[None], (), point, row, objective, nothing, np.diag(nothing), point)
+        return replace(state, first=objective, known=known)._slopes(space, both=True)
 
     @property
     def finished(self) -> bool:
@@ -122,11 +139,11 @@ class Refinement:
         for index in np.flatnonzero(~space.integer).tolist():
             if index in self.linear:
                 continue
-            sides = [side for side in (length, -length) if _admissible(space, _moved(self.goal, index, side))]
-            if both and len(sides) == 1 and _admissible(space, _moved(self.goal, index, 2.0 * sides[0])):
+            sides = [side for side in (length, -length) if admissible(space, moved(self.goal, index, side))]
+            if both and len(sides) == 1 and admissible(space, moved(self.goal, index, 2.0 * sides[0])):
                 sides.append(2.0 * sides[0])
             for side in sides if both else sides[:1]:
-                points.append(_moved(self.goal, index, side))
+                points.append(moved(self.goal, index, side))
                 moves.append((index, side))
         first = [self.goal] if self.linear else []
         if not points and not first:
@@ -139,9 +156,9 @@ class Refinement:
         bend = np.full(len(self.current), np.inf)
         for index in dict.fromkeys(index for index, _ in self.moves):
             sides = [
-                (length, _row(runs, first + place))
-                for place, (moved, length) in enumerate(self.moves)
-                if moved == index and runs.succeeded[first + place]
+                (length, residuals_of(runs, first + place))
+                for place, (parameter, length) in enumerate(self.moves)
+                if parameter == index and runs.succeeded[first + place]
             ]
             if len(sides) == 2:
                 (a, near), (b, other) = sides
@@ -164,15 +181,15 @@ class Refinement:
     # ---- stages
 
     def _begun(self, space: SearchSpace, runs: Runs) -> Refinement:
-        centre = _row(runs, self.row)
+        centre = residuals_of(runs, self.row)
         columns, bend = self._jacobian(runs, centre, len(runs.positions) - len(self.asked))
         after = self._with_slopes(columns, centre)
         candidates = np.flatnonzero((bend < _LINEAR) & (np.linalg.norm(columns, axis=0) > 0.0)).tolist()
         point, points, moves = self.current, [], []
         for index in candidates:  # one after the other: products of two are linear in either alone
-            far = _FAR_MOVE if point[index] <= 0.5 else -_FAR_MOVE
-            point = _moved(point, index, far)
-            if not _admissible(space, point):
+            far = FAR_MOVE if point[index] <= 0.5 else -FAR_MOVE
+            point = moved(point, index, far)
+            if not admissible(space, point):
                 break
             points.append(point)
             moves.append((index, far))
@@ -184,13 +201,12 @@ class Refinement:
         first = len(runs.positions) - len(self.asked)
         linear: list[int] = []
         if runs.succeeded[first:].all():
-            rows = [_row(runs, self.row), *(_row(runs, first + place) for place in range(len(self.asked)))]
-            changes = np.diff(np.array(rows), axis=0)
+            rows = [self.row, *range(first, len(runs.positions))]
+            changes = np.diff(np.array([residuals_of(runs, row) for row in rows]), axis=0)
             for place, (index, length) in enumerate(self.moves):
                 # J'J and J'r at the start tell the change that a linear parameter makes anywhere
                 sizes = changes[: place + 1] @ changes[place]
-                moved = [self.moves[other] for other in range(place + 1)]
-                expected = np.array([self.curvature[other, index] * length * far for other, far in moved])
+                expected = np.array([self.curvature[i, index] * length * far for i, far in self.moves[: place + 1]])
                 scale = np.sqrt(np.sum(changes[: place + 1] ** 2, axis=1) * sizes[-1])
                 if (np.abs(sizes - expected) > _LINEAR_FAR * np.maximum(scale, 1e-300)).any():
                     break
@@ -208,15 +224,10 @@ class Refinement:
             if not runs.succeeded[first:].all():
                 return replace(self, linear=())._shorter(space)
             rows = tuple(range(first, first + len(self.asked)))
-            columns = _linear_columns(runs, rows, tuple(length for _, length in self.moves))
-            residuals = _row(runs, first)
-            indices = list(self.linear)
-            low, high = np.minimum(-trial[indices], -1e-15), np.maximum(1.0 - trial[indices], 1e-15)
-            found = lsq_linear(columns, -residuals, (low, high), method="bvls").x
-            best = trial.copy()
-            best[indices] = np.clip(trial[indices] + found, 0.0, 1.0)
-            if _admissible(space, best):
-                goal, objective = best, float(np.sum((residuals + columns @ found) ** 2))
+            columns = slopes_of_moves(runs, rows, tuple(length for _, length in self.moves))
+            best, promised = project(trial, self.linear, residuals_of(runs, first), columns)
+            if admissible(space, best):
+                goal, objective = best, promised
         if objective >= self.objective:
             return self._shorter(space)
         gained = (self.objective - objective) / max(self.predicted, 1e-300)
@@ -236,13 +247,14 @@ class Refinement:
         row = first if self.linear else self._goal_row(first)
         if not runs.succeeded[row] or (runs.objectives[row] >= self.objective and row != self.row and not self.fine):
             return replace(self, linear=())._shorter(space)
-        centre = _row(runs, row)
+        centre = residuals_of(runs, row)
         columns, _ = self._jacobian(runs, centre, first + bool(self.linear))
         if self.linear:
-            columns[:, list(self.linear)] = _linear_columns(runs, self.linear_rows, self.linear_moves)
+            columns[:, list(self.linear)] = slopes_of_moves(runs, self.linear_rows, self.linear_moves)
         after = replace(
             self, current=self.goal, row=row, objective=float(runs.objectives[row]), iterations=self.iterations + 1
         )._with_slopes(columns, centre)
+        after = after if self.fine else replace(after, promise=0.0)
         return replace(after, outcome="long") if after.iterations >= longest else after._next(space)
 
     def _goal_row(self, first: int) -> int:
@@ -254,15 +266,20 @@ class Refinement:
     def _shorter(self, space: SearchSpace) -> Refinement:
         """A trial was no better: lost in rounding, or damp more."""
         if self.predicted <= _ROUNDING_GAIN * self.objective:
+            damping = self.damping * _RAISE_FINE
+            if self.fine and self.predicted > _LOST * self.objective and damping < 1.0:
+                return replace(self, damping=damping)._next(space)  # too long a step along a curved valley?
             return self._finer(space)
-        damping = self.damping * _RAISE
+        damping = self.damping * (_RAISE_FINE if self.fine else _RAISE)
         if damping > _MOST_DAMPING:
-            return replace(self, outcome="stuck") if self.fine else self._finer(space)
+            return self._finer(space)
         return replace(self, damping=damping)._next(space)
 
     def _finer(self, space: SearchSpace) -> Refinement:
         """Nothing to gain with these differences: once more with shorter ones, or the end."""
-        if self.fine:
+        if self.fine and self.damping > 1.0 and self.promise > _SETTLED:  # so short a step says nothing of what is left
+            return replace(self, outcome="stuck")
+        if self.fine or (self.known is not None and self.objective >= self.known):
             return replace(self, outcome="converged")
         again = replace(self, stage="slopes", fine=True, goal=self.current, linear=(), damping=_LEAST_DAMPING)
         return again._slopes(space, both=True)
@@ -274,23 +291,25 @@ class Refinement:
         step = self._step()
         trial = np.clip(self.current + step, 0.0, 1.0)
         for _ in range(_HALVINGS):
-            if _admissible(space, trial):
+            if admissible(space, trial):
                 break
             trial = 0.5 * (trial + self.current)
         else:
             return replace(self, outcome="stuck")
         step = trial - self.current
         predicted = -float(2.0 * self.gradient @ step + step @ self.curvature @ step)
+        above = 0.0 if self.known is None else self.objective - self.known
+        if self.damping <= _DAMPING and above > _ABOVE * self.objective and predicted < _HOPELESS * above:
+            return replace(self, outcome="worse")
         if not predicted > (_FINE_GAIN if self.fine else _COARSE_GAIN) * self.objective:
-            # so short a step promises nothing, whatever is left
-            return replace(self, outcome="stuck") if self.fine and self.damping > 1.0 else self._finer(space)
-        moves = [(i, _FAR_MOVE if trial[i] <= 0.5 else -_FAR_MOVE) for i in self.linear]
-        points = [_moved(trial, index, length) for index, length in moves]
-        if not all(_admissible(space, point) for point in points):
+            return self._finer(space)
+        moves = far_moves(trial, self.linear)
+        points = [moved(trial, index, length) for index, length in moves]
+        if not all(admissible(space, point) for point in points):
             return replace(self, linear=())._next(space)
-        return replace(
-            self, stage="trial", asked=np.array([trial, *points]), moves=tuple(moves), predicted=predicted, goal=trial
-        )
+        promise = self.promise if self.fine else max(self.promise, predicted / self.objective)
+        asked = np.array([trial, *points])
+        return replace(self, stage="trial", asked=asked, moves=moves, predicted=predicted, goal=trial, promise=promise)
 
     def _step(self) -> FloatArray:
         """The damped step inside the bounds; parameters that enter linearly are not damped."""
@@ -327,23 +346,3 @@ class Refinement:
 
 
 _ARRAYS = ("asked", "current", "gradient", "curvature", "goal")
-
-
-def _moved(point: FloatArray, index: int, length: float) -> FloatArray:
-    moved = point.copy()
-    moved[index] += length
-    return moved
-
-
-def _admissible(space: SearchSpace, point: FloatArray) -> bool:
-    return bool((point >= 0.0).all() and (point <= 1.0).all()) and space.feasible(space.from_unit(point))
-
-
-def _row(runs: Runs, index: int) -> FloatArray:
-    return np.asarray(runs.residuals(np.array([index]))[0], dtype=np.float64)
-
-
-def _linear_columns(runs: Runs, rows: tuple[int, ...], lengths: tuple[float, ...]) -> FloatArray:
-    """Slopes, shape (m, k), from a trial and its moves."""
-    trial = _row(runs, rows[0])
-    return np.stack([(_row(runs, row) - trial) / length for row, length in zip(rows[1:], lengths, strict=True)], axis=1)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.local import CalibrationResult, calibrate
@@ -55,8 +57,14 @@ def test_it_ends_where_no_gradient_is_left() -> None:
         assert gradient(decay(), result) < 1e-5
 
 
-def test_it_goes_on_from_its_state_bit_for_bit() -> None:
-    problem = decay()
+def looked_around() -> Problem:
+    """A line through a bent curve: residuals follow each other, so other basins are looked for by what is linear."""
+    y = 3.0 * np.exp(-0.7 * T) + 0.1 * T
+    return polished("a * exp(-k * x) + c", {"a": free(), "k": free(), "c": free(-2.0, 2.0)}, y)
+
+
+@pytest.mark.parametrize(("problem", "surveyed"), [(decay(), False), (looked_around(), True)], ids=["sure", "doubtful"])
+def test_it_goes_on_from_its_state_bit_for_bit(problem: Problem, surveyed: bool) -> None:
     whole = calibrate(problem, seed=2)
     calibration = Calibration(problem, 2)
     progress, log, curves = calibration.start(), RunLog(calibration), []
@@ -73,8 +81,69 @@ def test_it_goes_on_from_its_state_bit_for_bit() -> None:
             break
         calibration = Calibration(problem, 2)
         progress = Progress.from_json(json.loads(json.dumps(step.progress.to_json())))
+    assert step.progress.snapshot["ending"]["surveyed"] == surveyed
     assert step.stop_reasons == whole.stop_reasons
     assert history == [record.evaluation.objective for record in whole.history]
+
+
+def improvable(problem: Problem, result: CalibrationResult) -> float:
+    """By which share SciPy's least squares lower the objective from the best run."""
+    calibration = Calibration(problem, 1)
+    space = calibration.space
+    assert result.best is not None
+    assert result.objective is not None
+
+    def residuals(unit: np.ndarray) -> np.ndarray:
+        found = calibration.evaluate(space.from_unit(np.clip(unit, 0.0, 1.0)))
+        return np.asarray(calibration.objective.weighted_residuals(found.responses))
+
+    place = np.clip(space.to_unit(result.best.parameters), 1e-12, 1.0 - 1e-12)
+    lower = least_squares(residuals, place, bounds=(0.0, 1.0), x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    return 1.0 - 2.0 * lower.cost / result.objective
+
+
+def peak(width: float) -> Problem:
+    """A peak on a plateau: nothing changes where the calculated peak lies beside the points."""
+    x = np.linspace(0.0, 10.0, 41)
+    y = np.exp(-0.5 * ((x - 6.3) / width) ** 2) + 0.01 * np.random.default_rng(8).standard_normal(x.size)
+    parameters = {"m": free(-60.0, 60.0), "w": free(width / 10.0, width * 10.0)}
+    return problem_of(
+        "exp(-0.5 * ((x - m) / w)**2)", parameters, y, x, method=POLISHED, stopping={"max_evaluations": 400}
+    )
+
+
+def test_polished_is_said_of_the_best_run_alone() -> None:
+    """A run beside the descents that was better than their ends once stayed the result, and was called polished."""
+    for seed in range(8):
+        problem = peak(0.4)
+        result = calibrate(problem, seed=seed)
+        assert result.objective == min(
+            r.evaluation.objective for r in result.history if r.evaluation.objective is not None
+        )
+        assert result.stop_reasons != ("polished",) or improvable(problem, result) < 1e-6
+
+
+@pytest.mark.parametrize(("roughness", "reason"), [(1e-9, "polished"), (1e-6, "polished"), (1e-4, "polish_unfinished")])
+def test_a_rough_model_costs_no_more_and_is_not_called_polished(roughness: float, reason: str) -> None:
+    """Roughness as of a model that iterates: below what matters a minimum is one, above it gradients are left."""
+    y = 3.0 * np.exp(-0.7 * T) + 0.5 + SCATTER
+    rough = f"a * exp(-k * x) + c + {roughness} * sin(1e6 * (a + k + 0.1 * c) + x)"
+    result = calibrate(polished(rough, {"a": free(), "k": free(), "c": free(0.0, 2.0)}, y), seed=1)
+    assert result.stop_reasons == (reason,)
+    assert result.evaluations < 200
+    assert result.objective == pytest.approx(calibrate(decay(), seed=1).objective, rel=10.0 * roughness)
+
+
+def test_a_slow_first_evaluation_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = [record.evaluation.objective for record in calibrate(looked_around(), seed=2).history]
+    evaluate, waits = Calibration.evaluate, iter([3600.0])
+    monkeypatch.setattr(Calibration, "evaluate", lambda self, x: replace(evaluate(self, x), seconds=next(waits, 0.0)))
+    assert [record.evaluation.objective for record in calibrate(looked_around(), seed=2).history] == whole
+
+
+def test_a_plateau_is_no_minimum() -> None:
+    problem = polished("where(a > 20, a, 0) * x + where(k > 20, k, 0)", {"a": free(), "k": free()}, 1.0 + SCATTER)
+    assert calibrate(problem, seed=1).stop_reasons == ("polish_unfinished",)
 
 
 def test_products_bounds_constraints_and_whole_numbers() -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from functools import cache
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +37,15 @@ _MODELS = {
     "Hahn1": "(b1+b2*x+b3*x**2+b4*x**3)/(1+b5*x+b6*x**2+b7*x**3)",
     "ENSO": f"{_YEAR}+b5*cos(2*pi*x/b4)+b6*sin(2*pi*x/b4)+b8*cos(2*pi*x/b7)+b9*sin(2*pi*x/b7)",
 }
+
+_TERMS = {
+    "Lanczos3": (slice(0, 2), slice(2, 4), slice(4, 6)),
+    "Gauss1": (slice(2, 5), slice(5, 8)),
+    "Gauss3": (slice(2, 5), slice(5, 8)),
+    "ENSO": (slice(3, 6), slice(6, 9)),
+    "MGH17": (slice(1, 5, 2), slice(2, 5, 2)),
+}
+"""Parameters of terms that have the same form."""
 
 NAMES = tuple(_MODELS)
 
@@ -68,11 +79,16 @@ class ArchiveSet:
         } | changes
 
     def digits(self, parameters: FloatArray) -> float:
-        """Correct digits of the worst parameter; terms of Lanczos3 may change places."""
-        found = parameters
-        if self.name == "Lanczos3":
-            found = found.reshape(3, 2)[np.argsort(found[1::2])].ravel()
-        return float(-np.log10(np.abs(found / self.certified - 1.0) + 1e-16).max())
+        """Correct digits of the worst parameter; terms of the same form may change places."""
+        terms = _TERMS.get(self.name, ())
+        orders = [list(range(len(parameters)))]
+        for chosen in permutations(terms):
+            order = orders[0].copy()
+            for place, term in zip(terms, chosen, strict=True):
+                order[place] = range(len(parameters))[term]
+            orders.append(order)
+        worst = min(float(np.abs(parameters[order] / self.certified - 1.0).max()) for order in orders)
+        return -math.log10(worst + 1e-16)
 
 
 @cache

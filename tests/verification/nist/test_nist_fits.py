@@ -12,6 +12,8 @@ from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
 from tests.verification.nist.data import MGH09, PROBLEMS, THURBER, Certified
 
+pytestmark = pytest.mark.usefixtures("independent_noise")
+
 
 def fit(case: Certified) -> tuple[Polished, Linearisation]:
     problem = parse_problem(case.document())
