@@ -26,6 +26,12 @@ class IsotropicCompressionSpec(StagedLoadSpec):
     """
 
     kind: Literal["isotropic_compression"] = "isotropic_compression"
+    height: float = Field(
+        gt=0.0,
+        le=MAX_LENGTH,
+        description="Height of the specimen at the beginning, m.",
+        json_schema_extra=in_unit("m", 0.07, 0.2),
+    )
     diameter: float = Field(
         gt=0.0,
         le=MAX_LENGTH,

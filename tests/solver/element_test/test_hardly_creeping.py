@@ -1,8 +1,8 @@
 """Stages of soils that hardly creep, against an integration over the creep strain in place of time.
 
-With a creep index of 1e-5 the rate of creep falls through thousands of logarithms of time within a stage. Over the creep
-strain nothing is stiff: the stress path does not depend on mu* at all, and the time at which a strain is reached is an
-integral over the path. Equations: Vermeer & Neher (1999), translated by c cot(phi).
+With a creep index of 1e-5 the rate of creep falls through thousands of logarithms of time within a stage. Over the
+creep strain nothing is stiff: the stress path does not depend on mu* at all, and the time at which a strain is reached
+is an integral over the path. Equations: Vermeer & Neher (1999), translated by c cot(phi).
 """
 
 from __future__ import annotations
