@@ -76,7 +76,7 @@ class CheckReport:
         Time of the planned evaluations on one worker and of the search itself, at most ``max_seconds`` [s]; None
         without a plan.
     warnings
-        What is probably not meant and what in the measurements the model does not contain, and what to do, in sentences.
+        What is probably not meant, what in the measurements the model does not contain, and what to do, in sentences.
     """
 
     name: str

@@ -98,7 +98,7 @@ def _curve(
         e is not None,
         np.arange(len(numbers) + 1),
         np.array([spec.initial_stress, *(stage.stress for stage in spec.stages)]),
-        shown(np.concatenate([[-at_zero], strain])),
+        shown(np.concatenate([[0.0 - at_zero], strain])),
         read,
         shown(measured),
         preconsolidation,

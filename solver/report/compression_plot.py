@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["compression_figure", "compression_rows"]
 
+_BEYOND = 1.01
+
 
 def compression_figure(title: str, curve: CompressionCurve) -> Figure:
     """Draw measured and calculated states at the ends of the stages, and the preconsolidation stress."""
@@ -46,10 +48,11 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
             )
         low, high = float(curve.stress.min()), float(max(curve.stress.max(), curve.preconsolidation))
         axes.set_xlim(min(low, curve.preconsolidation) / 1.4, high * 1.4)
-        if curve.interval is not None:
-            axes.axvspan(*curve.interval, color=ORANGE, alpha=0.18, linewidth=0.0, zorder=1)
-        label = f"σ′p = {curve.preconsolidation:.3g} kPa"
-        axes.axvline(curve.preconsolidation, color=ORANGE, linewidth=1.2, linestyle="--", label=label, zorder=2)
+        if curve.preconsolidation > _BEYOND * curve.stress[0]:  # normally consolidated from the start: nothing to mark
+            if curve.interval is not None:
+                axes.axvspan(*curve.interval, color=ORANGE, alpha=0.18, linewidth=0.0, zorder=1)
+            label = f"σ′p = {curve.preconsolidation:.3g} kPa"
+            axes.axvline(curve.preconsolidation, color=ORANGE, linewidth=1.2, linestyle="--", label=label, zorder=2)
         plain_ticks(axes, "x", log=True, most=6)
         plain_ticks(axes, "y", log=False, most=7)
         if not curve.void_ratio:
