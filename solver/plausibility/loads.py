@@ -20,7 +20,7 @@ __all__ = ["loads_not_shown"]
 _GROWTH, _PART = 1.5, 0.05
 """Increases of stress that must be seen: over the stress before, and over the largest one of the test."""
 _EARLY, _LATE = 0.3, 0.5
-"""First part of a stage, and last part of the one before (two readings at least), that are compared."""
+"""First part of a stage (or its first reading) and last part of the one before (or its last two) are compared."""
 _STEP = 0.05
 """Least step, over the one that the range of all readings and the increase of ln(stress) let expect."""
 _BACK = 0.05
@@ -123,12 +123,13 @@ def _movement(readings: StagedReadings, number: int) -> tuple[float, float] | No
     durations = np.array([stage.duration for stage in readings.spec.stages])
     first = readings.spec.zero_at_stage - 1
     start = float(durations[first : number - 1].sum())
-    early = within & (readings.x <= start + _EARLY * durations[number - 1])
     last = readings.y[before & (readings.x >= start - _LATE * durations[number - 2])]
     late = readings.y[before][-2:] if last.size < 2 else last
-    if not early.any() or late.size < 2:
+    soon = readings.y[within & (readings.x <= start + _EARLY * durations[number - 1])]
+    early = readings.y[within][:1] if soon.size == 0 else soon
+    if not (early.size and late.size):
         return None
-    return float(readings.y[early].mean() - late.mean()), _ends(late)
+    return float(early.mean() - late.mean()), _ends(late)
 
 
 def _ends(y: FloatArray) -> float:

@@ -51,7 +51,7 @@ def _size(readings: StagedReadings) -> Iterator[str]:
         what += ", more than soils are compressed by in a test"
     else:
         what = f"only {strain:.2g} of the {name}" if name else f"a strain of only {strain:.1g}"
-        what += f", under {loaded:.3g} times the initial stress"
+        what += f", under {loaded:.0f} times the initial stress"
     yield f"{begins} {what}; {_remedy(readings, largest, length, least)}"
 
 

@@ -180,6 +180,15 @@ def test_the_report_of_a_test_has_table_figure_and_json(swarm: Run, tmp_path: Pa
     assert written[0]["interval"] is not None
 
 
+def test_a_report_says_that_primary_consolidation_is_not_modelled(swarm: Run, sampling: Run, failed: Run) -> None:
+    words = "Primary consolidation is not modelled"
+    for run in (swarm, sampling):
+        (note,) = [note for note in run.report.content.notes if words in note]
+        assert "0 of 226 of settlement" in note
+        assert words in run.report.html()
+    assert words not in failed.report.html()
+
+
 def test_readings_from_a_later_zero_keep_their_void_ratio() -> None:
     """Strain counts from stage 3; the void ratio goes on from what the model has there."""
     whole = problem_of("oedometer", [(20.0, 1.0), (40.0, 1.0), (100.0, 1.0)], model={"initial_void_ratio": E0})
