@@ -36,7 +36,8 @@ __all__ = ["LaboratoryValue", "StagedTest", "laboratory_values", "staged_tests"]
 
 _STEP = 1e-5
 """Of the differences, in search coordinates: on a log scale relative."""
-_NO_INFLUENCE = 1e-12
+_NO_INFLUENCE = 1e-6
+"""Relative change of a value over that of a parameter; rounding makes some 1e-10."""
 
 Quantity = Callable[[Mapping[str, float]], float]
 
@@ -161,8 +162,7 @@ def preconsolidation_stress(model: StagedLoadModel, parameters: Mapping[str, flo
     low, high = 0.0, spec.initial_stress
     while _log_equivalent(high, ratio, soil) < log_pp:
         low, high = high, 2.0 * high
-    while high - low > 1e-12 * high:
-        middle = 0.5 * (low + high)
+    while low < (middle := 0.5 * (low + high)) < high:  # until no number lies between
         low, high = (middle, high) if _log_equivalent(middle, ratio, soil) < log_pp else (low, middle)
     return high
 
@@ -190,7 +190,7 @@ def _interval(
             moved = centre.copy()
             moved[index] += _STEP * scale
             slopes[index] = math.log(at(moved) / middle) / (_STEP * scale)
-        acting = np.flatnonzero(np.abs(slopes) * scales > _NO_INFLUENCE / _STEP)
+        acting = np.flatnonzero(np.abs(slopes) * scales > _NO_INFLUENCE)
         if acting.size == 0 or not np.isfinite(found.intervals[acting]).all():
             return None
         if acting.size == 1:

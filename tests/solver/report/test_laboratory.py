@@ -154,6 +154,18 @@ def test_intervals_are_those_of_the_parameters() -> None:
     assert known["σ′p"].interval[0] < known["σ′p"].value < known["σ′p"].interval[1]  # type: ignore[index]
 
 
+def test_an_interval_of_POP_is_moved_by_the_initial_stress() -> None:
+    """lambda*, kappa* and c act on p_p and, as much, on the stress that reaches it: they leave the interval alone."""
+    problem, report = calibrated(c={"lower": 1, "upper": 50}, POP={"lower": 1, "upper": 60})
+    assert report.optimum is not None
+    found = report.optimum.linearisation
+    low, high = found.interval("POP") or (math.nan, math.nan)
+    (known,) = [
+        v for v in laboratory_values(problem, problem.values(found.optimum.tolist()), found) if v.symbol == "σ′p"
+    ]
+    assert known.interval == pytest.approx((5.0 + low, 5.0 + high), rel=1e-9)
+
+
 def test_the_report_of_a_test_has_table_figure_and_json(swarm: Run, tmp_path: Path) -> None:
     page = swarm.report.html()
     (table,) = [t for t in swarm.report.content.tables if t.heading == "In the laboratory's terms"]
