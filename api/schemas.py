@@ -271,7 +271,7 @@ class CheckResult(Model):
     estimated_seconds: float | None = Field(
         description="time of all planned evaluations on one worker and of the search itself"
     )
-    warnings: list[str] = Field(description="what in the measurements the model does not contain, and what to do")
+    warnings: list[str] = Field(description="what is probably not meant or not modelled, and what to do")
     warm_starts: list[WarmStart] = Field(description="earlier jobs that it could learn from, newest first")
 
 

@@ -37,6 +37,9 @@ PARAMETERS = """\
 A parameter is exactly one of free, fixed and linked. Which parameters there are, which of them are needed, and within
 what limits depends on the forward model. A parameter that the forward model does not know is only accepted when a
 linked parameter uses it.
+
+The order counts: a search deals its random numbers out to the free parameters in the order of the file. With the same
+seed, another order gives another history, which is as good as any other seed's.
 """
 
 CONSTRAINTS = """\

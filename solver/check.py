@@ -10,6 +10,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
+from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.consolidation import find_consolidation
 from geoswarm.solver.runlog import RunLog
@@ -75,7 +76,7 @@ class CheckReport:
         Time of the planned evaluations on one worker and of the search itself, at most ``max_seconds`` [s]; None
         without a plan.
     warnings
-        What in the measurements the model does not contain, and what to do, in sentences.
+        What is probably not meant, what in the measurements the model does not contain, and what to do, in sentences.
     """
 
     name: str
@@ -124,7 +125,7 @@ def check_problem(
         forward_model=problem.forward_model.kind,
         method=problem.method.kind,
         free_parameters=problem.free_names,
-        warnings=tuple(found.sentence for found in find_consolidation(problem)),
+        warnings=(*implausible(problem), *(found.sentence for found in find_consolidation(problem))),
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
         test_run=_report(run, problem, problem.values(point.tolist())),

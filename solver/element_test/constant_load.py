@@ -32,7 +32,9 @@ FINISHED: Final = 0
 DIVERGED: Final = 1
 FAILED_SOIL: Final = 2
 
-_MAX_STEPS = 20_000  # a step takes some 10 us; 1e-5 for mu* and 1e-7 for the tolerance need 2500 in a stage
+# A hold passes beta ln(p_eq/p_p) logarithms of time, 1e4 and more where mu* is 1e-6, and steps where the stress ratio
+# changes get shorter with the tolerance: mu* = 1e-5 with 1e-7 takes 2500 steps, 1e-6 with 1e-8 some 60 000.
+_MAX_STEPS = 200_000  # of some 10 us
 _KINK_SHARE = 0.1  # weight of the stress change in a step that reaches a limit
 _LOCAL_SHARE = 0.1  # share of the tolerance granted to one step
 _FIRST_SHARE = 0.1  # the first step of a stage is at least this share of it

@@ -23,9 +23,18 @@ class IsotropicCompressionSpec(StagedLoadSpec):
     ``volumetric_strain`` over time, each also as ``stage_`` form over the stage number, and ``stage_void_ratio``. The
     specimen stays a cylinder. ``volumetric_strain`` is the engineering one: decrease of the volume over the initial
     volume. Inside, strain is logarithmic unless ``geometry: fixed``.
+
+    Primary consolidation is not modelled: there is no excess pore pressure. Leave out the readings before its end in
+    every stage (``stage_x_from`` in the observation), or calibrate the ``stage_`` series.
     """
 
     kind: Literal["isotropic_compression"] = "isotropic_compression"
+    height: float = Field(
+        gt=0.0,
+        le=MAX_LENGTH,
+        description="Height of the specimen at the beginning, m.",
+        json_schema_extra=in_unit("m", 0.07, 0.2),
+    )
     diameter: float = Field(
         gt=0.0,
         le=MAX_LENGTH,

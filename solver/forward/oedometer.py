@@ -30,6 +30,12 @@ class OedometerSpec(StagedLoadSpec):
     """
 
     kind: Literal["oedometer"] = "oedometer"
+    height: float = Field(
+        gt=0.0,
+        le=MAX_LENGTH,
+        description="Height of the specimen at the beginning, m.",
+        json_schema_extra=in_unit("m", 0.01, 0.05),
+    )
     initial_stress: float = Field(
         gt=0.0,
         le=MAX_STRESS,

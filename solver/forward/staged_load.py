@@ -89,7 +89,7 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         gt=0.0,
         le=MAX_LENGTH,
         description="Height of the specimen at the beginning, m.",
-        json_schema_extra=in_unit("m", 0.02, 0.2),
+        json_schema_extra=in_unit("m"),
     )
     initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Stress before the first stage, kPa.")
     stages: tuple[LoadStage, ...] = Field(

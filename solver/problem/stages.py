@@ -11,9 +11,18 @@ from geoswarm.solver.arrays import FloatArray, IntArray
 if TYPE_CHECKING:
     from geoswarm.solver.forward.base import ForwardModelSpec
 
-__all__ = ["stage_of", "stage_times"]
+__all__ = ["stage_of", "stage_times", "section_of_test"]
 
 _ROUNDING = 1e-9
+
+
+def section_of_test(spec: ForwardModelSpec, series: str) -> tuple[str, ForwardModelSpec, str]:
+    """Return path and section of the test that a series belongs to, and the name of the series there."""
+    parts: Any = getattr(spec, "parts", None)
+    part, dot, inner = series.partition(".")
+    if dot and parts:
+        return f"forward_model.parts.{part}", parts[part], inner
+    return "forward_model", spec, series
 
 
 def stage_times(spec: ForwardModelSpec, series: str) -> FloatArray:
@@ -22,16 +31,13 @@ def stage_times(spec: ForwardModelSpec, series: str) -> FloatArray:
     Empty for every other series. Times count from the series' zero; that of the first stage is negative where
     ``zero_at_stage`` is a later one.
     """
-    part_spec: Any = spec
-    part, dot, inner = series.partition(".")
-    if dot and hasattr(part_spec, "parts"):
-        part_spec, series = part_spec.parts[part], inner
-    stages = getattr(part_spec, "stages", ())
+    _, test, series = section_of_test(spec, series)
+    stages: Any = getattr(test, "stages", ())
     if not stages or series.startswith("stage_"):
         return np.empty(0)
     durations = np.array([stage.duration for stage in stages], dtype=np.float64)
     starts = np.concatenate([[0.0], np.cumsum(durations)[:-1]])
-    return np.asarray(starts - starts[getattr(part_spec, "zero_at_stage", 1) - 1], dtype=np.float64)
+    return np.asarray(starts - starts[getattr(test, "zero_at_stage", 1) - 1], dtype=np.float64)
 
 
 def stage_of(x: FloatArray, starts: FloatArray) -> IntArray:

@@ -12,11 +12,15 @@ from geoswarm.solver.identifiability.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
+from geoswarm.solver.report.captions import CAPTIONS
 from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.figures import FigureSet
 from geoswarm.solver.report.labels import ParameterLabel, parameter_labels
+from geoswarm.solver.report.laboratory import laboratory_values
+from geoswarm.solver.report.laboratory_table import laboratory_table
 from geoswarm.solver.report.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.record import Optimum, RunRecord, method_in_words
+from geoswarm.solver.report.scope import not_modelled
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.report.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.words import duration, number, reasons_in_words, typeset, verdict_in_words
@@ -91,59 +95,19 @@ def report_content(
         summary=_summary(cards, record) if judged else uncertainty.summary(record.evaluations),
         cards=cards,
         notes=tuple(
-            map(typeset, (*(_notes(statistics) if judged and statistics is not None else ()), *uncertainty.notes))
+            map(
+                typeset,
+                (*(_notes(problem, statistics) if judged and statistics is not None else ()), *uncertainty.notes),
+            )
         ),
         pictures=tuple(
-            Picture(name, *_CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
+            Picture(name, *CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
         ),
         tables=tuple(_tables(problem, record, statistics, labels, optimum, uncertainty)),
         provenance=tuple(_provenance(problem, record).items()),
         problem=_listing(_short(problem.document())),
         figures=figures,
     )
-
-
-_CAPTIONS: dict[str, tuple[str, str, bool]] = {
-    "matrix": (
-        "What the data can tell",
-        "Diagonal: objective over one parameter with its lower envelope; a firm single minimum means that the data "
-        "determine the parameter. Below: good fits by their objective, other evaluations grey. Above: Pearson's r of "
-        "the good fits with its 95 % interval, Spearman's ρ and the number of good fits.",
-        True,
-    ),
-    "intervals": (
-        "Parameters between their bounds",
-        "Search range, the middle 90 % of the good fits, and, where the parameter is identifiable at the optimum, its "
-        "confidence interval.",
-        False,
-    ),
-    "profiles": (
-        "Profile objectives",
-        "The lowest objective for every value of one parameter, the others fitted anew. The interval ends where the "
-        "profile crosses the dashed line; where it stays below up to the bound, the data leave the parameter open.",
-        True,
-    ),
-    "posterior": (
-        "Posterior sample",
-        "Distribution of each parameter by a Markov chain through the response surface of the stored evaluations; "
-        "shaded: the credible interval.",
-        True,
-    ),
-    "global_sensitivity": (
-        "Influence over the whole search range",
-        "Sobol: share of the variation that a parameter explains alone, and with all its interactions. Morris: mean "
-        "absolute elementary effect, and its spread. Whiskers: 95 % intervals.",
-        True,
-    ),
-    "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
-    "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
-    "convergence": ("Convergence", "Lowest objective found over the number of evaluations.", False),
-    "traces": (
-        "Parameters during the search",
-        "Dots: all evaluations; line: best so far; dotted: the bounds.",
-        False,
-    ),
-}
 
 
 _HEADINGS = {
@@ -223,6 +187,7 @@ def _tables(
     best = record.best
     if best is not None:
         tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum, uncertainty))
+        tables += _laboratory_tables(problem, best.parameters, statistics, _polished(optimum, uncertainty))
         unit = objective_unit(problem)
         rows = [
             (
@@ -257,8 +222,7 @@ def _parameter_table(
     uncertainty: Uncertainty,
 ) -> Table:
     rows = []
-    fit = None if statistics is None else statistics.fit
-    doubt = f" ({DOES_NOT_HOLD[fit.kind]})" if fit is not None and fit.wrong else ""
+    doubt = _doubt(statistics)
     free = _polished(optimum, uncertainty)
     polished = None if free is None else problem.values([free[name] for name in problem.free_names])
     for name, parameter in problem.parameters.items():
@@ -286,6 +250,21 @@ def _parameter_table(
             f"{_quantity(p.objective, unit)}, {how}; intervals belong there."
         )
     return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)
+
+
+def _doubt(statistics: Statistics | None) -> str:
+    """What follows every interval where the model does not describe the data."""
+    fit = None if statistics is None else statistics.fit
+    return f" ({DOES_NOT_HOLD[fit.kind]})" if fit is not None and fit.wrong else ""
+
+
+def _laboratory_tables(
+    problem: Problem, best: Mapping[str, float], statistics: Statistics | None, polished: Mapping[str, float] | None
+) -> list[Table]:
+    """The parameters of laboratory tests as laboratories know them: polished where somebody went there."""
+    values = best if polished is None else problem.values([polished[name] for name in problem.free_names])
+    found = laboratory_values(problem, values, None if statistics is None else statistics.linearisation)
+    return [laboratory_table(found, _doubt(statistics))] if found else []
 
 
 def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]) -> Table:
@@ -344,7 +323,7 @@ def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -
     return tables
 
 
-def _notes(statistics: Statistics) -> tuple[str, ...]:
+def _notes(problem: Problem, statistics: Statistics) -> tuple[str, ...]:
     threshold = statistics.filtered.threshold
     how = "given" if threshold.origin == "given" else f"proposed, {threshold.explanation}"
     notes = [f"Good fits: {statistics.filtered.statement}. The threshold was {how}."]
@@ -354,6 +333,7 @@ def _notes(statistics: Statistics) -> tuple[str, ...]:
         notes.append(f"{statistics.samples.failed} evaluations failed and take no part.")
     fit = statistics.fit  # stands at the head
     told = {" ".join((fit.sentence, *fit.remedies))} if fit.wrong else set()
+    notes += not_modelled(problem)
     return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings if warning not in told))
 
 

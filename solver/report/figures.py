@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 from geoswarm.solver.identifiability import Samples, Statistics
 from geoswarm.solver.identifiability.follow_ups import follow_up_of
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.compression import CompressionCurve, compression_curves
+from geoswarm.solver.report.compression_plot import compression_figure, compression_rows
 from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
 from geoswarm.solver.report.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
 from geoswarm.solver.report.intervals_plot import IntervalRow, interval_rows, intervals_figure
@@ -41,8 +43,9 @@ class FigureSet:
     """All figures of one run.
 
     ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity, fit,
-    stages.SERIES (one a series that was measured during several loads), convergence, traces. A follow-up has neither
-    matrix nor the progress of a search.
+    stages.SERIES (one a series that was measured during several loads), compression (of a laboratory test;
+    compression.PART of each of several), convergence, traces. A follow-up has neither matrix nor the progress of a
+    search.
 
     Parameters
     ----------
@@ -128,6 +131,9 @@ class FigureSet:
             for curve in self._curves:
                 if has_stages(curve):
                     makers[f"stages.{curve.series}"] = _stages(title, curve)
+            for compressed in self._compression:
+                name = f"compression.{compressed.part}" if compressed.part else "compression"
+                makers[name] = _compression(title, compressed)
         if records:
             target = self._problem.stopping.target_objective
             makers["convergence"] = (
@@ -177,6 +183,12 @@ class FigureSet:
         curves = series_curves(self._problem, best.responses, best.parameters, initial_values(self._problem))
         return [curve.thinned() for curve in curves]
 
+    @cached_property
+    def _compression(self) -> tuple[CompressionCurve, ...]:
+        best, statistics = self._record.best, self._statistics
+        found = None if statistics is None or statistics.fit.wrong else statistics.linearisation
+        return () if best is None else compression_curves(self._problem, best.parameters, found)
+
     def _matrix(self, statistics: Statistics, samples: Samples) -> MatrixData:
         return MatrixData(
             samples,
@@ -214,6 +226,11 @@ class FigureSet:
 
 def _stages(title: str, curve: SeriesCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
     return lambda: stages_figure(f"{title}: {curve.series} by stage", curve), lambda: fit_rows([curve])
+
+
+def _compression(title: str, curve: CompressionCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    heading = f"{title}: compression{f' ({curve.part})' if curve.part else ''}"
+    return lambda: compression_figure(heading, curve), lambda: compression_rows(curve)
 
 
 def _trace_rows(samples: Samples) -> Rows:

@@ -13,6 +13,8 @@ import numpy as np
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.local import CalibrationResult, GenerationRecord
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.laboratory import laboratory_values
+from geoswarm.solver.report.laboratory_table import laboratory_document
 from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.versions import versions
 
@@ -46,10 +48,13 @@ def result_document(problem: Problem, result: CalibrationResult, optimum: Optimu
     """Return the whole result but its history, JSON-able; values in base units.
 
     ``objective`` and ``parameters`` are the best of the search. Where the report polished them, ``polished`` has the
-    parameters that fit better, and how many further runs it took.
+    parameters that fit better, and how many further runs it took. ``laboratory`` has the parameters of laboratory tests
+    as Cc, Cs, C_alpha and preconsolidation stress, of the polished parameters where there are any.
     """
     best = result.best
     polished = None if optimum is None else optimum.polished
+    values = result.parameters if polished is None else problem.values(polished.parameters.tolist())
+    linearisation = None if optimum is None else optimum.linearisation
     return {
         "name": problem.name,
         "state": result.state,
@@ -69,6 +74,7 @@ def result_document(problem: Problem, result: CalibrationResult, optimum: Optimu
             "parameters": problem.values(polished.parameters.tolist()),
             "evaluations": polished.evaluations,
         },
+        "laboratory": [] if values is None else laboratory_document(laboratory_values(problem, values, linearisation)),
         "best": best
         and {
             "generation": result.best_generation,

@@ -52,3 +52,20 @@ def test_the_service_has_a_limit_of_its_own(settings: Settings) -> None:
     assert time.monotonic() - began < 20  # it would hang for ever
     service.close()
     service.store.close()
+
+
+def test_what_is_probably_not_meant_is_told(app: App) -> None:
+    soil = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.004, "phi": 25.0}
+    document = line_problem(
+        forward_model={
+            "kind": "oedometer", "height": 20, "initial_stress": 1, "stages": [{"stress": 50, "duration": 24}]
+        },
+        parameters={name: {"value": value} for name, value in soil.items()} | {"c": {"lower": 1, "upper": 20}},
+        observations=[{"series": "settlement", "points": {"x": [0.1, 1.0], "y": [-0.5, -0.7]}}],
+    )  # fmt: skip
+    told = app.post(f"{API}/problems/check", json=document).json()["warnings"]
+    assert [one.partition(" =")[0] for one in told[:2]] == [
+        "forward_model.height",
+        "forward_model.stages[].duration",
+    ]
+    assert "compression is positive; give them with the opposite sign" in told[2]

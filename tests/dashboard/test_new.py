@@ -286,6 +286,17 @@ def test_a_check_that_fails_says_why(embedded: Site, visit: Visit) -> None:
     assert page.locator(".mapping").count() == 0
 
 
+def test_a_check_warns_of_what_is_probably_not_meant(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    expect(page.get_by_text("do not contain primary consolidation").first).to_be_visible(timeout=CALM)
+    page.locator('[data-path="forward_model.height"]').fill("20")
+    expect(page.get_by_label("The problem as YAML")).to_have_value(re.compile("height: 20\n"))
+    page.get_by_role("button", name="Check", exact=True).click()
+    warning = page.locator("#check-body .notes[role=alert]")
+    expect(warning).to_contain_text("if 20 mm is meant, give 0.02", timeout=CALM)
+    assert "check y_unit" in warning.inner_text()  # 3.7 mm of 20 m
+
+
 def test_readers_are_told_that_they_may_not_submit(full: Site, visit: Visit) -> None:
     page, _ = visit(full, "/new", key=full.key("auditor", "read"))
     expect(page.locator("main")).to_contain_text("This API key may only read")

@@ -122,6 +122,16 @@ def test_a_tolerance_of_1e_7_is_met_where_creep_slows_down_in_ten_thousand_logar
     assert np.diff(-np.log1p(-fine))[5:7] == pytest.approx(0.1 * math.log(2.0), rel=0.02)
 
 
+def test_the_smallest_tolerance_is_reached_by_a_soil_that_hardly_creeps() -> None:
+    """An index of 1e-6 leaves 1e5 logarithms of time in a stage: tens of thousands of steps, not a failure."""
+    soil = {"lambda_star": 0.082, "kappa_star": 0.051, "mu_star": 1.0e-6, "c": 25.0, "phi": 20.0, "psi": 0.0}
+    wanted = {"stage_axial_strain": [float(n) for n in range(1, 17)]}
+    coarse, fine = (
+        run(oedometer_spec(tolerance=t).build(), wanted, soil)["stage_axial_strain"] for t in (1.0e-6, 1.0e-8)
+    )
+    assert np.abs(coarse - fine).max() < 3.0e-6  # errors of 16 stages add up
+
+
 def test_overconsolidation_from_OCR_or_POP_as_field_or_parameter() -> None:
     def final(spec: OedometerSpec, **parameters: float) -> float:
         return float(run(spec.build(), {"stage_settlement": [5]}, {**IDENTIFIED, **parameters})["stage_settlement"][0])

@@ -47,7 +47,7 @@ export function observationsSection(context, place) {
         unit("x"), unit("y"),
         field(draft, [...path, "weight"], { label: "Weight", kind: "number", fallback: 1, onchange: showShares }),
         field(draft, [...path, "error"], { label: "Standard deviation of a reading", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "Where it is known." })),
-      leftOut(one, path, about),
+      ...leftOut(one, path, about),
       element("div", { class: "share" }, element("span", { dataset: { share: String(i) } }), element("meter", { min: "0", max: "1", value: "0", id: `share-${i}`, "aria-label": `Share of ${one.series ?? "the series"} in the weights` })),
       element("div", { class: "buttons" },
         all().length > 1 ? button(`Show ${one.series}`, () => { shownSeries = one.series; redrawPlot(); }) : null,
@@ -60,13 +60,15 @@ export function observationsSection(context, place) {
     const unit = one.x_unit ?? about?.x_unit, staged = Array.isArray(draft.read(["forward_model", "stages"])) || draft.read(["forward_model", "parts"]) !== undefined;
     const some = ["x_from", "x_to", "stage_x_from", "leave_out_stages"].some((name) => one[name] !== undefined);
     const settles = staged && !one.series?.split(".").at(-1).startsWith("stage_");
-    return element("details", { open: some },
-      element("summary", {}, "Leave readings out"),
-      settles ? element("p", { class: "help" }, "The soil laws do not contain primary consolidation: leave out the readings before its end in every stage, or calibrate the values at the ends of the stages (stage_settlement). Checking the problem estimates that end.") : null,
-      element("div", { class: "fields" },
-        field(draft, [...path, "x_from"], { label: "From", kind: "number", unit }), field(draft, [...path, "x_to"], { label: "To", kind: "number", unit }),
-        settles ? field(draft, [...path, "stage_x_from"], { label: "Of every stage, from so long after its load", kind: "number", unit }) : null,
-        staged ? field(draft, [...path, "leave_out_stages"], { label: "Stages to leave out", kind: "numbers", help: "Their numbers, from 1." }) : null));
+    return [
+      settles ? element("p", { class: "help" }, "The soil laws do not contain primary consolidation: leave out the readings before its end in every stage, or calibrate the values at the ends of the stages (series stage_…). Checking the problem estimates that end.") : null,
+      element("details", { open: some },
+        element("summary", {}, "Leave readings out"),
+        element("div", { class: "fields" },
+          field(draft, [...path, "x_from"], { label: "From", kind: "number", unit }), field(draft, [...path, "x_to"], { label: "To", kind: "number", unit }),
+          settles ? field(draft, [...path, "stage_x_from"], { label: "Of every stage, from so long after its load", kind: "number", unit }) : null,
+          staged ? field(draft, [...path, "leave_out_stages"], { label: "Stages to leave out", kind: "numbers", help: "Their numbers, from 1." }) : null)),
+    ];
   }
 
   function draw() {

@@ -1,0 +1,147 @@
+"""Loads of a test in stages that the readings do not show: stages without readings, and loads without a step.
+
+A virgin load (more than any before) compresses a soil faster at once. It counts as not shown where the readings early
+in its stage lie no further from those late in the stage before than creep alone would have brought them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.units import convert
+
+__all__ = ["loads_not_shown"]
+
+_GROWTH, _PART = 1.5, 0.05
+"""Increases of stress that must be seen: over the stress before, and over the largest one of the test."""
+_EARLY, _LATE = 0.3, 0.5
+"""First part of a stage (or its first reading) and last part of the one before (or its last two) are compared."""
+_STEP = 0.05
+"""Least step, over the one that the range of all readings and the increase of ln(stress) let expect."""
+_BACK = 0.05
+"""Movement against the load, over the range of all readings."""
+_AGREES = 0.1
+_TIME_UNITS = ("s", "min", "h", "day")
+
+
+def loads_not_shown(problem: Problem) -> Iterator[str]:
+    """Stages without a reading, and virgin loads at which the readings show no step or go the other way."""
+    for readings in staged_readings(problem):
+        if not readings.by_stage:
+            yield from _unread(readings)
+        yield from _steps(readings)
+
+
+def _unread(readings: StagedReadings) -> Iterator[str]:
+    wanted = range(readings.spec.zero_at_stage, len(readings.spec.stages) + 1)
+    missing = sorted(set(wanted) - set(readings.stages.astype(int).tolist()) - _left_out(readings))
+    if not missing:
+        return
+    last = int(readings.stages.max())
+    end = float(convert(readings.x[-1], "day", readings.x_unit))
+    whole = float(sum(stage.duration for stage in readings.spec.stages[readings.spec.zero_at_stage - 1 :]))
+    if missing[0] > last and len(missing) == wanted[-1] - last:
+        meant = _time_unit(readings, whole)
+        remedy = (
+            f"in {meant} they would end with it: x_unit: {meant}"
+            if meant
+            else f"check x_unit (now {readings.x_unit}) and {readings.section}.stages[].duration (day), or leave out "
+            "the stages that were not read"
+        )
+        yield (
+            f"{readings.title} the readings end at {end:g} {readings.x_unit}, in stage {last} of {wanted[-1]}, which "
+            f"end after {float(convert(whole, 'day', readings.x_unit)):g} {readings.x_unit}; {remedy}"
+        )
+    else:
+        yield (
+            f"{readings.title} there is no reading in {_named(missing)} of {wanted[-1]}; check "
+            f"{readings.section}.stages against the record of the test"
+        )
+
+
+def _left_out(readings: StagedReadings) -> set[int]:
+    return set(readings.observation.selection.get("leave_out_stages") or ())
+
+
+def _time_unit(readings: StagedReadings, whole: float) -> str | None:
+    """Unit of time in which the last reading would be at the end of the test."""
+    end = float(convert(readings.x[-1], "day", readings.x_unit))
+    for unit in _TIME_UNITS:
+        if unit != readings.x_unit and abs(float(convert(end, unit, "day")) / whole - 1.0) <= _AGREES:
+            return unit
+    return None
+
+
+def _steps(readings: StagedReadings) -> Iterator[str]:
+    stresses = readings.stresses
+    span = float(np.ptp(readings.y))
+    if span == 0.0:
+        if readings.y.size > 1:
+            yield f"{readings.title} all readings are {readings.in_data(float(readings.y[0]))}; check the column"
+        return
+    downwards = -1.0 if readings.quantity == "void_ratio" else 1.0
+    whole = float(np.log(stresses[1:].max() / stresses[0]))
+    missed, backwards = [], []
+    for number in range(readings.spec.zero_at_stage + 1, len(stresses)):
+        past = float(stresses[:number].max())
+        if stresses[number] < max(_GROWTH * past, past + _PART * float(stresses.max())):
+            continue
+        found = _movement(readings, number)
+        if found is None:
+            continue
+        step, creep = downwards * found[0], downwards * found[1]
+        expected = _STEP * span * float(np.log(stresses[number] / past)) / whole
+        if step < -_BACK * span:
+            backwards.append(number)
+        elif step <= max(creep, 0.0) + expected:
+            missed.append(number)
+    if backwards:
+        yield (
+            f"{readings.title} the readings go back at {_loads(readings, backwards)}, where the stress rises; check "
+            f"{readings.section}.stages against the record of the test, and the sign of the readings"
+        )
+    if missed:
+        yield (
+            f"{readings.title} the readings show no step at {_loads(readings, missed)}; check stress and duration of "
+            f"{readings.section}.stages and zero_at_stage against the record of the test, and x_unit, now "
+            f"{readings.x_unit or 'stage'}"
+        )
+
+
+def _movement(readings: StagedReadings, number: int) -> tuple[float, float] | None:
+    """Movement across the application of a load and, for comparison, by creep before it; None with too few readings."""
+    before, within = readings.stages == number - 1, readings.stages == number
+    if readings.by_stage:
+        if not (before.any() and within.any()):
+            return None
+        return float(readings.y[within][0] - readings.y[before][0]), 0.0
+    durations = np.array([stage.duration for stage in readings.spec.stages])
+    first = readings.spec.zero_at_stage - 1
+    start = float(durations[first : number - 1].sum())
+    last = readings.y[before & (readings.x >= start - _LATE * durations[number - 2])]
+    late = readings.y[before][-2:] if last.size < 2 else last
+    soon = readings.y[within & (readings.x <= start + _EARLY * durations[number - 1])]
+    early = readings.y[within][:1] if soon.size == 0 else soon
+    if not (early.size and late.size):
+        return None
+    return float(early.mean() - late.mean()), _ends(late)
+
+
+def _ends(y: FloatArray) -> float:
+    """Movement from the first third to the last third of some readings: noise does not count much."""
+    third = max(1, y.size // 3)
+    return float(y[-third:].mean() - y[:third].mean())
+
+
+def _loads(readings: StagedReadings, numbers: list[int]) -> str:
+    stresses = ", ".join(f"{readings.stresses[n - 1]:g} to {readings.stresses[n]:g}" for n in numbers)
+    return f"the load{'s' if len(numbers) > 1 else ''} of {_named(numbers)} ({stresses} kPa)"
+
+
+def _named(numbers: list[int]) -> str:
+    return f"stage{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"

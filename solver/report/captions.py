@@ -1,0 +1,55 @@
+"""Headings and captions of the figures of a report."""
+
+from __future__ import annotations
+
+__all__ = ["CAPTIONS"]
+
+CAPTIONS: dict[str, tuple[str, str, bool]] = {
+    "matrix": (
+        "What the data can tell",
+        "Diagonal: objective over one parameter with its lower envelope; a firm single minimum means that the data "
+        "determine the parameter. Below: good fits by their objective, other evaluations grey. Above: Pearson's r of "
+        "the good fits with its 95 % interval, Spearman's ρ and the number of good fits.",
+        True,
+    ),
+    "intervals": (
+        "Parameters between their bounds",
+        "Search range, the middle 90 % of the good fits, and, where the parameter is identifiable at the optimum, its "
+        "confidence interval.",
+        False,
+    ),
+    "profiles": (
+        "Profile objectives",
+        "The lowest objective for every value of one parameter, the others fitted anew. The interval ends where the "
+        "profile crosses the dashed line; where it stays below up to the bound, the data leave the parameter open.",
+        True,
+    ),
+    "posterior": (
+        "Posterior sample",
+        "Distribution of each parameter by a Markov chain through the response surface of the stored evaluations; "
+        "shaded: the credible interval.",
+        True,
+    ),
+    "global_sensitivity": (
+        "Influence over the whole search range",
+        "Sobol: share of the variation that a parameter explains alone, and with all its interactions. Morris: mean "
+        "absolute elementary effect, and its spread. Whiskers: 95 % intervals.",
+        True,
+    ),
+    "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
+    "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
+    "compression": (
+        "Compression curve",
+        "State at the end of each stage over the logarithm of stress: the last reading of the stage and the best "
+        "evaluation. Dashed: preconsolidation stress that follows from OCR or POP; shaded: its 95 % interval, where "
+        "it holds.",
+        False,
+    ),
+    "convergence": ("Convergence", "Lowest objective found over the number of evaluations.", False),
+    "traces": (
+        "Parameters during the search",
+        "Dots: all evaluations; line: best so far; dotted: the bounds.",
+        False,
+    ),
+}
+"""Heading, caption and whether it needs the whole width, by the name of a figure up to its first dot."""

@@ -1,0 +1,160 @@
+"""The compression curve of a laboratory test: void ratio, or strain, at the ends of the stages over log stress."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.forward.isotropic_compression import IsotropicCompressionSpec
+from geoswarm.solver.identifiability import Linearisation
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.stages import stage_of, stage_times
+from geoswarm.solver.report.laboratory import StagedTest, laboratory_values, staged_tests
+
+__all__ = ["CompressionCurve", "compression_curves"]
+
+_LATE = 0.5
+"""A reading stands for the end of a stage when it was made in the last half of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompressionCurve:
+    """Measured and calculated state at the ends of the stages of one test.
+
+    Parameters
+    ----------
+    part
+        Name of the test in a combined model; empty otherwise.
+    confined
+        Whether the stress is the vertical one of an oedometer, not an all-round one.
+    void_ratio
+        Whether y is a void ratio; otherwise engineering strain in percent, of the height (oedometer) or the volume.
+    stages
+        Number of each calculated point, shape (n,); 0 stands for the initial state.
+    stress, calculated
+        Shape (n,), kPa and y.
+    measured_stages, measured
+        Stages that were read, shape (m,), and y, shape (m,).
+    preconsolidation, interval
+        Preconsolidation stress and its 95 % interval, kPa.
+    """
+
+    part: str
+    confined: bool
+    void_ratio: bool
+    stages: IntArray
+    stress: FloatArray
+    calculated: FloatArray
+    measured_stages: IntArray
+    measured: FloatArray
+    preconsolidation: float
+    interval: tuple[float, float] | None
+
+    @property
+    def measured_stress(self) -> FloatArray:
+        """Stress of the measured points, shape (m,), kPa."""
+        return self.stress[np.searchsorted(self.stages, self.measured_stages)]
+
+
+def compression_curves(
+    problem: Problem, values: Mapping[str, float], linearisation: Linearisation | None
+) -> tuple[CompressionCurve, ...]:
+    """Return the compression curve of every laboratory test; none of one that cannot be calculated."""
+    found = {v.part: v for v in laboratory_values(problem, values, linearisation) if v.symbol == "σ′p"}
+    curves = []
+    for test in staged_tests(problem):
+        try:
+            curves.append(_curve(problem, test, values, found[test.part].value, found[test.part].interval))
+        except SolverError:
+            continue
+    return tuple(curves)
+
+
+def _curve(
+    problem: Problem,
+    test: StagedTest,
+    values: Mapping[str, float],
+    preconsolidation: float,
+    interval: tuple[float, float] | None,
+) -> CompressionCurve:
+    spec = test.model.spec
+    e = spec.initial_void_ratio
+    strain_series = "stage_axial_strain" if test.confined else "stage_volumetric_strain"
+    numbers = np.arange(1.0, len(spec.stages) + 1.0)
+    strain = test.model.prepare({strain_series: numbers})(test.values(values))[strain_series]
+    at_zero = 0.0 if spec.zero_at_stage == 1 else _strain_before(test, values, strain)
+    read, measured = _measured(problem, test)
+
+    def shown(since_zero: FloatArray) -> FloatArray:
+        return 100.0 * since_zero if e is None else e - (1.0 + e) * (at_zero + since_zero)
+
+    return CompressionCurve(
+        test.part,
+        test.confined,
+        e is not None,
+        np.arange(len(numbers) + 1),
+        np.array([spec.initial_stress, *(stage.stress for stage in spec.stages)]),
+        shown(np.concatenate([[0.0 - at_zero], strain])),
+        read,
+        shown(measured),
+        preconsolidation,
+        interval,
+    )
+
+
+def _strain_before(test: StagedTest, values: Mapping[str, float], strain: FloatArray) -> float:
+    """Calculated strain from the beginning of the test to the zero of its readings."""
+    whole = type(test.model)(test.model.spec.model_copy(update={"zero_at_stage": 1}))
+    series = "stage_axial_strain" if test.confined else "stage_volumetric_strain"
+    first = whole.prepare({series: np.array([1.0])})(test.values(values))[series]
+    return float(first[0] - strain[0])
+
+
+def _measured(problem: Problem, test: StagedTest) -> tuple[IntArray, FloatArray]:
+    """Stages that were read, from 1, and the strain since the zero of the readings."""
+    spec = test.model.spec
+    prefix = f"{test.part}." if test.part else ""
+    ends = {
+        o.series.removeprefix(prefix): _ends(problem, test, o.series, o.x, o.y)
+        for o in problem.observations
+        if o.series.startswith(prefix)
+    }
+    for name in ("axial_strain", "settlement") if test.confined else ("volumetric_strain",):
+        for series in (f"stage_{name}", name):
+            if ends.get(series):
+                scale = spec.height if name == "settlement" else 1.0
+                return _sorted({stage: y / scale for stage, y in ends[series].items()})
+    e = spec.initial_void_ratio
+    if ends.get("stage_void_ratio") and e is not None and spec.zero_at_stage == 1:
+        return _sorted({stage: (e - y) / (1.0 + e) for stage, y in ends["stage_void_ratio"].items()})
+    if isinstance(spec, IsotropicCompressionSpec):
+        for form in ("stage_", ""):
+            axial, radial = ends.get(f"{form}axial_displacement", {}), ends.get(f"{form}radial_displacement", {})
+            both = {
+                stage: 1.0 - (1.0 - axial[stage] / spec.height) * (1.0 - 2.0 * radial[stage] / spec.diameter) ** 2
+                for stage in axial
+                if stage in radial
+            }
+            if both:
+                return _sorted(both)
+    return _sorted({})
+
+
+def _sorted(ends: Mapping[int, float]) -> tuple[IntArray, FloatArray]:
+    stages = sorted(ends)
+    return np.array(stages, dtype=np.int64), np.array([ends[stage] for stage in stages], dtype=np.float64)
+
+
+def _ends(problem: Problem, test: StagedTest, series: str, x: FloatArray, y: FloatArray) -> dict[int, float]:
+    """Reading at the end of each stage, by its number."""
+    starts = stage_times(problem.forward_model, series)
+    if starts.size == 0:
+        return dict(zip(np.round(x).astype(int).tolist(), y.tolist(), strict=True))
+    durations = np.array([stage.duration for stage in test.model.spec.stages])
+    stages = stage_of(x, starts)
+    late = x - starts[stages - 1] >= _LATE * durations[stages - 1]
+    return {int(stage): float(value) for stage, value in zip(stages[late], y[late], strict=True)}
