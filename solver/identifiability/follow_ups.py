@@ -20,9 +20,10 @@ from geoswarm.solver.identifiability.differences import residual_rows
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import Linearisation, from_evaluations
+from geoswarm.solver.identifiability.sensitivity import from_evaluations
 from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.problem import (
     FollowUpMethod,

@@ -28,10 +28,10 @@ from geoswarm.solver.identifiability.basins import OtherFit
 from geoswarm.solver.identifiability.correlations import COORDINATES, Correlation, correlate
 from geoswarm.solver.identifiability.filtering import Filtered
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.projections import Projection
 from geoswarm.solver.identifiability.proposals import Proposal, propose
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import Linearisation
 
 __all__ = ["FEWEST_GOOD_FITS", "WIDTH_LIMIT", "Evidence", "Verdict", "VerdictKind", "judge"]
 
