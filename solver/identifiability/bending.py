@@ -10,68 +10,28 @@ at one place). Where that differs by more than a tenth, the profile objective gi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.differences import residual_rows
 from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
 from geoswarm.solver.search.follow_ups import ProfileSearch
+from geoswarm.solver.search.interval_ends import IntervalEnds, plan_ends
 
-__all__ = ["IntervalEnds", "interval_ends", "likelihood_intervals", "measure_bending", "with_profiles"]
+__all__ = ["likelihood_intervals", "measure_bending", "with_profiles"]
 
-_SHORTEST = 0.25  # of the half width: nearer to a bound, nothing is tried on that side
 _LARGEST = 10.0
-
-
-@dataclass(frozen=True, slots=True)
-class IntervalEnds:
-    """Where the model is run to see whether it bends.
-
-    Parameters
-    ----------
-    positions
-        Natural values, shape (k, d).
-    parameter
-        Whose interval ends there, shape (k,).
-    part
-        Of the half width that the position is away, at most 1; less where a bound is nearer, shape (k,).
-    """
-
-    positions: FloatArray
-    parameter: IntArray
-    part: FloatArray
-
-
-def interval_ends(calibration: Calibration, linearisation: Linearisation) -> IntervalEnds:
-    """Ends of the linearised intervals, the other parameters fitted anew to first order; two for each parameter."""
-    space = calibration.space
-    centre = space.to_unit(linearisation.optimum)
-    positions, parameter, parts = [], [], []
-    for index in range(space.dimension):
-        half = linearisation.linear_half_widths[index]
-        if not np.isfinite(half) or half <= 0.0:
-            continue
-        path = linearisation.model.path(index) * half
-        for side in (-1.0, 1.0):
-            room = np.where(side * path > 0.0, 1.0 - centre, centre)
-            with np.errstate(divide="ignore"):
-                part = min(1.0, float(np.min(np.where(path == 0.0, np.inf, room / np.abs(path)))))
-            if part >= _SHORTEST:
-                positions.append(space.from_unit(np.clip(centre + side * part * path, 0.0, 1.0)))
-                parameter.append(index)
-                parts.append(part)
-    shape = (len(positions), space.dimension)
-    return IntervalEnds(np.array(positions).reshape(shape), np.array(parameter, dtype=np.int64), np.array(parts))
+_SAME_LIMIT = 0.02  # of the rise of a profile up to the end of the interval
+_NEAREST, _FARTHEST = 0.25, 3.0  # of the half width: places from which nothing is concluded about the end
 
 
 def measure_bending(
     calibration: Calibration, linearisation: Linearisation, ends: IntervalEnds, evaluations: Sequence[Evaluation]
 ) -> Linearisation:
-    """Take in the evaluations at :func:`interval_ends`: the same linearisation with its ``bending``."""
+    """Take in the evaluations at the ends of the intervals: the same linearisation with its ``bending``."""
     rows = residual_rows(calibration, evaluations)
     lowest = float(np.sum(linearisation.model.residuals**2))
     bending = np.full(len(linearisation.names), np.nan)
@@ -80,8 +40,10 @@ def measure_bending(
         left, singular, _ = np.linalg.svd(others, full_matrices=False)
         basis = left[:, singular > 1e-10 * max(float(singular.max(initial=0.0)), 1e-300)]
         found = []
-        for row, part in zip(rows[ends.parameter == index], ends.part[ends.parameter == index], strict=True):
-            if not np.isfinite(row).all():
+        own = ends.parameter == index
+        for row, moved in zip(rows[own], ends.moved[own], strict=True):
+            part = float(moved / linearisation.linear_half_widths[index])
+            if not np.isfinite(row).all() or not _NEAREST <= part <= _FARTHEST:
                 continue
             remaining = row - basis @ (basis.T @ row)
             rise = float(np.sum(remaining**2)) - lowest
@@ -100,7 +62,8 @@ def likelihood_intervals(calibration: Calibration, linearisation: Linearisation)
 
     Two runs for each parameter that has an interval, and a profile of those within whose intervals the model bends.
     """
-    ends = interval_ends(calibration, linearisation)
+    half = linearisation.linear_half_widths
+    ends = plan_ends(calibration.space, linearisation.optimum, linearisation.model.inverse, half)
     checked = measure_bending(
         calibration, linearisation, ends, [calibration.evaluate(position) for position in ends.positions]
     )
@@ -110,14 +73,19 @@ def likelihood_intervals(calibration: Calibration, linearisation: Linearisation)
 def with_profiles(linearisation: Linearisation, profiles: Sequence[Profile]) -> Linearisation:
     """Put the intervals of complete profiles in the place of the linearised ones.
 
-    An end that the data leave open lies on the bound; open on both sides, there is no interval. Profiles that found a
-    better fit than the optimum, and parameters without a linearised interval, are left aside.
+    An end that the data leave open lies on the bound; open on both sides, there is no interval. Profiles of another
+    optimum or noise, such that found a better fit than the optimum, and parameters without a linearised interval are
+    left aside.
     """
+    lowest = float(np.sum(linearisation.model.residuals**2))
     intervals, widths = linearisation.intervals.copy(), linearisation.unit_widths.copy()
     bases = list(linearisation.bases)
     for profile in profiles:
         index = linearisation.names.index(profile.parameter)
         if not profile.complete or profile.better is not None or not np.isfinite(widths[index]):
+            continue
+        rise = float(linearisation.profile_increase[index])
+        if abs(profile.limit - lowest - rise) > _SAME_LIMIT * rise:
             continue
         low = float(profile.values[0]) if profile.lower is None else profile.lower
         high = float(profile.values[-1]) if profile.upper is None else profile.upper

@@ -23,6 +23,12 @@ BENDS = 0.1
 """Part by which an end of an interval by likelihood differs from the linearised one, from which the model bends."""
 
 _FAR = 0.2
+_BASES: dict[IntervalBasis, str] = {
+    "linearised": "",
+    "correlated": "widened for correlated residuals",
+    "uneven": "widened for residuals of uneven size",
+    "profile": "by likelihood",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +46,6 @@ class LinearModel:
     weighted: FloatArray
     residuals: FloatArray
     inverse: FloatArray
-
-    def path(self, index: int) -> FloatArray:
-        """How all parameters move per move of one when the others are fitted anew, parts of the range, shape (d,)."""
-        covered = self.inverse @ self.inverse[index]
-        return np.asarray(covered / covered[index])
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,18 +181,19 @@ class Linearisation:
         index = self.names.index(name)
         return self.bases[index] != "profile" and bool(self.bending[index] > BENDS)
 
+    def bending_of(self, name: str) -> float:
+        """How far an end of its interval by likelihood lies from the linearised one, relatively; nan if unknown."""
+        return float(self.bending[self.names.index(name)])
+
+    def basis_in_words(self, name: str) -> str:
+        """What its interval rests on, in a few words; empty for linearisation where that is enough."""
+        return "approximate: the model bends there" if self.bent(name) else _BASES[self.basis(name)]
+
     def interval_in_words(self, name: str) -> str:
-        """Which interval it has: "its 95% interval by likelihood"; empty without one."""
-        index = self.names.index(name)
-        if self.interval(name) is None:
-            return ""
-        how = {
-            "linearised": " at the optimum" if np.isfinite(self.bending[index]) else " by linearisation",
-            "correlated": ", widened for correlated residuals,",
-            "uneven": ", widened for residuals of uneven size,",
-            "profile": " by likelihood",
-        }
-        return f"its {self.level:.0%} interval{how[self.bases[index]]}"
+        """Which interval it has: "its 95% interval by linearisation"."""
+        looked = bool(np.isfinite(self.bending_of(name)))
+        rests = _BASES[self.basis(name)] or ("at the optimum" if looked else "by linearisation")
+        return f"its {self.level:.0%} interval {rests}"
 
     def correlation(self) -> FloatArray:
         """Correlations of the estimates in search coordinates, shape (d, d), nan where there is none."""
