@@ -295,8 +295,8 @@ def _judge_linearisation(
     values = f"{linearisation.interval_in_words(name)} is {' to '.join(ends(low, high, plain=True))}"
     if linearisation.bent(name):
         sentence = (
-            f"{name} is undecided: {values}, but the model bends there, and the interval by likelihood differs by about "
-            f"{share(linearisation.bending_of(name))} on one side; 'geoswarm profile' calculates it."
+            f"{name} is undecided: {values}, but the model bends there, and the interval by likelihood differs by "
+            f"about {share(linearisation.bending_of(name))} on one side; 'geoswarm profile' calculates it."
         )
         return "undecided", evidence, sentence
     if width <= WIDTH_LIMIT and not (open_below or open_above):
