@@ -11,14 +11,14 @@ _FEW = {
     "bend, 15 points": 0.85,
     "wave, 15 points": 0.83,
     "step, 15 points": 0.35,
-    "step, 18 points": 0.45,
+    "step, 18 points": 0.37,
     "step, 15 points, stated error": 0.78,
-    "step, 18 points, stated error": 0.85,
+    "step, 18 points, stated error": 0.82,
 }
 """Deviations of twice the noise that more than a tenth of the fits hide, and what is found of them at least.
 
-Of the first three, an F test at the same level that knows the one direction finds 96, 99 and 94 %, and one that looks in
-three directions, the deviation among them, 81, 88 and 76 % (noncentral F): few readings do not show more.
+Of the first three, an F test at the same level that knows the one direction finds 96, 99 and 94 %, and one that looks
+in three directions, the deviation among them, 81, 88 and 76 % (noncentral F): few readings do not show more.
 """
 
 
