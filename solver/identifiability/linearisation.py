@@ -192,8 +192,8 @@ class Linearisation:
     def interval_in_words(self, name: str) -> str:
         """Which interval it has: "its 95% interval by linearisation"."""
         looked = bool(np.isfinite(self.bending_of(name)))
-        rests = _BASES[self.basis(name)] or ("at the optimum" if looked else "by linearisation")
-        return f"its {self.level:.0%} interval {rests}"
+        how = {"linearised": " at the optimum" if looked else " by linearisation", "profile": " by likelihood"}
+        return f"its {self.level:.0%} interval{how.get(self.basis(name), f', {self.basis_in_words(name)},')}"
 
     def correlation(self) -> FloatArray:
         """Correlations of the estimates in search coordinates, shape (d, d), nan where there is none."""
