@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import matmul_toeplitz
+from scipy.linalg import solve_triangular
 from scipy.special import stdtr, stdtrit
 
 from geoswarm.solver.arrays import FloatArray, IntArray
@@ -147,14 +147,19 @@ def _uneven_half(inverse: FloatArray, residuals: FloatArray, basis: FloatArray, 
 
 def _correlated_half(inverse: FloatArray, residuals: FloatArray, basis: FloatArray, level: float) -> FloatArray:
     """Half widths, shape (d,), of what one series of correlated noise adds: the mixture over rho."""
+    from scipy.signal import lfilter
+
     likelihood, variance = _restricted(residuals, basis)
     shares = np.exp(likelihood - likelihood.max())
     shares /= shares.sum()
     used = np.flatnonzero(shares > 1e-6 * shares.max())
     spreads = np.empty((len(used), len(inverse)))
     for row, index in enumerate(used.tolist()):
-        kernel = _RHO[index] ** np.arange(inverse.shape[1])
-        own = np.sum(inverse.T * matmul_toeplitz((kernel, kernel), inverse.T), axis=0)
+        rho = float(_RHO[index])
+        before = lfilter(
+            [0.0, rho], [1.0, -rho], inverse, axis=1
+        )  # of each reading: sum of rho^k times the k-th before
+        own = np.sum(inverse * (inverse + 2.0 * before), axis=1)
         spreads[row] = np.sqrt(np.maximum(own, 0.0) * variance[index])
     free = max(float(len(residuals) - basis.shape[1]), 1.0)
     # bisection for the half width that the mixture of Student's t exceeds with 1 - level
@@ -176,14 +181,16 @@ def _restricted(residuals: FloatArray, basis: FloatArray) -> tuple[FloatArray, F
     left, singular, _ = np.linalg.svd(basis, full_matrices=False)
     regressors = left[:, singular > 1e-8]
     free = max(count - regressors.shape[1], 1)
+    table = np.column_stack([regressors, residuals])
+    ahead, behind = table[1:], table[:-1]
+    first, own, lagged, before = np.outer(table[0], table[0]), ahead.T @ ahead, ahead.T @ behind, behind.T @ behind
     likelihood, variance = np.empty(_RHO.size), np.empty(_RHO.size)
     for index, rho in enumerate(_RHO.tolist()):
-        root = np.sqrt(1.0 - rho * rho)
-        table = np.column_stack([regressors, residuals])
-        white = np.concatenate([table[:1], (table[1:] - rho * table[:-1]) / root])
-        orthonormal, triangle = np.linalg.qr(white[:, :-1])
-        rest = white[:, -1] - orthonormal @ (orthonormal.T @ white[:, -1])
-        variance[index] = max(float(rest @ rest) / free, 1e-300)
-        determinants = (count - 1) * np.log(root) + float(np.sum(np.log(np.abs(np.diag(triangle)) + 1e-300)))
+        square = 1.0 - rho * rho
+        gram = first + (own - rho * (lagged + lagged.T) + rho * rho * before) / square  # of the whitened table
+        root = np.linalg.cholesky(gram[:-1, :-1])
+        along = solve_triangular(root, gram[:-1, -1], lower=True)
+        variance[index] = max(float(gram[-1, -1] - along @ along) / free, 1e-300)
+        determinants = 0.5 * (count - 1) * np.log(square) + float(np.sum(np.log(np.diag(root))))
         likelihood[index] = -determinants - 0.5 * free * np.log(variance[index])
     return likelihood, variance
