@@ -182,6 +182,13 @@ class OptimumParameter(Answer):
     value: float
     standard_error: Number
     interval: tuple[float, float] | None
+    interval_basis: Literal["linearised", "correlated", "uneven", "profile"] | None = Field(
+        description="what the interval rests on; the two in the middle allow for correlated or uneven residuals"
+    )
+    bending: Number = Field(
+        description="how far an end by likelihood lies from the linearised one, relatively; null where nobody looked"
+    )
+    bent: bool = Field(description="the model bends within the interval, and no profile has been calculated")
     influence: float
     why_no_interval: str | None
 

@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 
-__all__ = ["REASONS", "VERDICTS", "duration", "number", "reasons_in_words", "typeset", "verdict_in_words"]
+__all__ = [
+    "REASONS",
+    "VERDICTS",
+    "duration",
+    "ends",
+    "number",
+    "reasons_in_words",
+    "share",
+    "typeset",
+    "verdict_in_words",
+]
 
 VERDICTS = {
     "identified": "identified",
@@ -56,6 +67,28 @@ def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
     if exponent:
         text = _power(mantissa, power)
     return text.replace("-", "−")
+
+
+def ends(low: float, high: float, *, digits: int = 3, plain: bool = False) -> tuple[str, str]:
+    """Return the ends of an interval with as many significant digits as its width needs, ``digits`` at least.
+
+    Rounding an end moves it by a twentieth of the width at most, so that both differ from each other and from a value
+    between them.
+    """
+    largest, width = max(abs(low), abs(high)), high - low
+    if math.isfinite(width) and width > 0.0:
+        digits = max(digits, min(math.floor(math.log10(largest)) - math.floor(math.log10(0.1 * width)) + 1, 15))
+    return number(low, digits, plain=plain), number(high, digits, plain=plain)
+
+
+def share(part: float) -> str:
+    """Return a part of a whole in per cent, one digit at least that is not 0: ``34%``, ``2.1%``, ``0.003%``."""
+    if part >= 0.1 or part <= 0.0:
+        return f"{part:.0%}"
+    if part >= 1e-3:
+        return f"{part:.1%}"
+    decimals = -math.floor(math.log10(100.0 * part))
+    return f"{100.0 * part:.{decimals}f}%" if decimals <= 6 else "less than 0.000001%"
 
 
 def _power(mantissa: str, power: str) -> str:

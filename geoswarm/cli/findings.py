@@ -10,7 +10,7 @@ import click
 from geoswarm.cli.connection import SLOW_ANSWER, connect, find_calibration
 from geoswarm.cli.fit import interval_heading, show_fit
 from geoswarm.cli.options import connection_options, json_option
-from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.output import echo_facts, echo_json, echo_table, ends, note, number
 from geoswarm.cli.source import as_folder, known_noise, noise_option
 
 __all__ = ["posterior_command", "show_findings"]
@@ -98,6 +98,15 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
     echo_facts(None, facts)
     for reason in reasons:
         note(f"Note: {reason}")
+    bent = [parameter for parameter, row in linearisation["parameters"].items() if row["bent"]]
+    if bent:
+        note(
+            f"Warning: the model bends within the interval of {' and '.join(bent)}, so it is only approximate; "
+            f"'geoswarm profile' calculates the one by likelihood"
+        )
+    by_profile = [p for p, row in linearisation["parameters"].items() if row["interval_basis"] == "profile"]
+    if by_profile:
+        note(f"Note: the model bends there, so the interval of {' and '.join(by_profile)} is the one by likelihood")
     for one in linearisation["dependence"]:
         note(f"Note: {one['sentence']}")
     for parameter, side in linearisation["held"].items():
@@ -140,4 +149,4 @@ def _show_indices(found: Mapping[str, Any]) -> None:
 
 
 def _ends(interval: list[float] | None) -> tuple[str, str]:
-    return ("-", "-") if interval is None else (number(interval[0]), number(interval[1]))
+    return ("-", "-") if interval is None else ends(*interval)

@@ -229,6 +229,19 @@ class _LocalRun:
         return self.problem.seed or 0
 
     def sensitivity(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:
+        from geoswarm.solver.identifiability.follow_ups import join_findings, profile_problem
+
+        found = self._sensitivities(at, step, polish, noise)
+        at_optimum = found.linearisation
+        bent = [name for name in self.problem.free_names if at_optimum is not None and at_optimum.bent(name)]
+        kept = self.folder is not None and (self.folder / "profile").exists()
+        if at_optimum is None or not bent or kept or not self.problem.forward_model.quick:
+            return found
+        note(f"The model bends within the interval of {' and '.join(bent)}: profiles follow.")
+        profiles = self._run(profile_problem(self.problem, at_optimum, seed=self.seed, parameters=bent), noise)
+        return join_findings([found, profiles])
+
+    def _sensitivities(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:
         from geoswarm.solver.identifiability.follow_ups import sensitivity_problem
 
         problem = sensitivity_problem(self.problem, self._optimum(at), seed=self.seed, step=step, polish=polish)
@@ -242,7 +255,7 @@ class _LocalRun:
         if self.folder is not None and at is None:
             found = findings_of_folder(self.folder, self.problem, noise=noise).linearisation
         if found is None:
-            examined = self.sensitivity(at, None, True, noise)
+            examined = self._sensitivities(at, None, True, noise)
             if examined.linearisation is None:
                 raise FailedRunError(f"sensitivities at the optimum cannot be had: {'; '.join(examined.notes)}")
             found = examined.linearisation

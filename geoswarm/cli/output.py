@@ -20,6 +20,7 @@ __all__ = [
     "echo_json",
     "echo_table",
     "note",
+    "ends",
     "number",
     "progress_console",
     "reasons_in_words",
@@ -31,6 +32,11 @@ _PIPED_WIDTH = 120
 def number(value: float | None, digits: int = 4) -> str:
     """Return a number with the given significant digits; ``-`` for None."""
     return words.number(value, digits, plain=True)
+
+
+def ends(low: float, high: float) -> tuple[str, str]:
+    """Return the ends of an interval with four significant digits, or as many more as its width needs."""
+    return words.ends(low, high, digits=4, plain=True)
 
 
 def duration(seconds: float | None) -> str:

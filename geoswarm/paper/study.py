@@ -15,6 +15,7 @@ from geoswarm.solver.identifiability.correlations import Coordinates
 from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
 from geoswarm.solver.report import Report, record_of_result
+from geoswarm.solver.words import ends
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -261,7 +262,7 @@ def polished_rows(report: Report, published: Mapping[str, float], units: Mapping
         if name not in values:
             continue
         interval = optimum.linearisation.interval(name)
-        remark = "no interval" if interval is None else f"95 % interval {interval[0]:.3g} to {interval[1]:.3g}"
+        remark = "no interval" if interval is None else f"95 % interval {' to '.join(ends(*interval, plain=True))}"
         if interval is not None:
             remark += ", holds the published value" if interval[0] <= value <= interval[1] else ""
         rows.append(row("swarm, polished", name, value, values[name], unit=units.get(name, ""), remark=remark))

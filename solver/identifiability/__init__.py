@@ -31,12 +31,13 @@ from geoswarm.solver.identifiability.correlations import Correlation, Correlatio
 from geoswarm.solver.identifiability.differences import DifferenceDesign, Jacobian, design, differentiate
 from geoswarm.solver.identifiability.errors import StatisticsError, TooFewPointsError
 from geoswarm.solver.identifiability.filtering import Filtered, Threshold, filter_samples, propose_threshold
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, noise_objective
 from geoswarm.solver.identifiability.projections import Projection, project
 from geoswarm.solver.identifiability.proposals import FittedLine, Proposal, apply_proposals, fit_line
 from geoswarm.solver.identifiability.residuals import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import Linearisation, from_evaluations, linearise
+from geoswarm.solver.identifiability.sensitivity import from_evaluations, linearise
 from geoswarm.solver.identifiability.study import Statistics, analyse
 from geoswarm.solver.identifiability.verdicts import Evidence, Verdict, judge
 from geoswarm.solver.identifiability.weighting import (

@@ -14,9 +14,9 @@ from scipy.special import fdtri
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.noise import Noise, noise_objective
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import Linearisation
 
 __all__ = ["OtherFit", "equivalent_objective", "heads_elsewhere", "other_fits"]
 
@@ -59,7 +59,7 @@ def equivalent_objective(calibration: Calibration, best: float, noise: Noise | N
 
 def _extent(linearisation: Linearisation, limit: float, best: float) -> FloatArray:
     """How far from the optimum the linearised objective reaches the limit, parts of the range, shape (d,)."""
-    half = linearisation.unit_widths / 2.0
+    half = linearisation.linear_half_widths
     with np.errstate(invalid="ignore", divide="ignore"):
         extent = half * np.sqrt(max(limit - best, 0.0) / linearisation.profile_increase)
     return np.where(half == 0.0, 0.0, extent)

@@ -16,13 +16,15 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.follow_up import profile_search, sensitivity_search
+from geoswarm.solver.identifiability.bending import measure_bending, with_profiles
 from geoswarm.solver.identifiability.differences import residual_rows
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import Linearisation, from_evaluations
+from geoswarm.solver.identifiability.sensitivity import from_evaluations
 from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.problem import (
     FollowUpMethod,
@@ -238,16 +240,20 @@ def _sensitivity(
 ) -> Findings:
     search = sensitivity_search(calibration.space, method)
     start = evaluations[0].objective if evaluations else None
-    position = first = 0
+    position = first = last_difference = 0
     while (due := search.ask()) is not None:
         if search.descending:
             first = position + len(due)  # of the differences
+        if search.ends is None:
+            last_difference = position + len(due)
+        elif position + len(due) > len(evaluations):
+            break  # nobody has looked yet whether the model bends
         if position + len(due) > len(evaluations):
             going_on = "the descent to the minimum has not ended" if search.descending else _INCOMPLETE
             return Findings(start_objective=start, notes=(going_on,))
         position += len(due)
         _tell(calibration, search, evaluations[:position], len(due))
-    plan, last = search.plan, evaluations[first:position]
+    plan, last = search.plan, evaluations[first:last_difference]
     if search.steps is not None:
         plan, rows = search.steps.chosen(residual_rows(calibration, last))
         last = [last[row] for row in rows]
@@ -257,6 +263,8 @@ def _sensitivity(
         if noise is not None:
             raise
         return Findings(start_objective=start, notes=(str(error),))
+    if search.ends is not None and position > last_difference:
+        found = measure_bending(calibration, found, search.ends, evaluations[last_difference:position])
     return Findings(found, last[0].objective, start, responses=dict(last[0].responses), fit=found.fit)
 
 
@@ -305,7 +313,10 @@ def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluatio
 
 
 def join_findings(parts: Sequence[Findings]) -> Findings:
-    """Join what several follow-ups of one job have found; of two of a kind the first counts."""
+    """Join what several follow-ups of one job have found; of two of a kind the first counts.
+
+    Where the model bends within an interval, a complete profile gives it.
+    """
     with_optimum = next((part for part in parts if part.linearisation is not None), NO_FINDINGS)
     profiles: dict[str, Profile] = {}
     indices: dict[tuple[str, str], GlobalSensitivity] = {}
@@ -315,8 +326,12 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         for index in part.global_sensitivities:
             indices.setdefault((index.kind, index.output), index)
     notes = dict.fromkeys(note for part in parts for note in part.notes)
+    linearisation = with_optimum.linearisation
+    if linearisation is not None:
+        bent = [profile for name, profile in profiles.items() if linearisation.bent(name)]
+        linearisation = with_profiles(linearisation, bent)
     return Findings(
-        with_optimum.linearisation,
+        linearisation,
         with_optimum.objective,
         with_optimum.start_objective,
         tuple(profiles.values()),

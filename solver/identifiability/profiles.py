@@ -22,7 +22,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
-from geoswarm.solver.identifiability.sensitivity import Linearisation
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.search.chains import ChainPoint
 from geoswarm.solver.search.follow_ups import BLIND_STEP, ProfileSearch, ProfileSettings
 

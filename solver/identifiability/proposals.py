@@ -15,6 +15,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.projections import Projection
 from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.words import ends
 
 __all__ = ["FittedLine", "Proposal", "ProposalKind", "apply_proposals", "fit_line", "propose"]
 
@@ -195,9 +196,10 @@ def propose(
 
 def _link(line: FittedLine) -> Proposal:
     scatter = f"the good fits scatter {line.residual:.1%} around it"
+    low, high = ends(line.lower, line.upper, plain=True)
     sentence = (
         f"Link {line.parameter} to {line.partner}: {line.parameter} = {line.expression} "
-        f"for {line.partner} from {line.lower:.3g} to {line.upper:.3g} ({scatter})."
+        f"for {line.partner} from {low} to {high} ({scatter})."
     )
     return Proposal(
         "link", line.parameter, sentence, {"parameters": {line.parameter: {"expression": line.expression}}}, line

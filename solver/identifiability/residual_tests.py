@@ -1,11 +1,12 @@
 """One joint test of whether residuals hold a pattern, by series and stage, calibrated by simulation.
 
-Each part (a series, or one stage of it) is looked at in several ways: smooth deviations (what the first one, three
-and eight cosines over the rank of x explain, as far as the fit leaves them; Hart 1997), autocorrelation (Durbin and
-Watson 1950), and runs of one sign (Wald and Wolfowitz 1940). What these take in residuals of a right model follows from
-simulated noise that goes through the same fit: the derivatives at the optimum are projected out, so fitted parameters,
-weights, few points and several series are accounted for. The least of all probabilities is compared with that of the
-simulated residuals (Westfall and Young 1993): the level holds for all parts and ways together.
+Each part (a series, or one stage of it) is looked at in several ways: smooth deviations (what the first one, two and
+three cosines over the rank of x explain, and eight where there are many readings, as far as the fit leaves them; Hart
+1997), and autocorrelation (Durbin and Watson 1950). Few ways of low order find a bend among few readings best. What
+they take in residuals of a right model follows from simulated noise that goes through the same fit: the derivatives at
+the optimum are projected out, so fitted parameters, weights, few points and several series are accounted for. The least
+of all probabilities is compared with that of the simulated residuals (Westfall and Young 1993): the level holds for all
+parts and ways together.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ FEWEST_IN_PART = 6
 _DRAWS = 999
 _SEED = 20080501
 _COSINES = 8
-_FIRST = (1, 3, _COSINES)  # numbers of cosines that are looked at together
+_FIRST = (1, 2, 3)  # numbers of cosines that are looked at together
+_MANY = 30  # readings from which all cosines are looked at together, too
 _LEFT = 0.1  # share of a cosine that the fit must leave for it to be used
 _UNEVEN = 1.645
 _OPEN = 1e-7  # singular value, relative to the largest, of a direction that the data leave open
@@ -186,16 +188,15 @@ class _Ways:
         """All ways for residuals, shape (k, n): shape (ways, k); large means a pattern."""
         own = residuals[:, self.part.indices] / self.deviations[self.part.indices]
         sums = np.cumsum((own @ self.cosines) ** 2, axis=1).T
-        smooth = [sums[min(first, len(sums)) - 1] for first in _FIRST if len(sums)]
+        together = _FIRST if own.shape[1] < _MANY else (*_FIRST, _COSINES)
+        smooth = [sums[min(first, len(sums)) - 1] for first in together if len(sums)]
         if self.known:
             return np.stack([*smooth, np.sum(own * own, axis=1)])
         whole = residuals[:, self.part.series] / self.deviations[self.part.series]
         spread = np.maximum(np.sum(whole * whole, axis=1), 1e-300)
         own_spread = np.maximum(np.sum(own * own, axis=1), 1e-300)
         watson = -np.sum(np.diff(own, axis=1) ** 2, axis=1) / own_spread
-        signs = own > 0.0
-        runs = -np.sum(signs[:, 1:] != signs[:, :-1], axis=1).astype(np.float64)
-        return np.stack([*(s / np.maximum(spread - s, 1e-9 * spread) for s in smooth), watson, runs])
+        return np.stack([*(s / np.maximum(spread - s, 1e-9 * spread) for s in smooth), watson])
 
 
 def _freed(cosines: FloatArray, draws: FloatArray) -> FloatArray:

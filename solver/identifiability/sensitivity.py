@@ -5,21 +5,22 @@ and S the diagonal of their noise variances, the estimate that minimises the obj
 
     C = (J' W J)^-1  J' W S W J  (J' W J)^-1                         (Seber and Wild 2003, section 2.8)
 
-which is the usual s^2 (J' J)^-1 for one series. Parameters are taken in parts of their range in search coordinates, so
-that singular values compare what a move through the whole searched range would change.
+which is the usual s^2 (J' J)^-1 for one series. Standard errors and covariance are these; intervals are wider where the
+residuals show that the noise is not independent and even (:mod:`geoswarm.solver.identifiability.dependence`), and
+follow the likelihood where the model bends (:mod:`geoswarm.solver.identifiability.bending`). Parameters are taken in
+parts of their range in search coordinates, so that singular values compare what a move through the whole searched range
+would change.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.identifiability.combinations import Combination, Directions, find_directions
+from geoswarm.solver.identifiability.combinations import Directions, find_directions
 from geoswarm.solver.identifiability.dependence import Dependence, dependence_of
 from geoswarm.solver.identifiability.differences import (
     DifferenceDesign,
@@ -29,179 +30,14 @@ from geoswarm.solver.identifiability.differences import (
     differentiate,
 )
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict, examine_fit, is_exact
+from geoswarm.solver.identifiability.linearisation import IntervalBasis, Linearisation, LinearModel
 from geoswarm.solver.identifiability.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
 from geoswarm.solver.identifiability.spread import Spread, mean_variance
 
-__all__ = ["Linearisation", "design", "from_evaluations", "linearise"]
+__all__ = ["design", "from_evaluations", "linearise"]
 
-_FAR = 0.2
 _AT_BOUND = 1e-9
-
-
-@dataclass(frozen=True, slots=True)
-class Linearisation:
-    """What the data determine at the optimum, linearised.
-
-    Parameters
-    ----------
-    names, scales
-        Of the d free parameters.
-    optimum
-        Shape (d,), natural values.
-    combinations
-        All d directions, the best determined first.
-    without_influence
-        Parameters on which no measured value depends there, or less than its noise through the whole range.
-    unclear
-        Parameters whose derivatives are too uncertain to tell whether and how they act; with any of these, no parameter
-        has an interval.
-    held
-        Parameters at a bound beyond which the data pull, with ``lower`` or ``upper``: there the minimum lies on it.
-    influences
-        Length of the weighted derivative of each parameter over the longest one, shape (d,).
-    noise
-        Known or estimated; None when it is neither (no more points than parameters).
-    degrees_of_freedom
-        n - d, n measured points.
-    covariance
-        Of search coordinates, shape (d, d); nan in rows and columns of parameters without an interval. None without
-        noise.
-    standard_errors
-        Shape (d,), natural values (delta method on a log scale); nan where there is no interval.
-    intervals
-        Shape (d, 2), natural values: Student's t, normal with known noise; on a log scale symmetric in the logarithm.
-        nan where there is none.
-    unit_widths
-        Width of the intervals in parts of the range, shape (d,).
-    level
-        Of the intervals.
-    derivative_error
-        Largest estimated relative error of a derivative column.
-    distance
-        How far, in standard errors, a Gauss-Newton step inside the bounds would move each parameter, shape (d,); nan
-        where there is no standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
-    profile_increase
-        How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
-        without one, by the mean noise variance of the weighted points. nan without noise.
-    fit
-        Whether the model describes the data; where it does not, no interval holds.
-    dependence
-        Series whose residuals are correlated, or of uneven size; intervals allow for it.
-    """
-
-    names: tuple[str, ...]
-    scales: tuple[str, ...]
-    optimum: FloatArray
-    combinations: tuple[Combination, ...]
-    without_influence: tuple[str, ...]
-    unclear: tuple[str, ...]
-    held: tuple[tuple[str, str], ...]
-    influences: FloatArray
-    noise: Noise | None
-    degrees_of_freedom: int
-    covariance: FloatArray | None
-    standard_errors: FloatArray
-    intervals: FloatArray
-    unit_widths: FloatArray
-    level: float
-    derivative_error: float
-    distance: FloatArray
-    profile_increase: FloatArray
-    fit: FitVerdict
-    dependence: tuple[Dependence, ...] = ()
-
-    @property
-    def at_optimum(self) -> bool:
-        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum.
-
-        False where no distance is known.
-        """
-        return bool(np.isfinite(self.distance).any()) and not bool((self.distance > _FAR).any())
-
-    @property
-    def far(self) -> float | None:
-        """The largest distance from the minimum in standard errors; None where none is known."""
-        known = self.distance[np.isfinite(self.distance)]
-        return float(known.max()) if known.size else None
-
-    def influence(self, name: str) -> float:
-        """Length of the parameter's weighted derivative over the longest one, 0 to 1."""
-        return float(self.influences[self.names.index(name)])
-
-    def tied_to(self, name: str) -> tuple[str, ...]:
-        """Parameters with which it forms combinations that the data leave open."""
-        found = {
-            partner: None
-            for combination in self.combinations
-            if combination.open and name in combination.components and len(combination.components) > 1
-            for partner in combination.components
-            if partner != name
-        }
-        return tuple(found)
-
-    def interval(self, name: str) -> tuple[float, float] | None:
-        """Confidence interval, natural values, or None."""
-        low, high = self.intervals[self.names.index(name)]
-        return (float(low), float(high)) if np.isfinite(low) and np.isfinite(high) else None
-
-    def unit_width(self, name: str) -> float:
-        """Width of the interval in parts of the searched range; nan without one."""
-        return float(self.unit_widths[self.names.index(name)])
-
-    def correlation(self) -> FloatArray:
-        """Correlations of the estimates in search coordinates, shape (d, d), nan where there is none."""
-        if self.covariance is None:
-            return np.full((len(self.names), len(self.names)), np.nan)
-        deviation = np.sqrt(np.diag(self.covariance))
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(self.covariance / np.outer(deviation, deviation))
-
-    def why_no_interval(self, name: str) -> str:
-        """Say why a parameter has no interval."""
-        if name in self.unclear:
-            return "its sensitivities are too uncertain to tell how it acts; the forward model is rough there"
-        if name in self.without_influence:
-            return "no measured value depends on it"
-        tied = self.tied_to(name)
-        if tied:
-            return f"it acts only in combination with {' and '.join(tied)}"
-        if self.noise is None:
-            return "there are no more measured points than free parameters, so the noise cannot be estimated; give it"
-        if self.unclear:
-            return f"the sensitivities to {' and '.join(self.unclear)} are too uncertain"
-        return "its interval would be wider than the searched range"
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values; None for nan."""
-        rows = {
-            name: {
-                "value": float(self.optimum[i]),
-                "standard_error": _number(self.standard_errors[i]),
-                "interval": None if self.interval(name) is None else list(self.interval(name) or ()),
-                "influence": float(self.influences[i]),
-                "why_no_interval": None if self.interval(name) else self.why_no_interval(name),
-            }
-            for i, name in enumerate(self.names)
-        }
-        return {
-            "parameters": rows,
-            "level": self.level,
-            "degrees_of_freedom": self.degrees_of_freedom,
-            "noise": None if self.noise is None else {"origin": self.noise.origin, "deviations": self.noise.deviations},
-            "combinations": [
-                {"singular_value": c.singular_value, "components": c.components, "open": c.open}
-                for c in self.combinations
-            ],
-            "correlation": [[_number(v) for v in row] for row in self.correlation().tolist()],
-            "unclear": list(self.unclear),
-            "derivative_error": self.derivative_error,
-            "distance": [_number(v) for v in self.distance],
-            "at_optimum": self.at_optimum,
-            "held": dict(self.held),
-            "fit": self.fit.to_json(),
-            "dependence": [asdict(one) | {"sentence": one.sentence} for one in self.dependence],
-        }
 
 
 def from_evaluations(
@@ -283,6 +119,7 @@ def linearise(
         int((weights > 0).sum()),
         fit,
         tuple(one for one, _ in dependence),
+        LinearModel(weighted, residuals, found.inverse(weighted)),
     )
 
 
@@ -333,6 +170,7 @@ def _assemble(
     points: int,
     fit: FitVerdict,
     dependence: tuple[Dependence, ...],
+    model: LinearModel,
 ) -> Linearisation:
     space = calibration.space
     span = space.search_upper - space.search_lower
@@ -367,9 +205,16 @@ def _assemble(
         distance=spread.distance,
         profile_increase=spread.profile_increase,
         fit=fit,
+        model=model,
+        linear_half_widths=spread.half,
+        bases=_bases(spread, dependence),
+        bending=np.full(space.dimension, np.nan),
         dependence=dependence,
     )
 
 
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _bases(spread: Spread, dependence: tuple[Dependence, ...]) -> tuple[IntervalBasis, ...]:
+    """What the interval of each parameter rests on: correlation goes before unevenness where both widen it."""
+    kinds = {one.kind for one in dependence}
+    wider: IntervalBasis = "correlated" if "correlated" in kinds else "uneven"
+    return tuple(wider if is_wider else "linearised" for is_wider in spread.widened)

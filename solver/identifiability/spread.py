@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.combinations import Directions
-from geoswarm.solver.identifiability.dependence import Dependence, noise_root
+from geoswarm.solver.identifiability.dependence import Dependence, allowed_deviations
 from geoswarm.solver.identifiability.minimising import MinimisingStep
 from geoswarm.solver.identifiability.noise import Noise
 
@@ -35,13 +35,18 @@ def mean_variance(calibration: Calibration, weights: FloatArray, noise: Noise) -
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """Spread of the estimates in parts of the range: covariance (d, d), deviations, half widths, ... each (d,)."""
+    """Spread of the estimates in parts of the range.
+
+    Covariance (d, d), deviations and distance (d,) are those of independent noise; half widths of the intervals and the
+    rises of the profiles at their ends, (d,), allow for dependence, and ``widened`` says where that mattered.
+    """
 
     covariance: FloatArray
     deviations: FloatArray
     half: FloatArray
     distance: FloatArray
     profile_increase: FloatArray
+    widened: BoolArray
 
     @classmethod
     def of(
@@ -61,38 +66,40 @@ class Spread:
         nothing = np.full(dimension, np.nan)
         covariance = np.full((dimension, dimension), np.nan)
         if noise is None:
-            return cls(covariance, nothing, nothing, nothing, nothing)
-        lost = sum(one.readings - one.effective for one, _ in dependence)
-        quantile = _quantile(level, noise, lost)
+            return cls(covariance, nothing, nothing, nothing, nothing, np.zeros(dimension, dtype=np.bool_))
+        quantile = _quantile(level, noise)
         variances = _variances(calibration, weights, noise)
-        mean = mean_variance(calibration, weights, noise)
         # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
         inverse = found.inverse(weighted)
         scaled = inverse * np.sqrt(variances)
-        full, curvature = scaled @ scaled.T, inverse @ inverse.T
-        if dependence:
-            full = noise_root(inverse, np.sqrt(variances), residuals, found.leverage, dependence)
+        full, curvature = scaled @ scaled.T, np.sum(inverse**2, axis=1)
         deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
-        half = quantile * deviations
+        allowed = deviations
+        if dependence:
+            wider = allowed_deviations(inverse, np.sqrt(variances), residuals, found.basis, dependence, level, quantile)
+            allowed = np.maximum(deviations, wider)
+        half = quantile * allowed
         half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
-        deviations = np.where(np.isnan(half), np.nan, deviations)
-        shown = np.ix_(~np.isnan(half), ~np.isnan(half))
-        covariance[shown] = full[shown]
-        ratio = np.where(found.determined, np.diag(full) / np.where(found.determined, np.diag(curvature), 1.0), np.nan)
+        widened = np.asarray(allowed > deviations)
+        deviations = np.where(2.0 * quantile * deviations <= 1.0, deviations, np.nan)
+        known = ~np.isnan(deviations)
+        covariance[np.ix_(known, known)] = full[np.ix_(known, known)]
+        ratio = allowed**2 / np.where(found.determined, curvature, 1.0)
+        mean = mean_variance(calibration, weights, noise)
         increase = quantile**2 * np.where(found.determined, ratio, mean)
         distance = np.full_like(deviations, np.nan)
         distance[deviations == 0.0] = 0.0  # a perfect fit
         np.divide(np.abs(step.move), deviations, out=distance, where=deviations > 0.0)
-        return cls(covariance, deviations, half, distance, increase)
+        return cls(covariance, deviations, half, distance, increase, widened)
 
     def without_intervals(self) -> Spread:
         """The same, but for what the derivatives are too uncertain for."""
         nothing = np.full_like(self.deviations, np.nan)
-        return Spread(np.full_like(self.covariance, np.nan), nothing, nothing, self.distance, nothing)
+        return Spread(np.full_like(self.covariance, np.nan), nothing, nothing, self.distance, nothing, self.widened)
 
 
-def _quantile(level: float, noise: Noise, lost: float) -> float:
-    """Student's, whose degrees of freedom are fewer by those that correlated readings lose; normal for known noise."""
+def _quantile(level: float, noise: Noise) -> float:
+    """Student's; normal for known noise."""
     if np.isinf(noise.degrees_of_freedom):
         return float(ndtri(0.5 + level / 2.0))
-    return float(stdtrit(max(noise.degrees_of_freedom - lost, 2.0), 0.5 + level / 2.0))
+    return float(stdtrit(noise.degrees_of_freedom, 0.5 + level / 2.0))

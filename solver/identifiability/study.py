@@ -14,11 +14,11 @@ from geoswarm.solver.identifiability.basins import OtherFit, equivalent_objectiv
 from geoswarm.solver.identifiability.correlations import Correlations, correlate
 from geoswarm.solver.identifiability.filtering import Filtered, filter_samples, propose_threshold
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.noise import known_noise, noise_objective, problem_noise
 from geoswarm.solver.identifiability.projections import Projection, project
 from geoswarm.solver.identifiability.residuals import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import Linearisation
 from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.verdicts import Verdict, judge
 from geoswarm.solver.identifiability.weighting import SeriesWeight, shares

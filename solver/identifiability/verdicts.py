@@ -12,7 +12,8 @@ Rules, in this order (docs/statistics.md explains them):
    ``bounded_on_one_side``; all else: ``not_identified``.
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
-   ``not_identified``. Without one: ``undecided``, and so with fewer than ten good fits. ``not_identified``, too, where
+   ``not_identified``. Without one: ``undecided``, and so where the model bends within that interval and no profile has
+   been calculated, and with fewer than ten good fits. ``not_identified``, too, where
    stored runs fit as well as the optimum outside the region that the linearisation allows.
 
 Before all of them stands the fit (:mod:`geoswarm.solver.identifiability.lack_of_fit`): where the model does not
@@ -28,10 +29,11 @@ from geoswarm.solver.identifiability.basins import OtherFit
 from geoswarm.solver.identifiability.correlations import COORDINATES, Correlation, correlate
 from geoswarm.solver.identifiability.filtering import Filtered
 from geoswarm.solver.identifiability.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.projections import Projection
 from geoswarm.solver.identifiability.proposals import Proposal, propose
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import Linearisation
+from geoswarm.solver.words import ends, share
 
 __all__ = ["FEWEST_GOOD_FITS", "WIDTH_LIMIT", "Evidence", "Verdict", "VerdictKind", "judge"]
 
@@ -244,9 +246,10 @@ def _judge_sampling(
         partners,
         influence,
     )
-    low, high = projection.lowest or 0.0, projection.highest or 0.0
-    share = projection.width_ratio or 0.0
-    values = f"{kept} good fits lie between {low:.3g} and {high:.3g}, {share:.0%} of the searched range"
+    low, high = ends(projection.lowest or 0.0, projection.highest or 0.0, plain=True)
+    values = (
+        f"{kept} good fits lie between {low} and {high}, {share(projection.width_ratio or 0.0)} of the searched range"
+    )
     several = "" if projection.unimodal is not False else "; they form more than one group"
     if tied:
         words = " and ".join(f"{_other(pair, name)} ({_interval(pair)})" for pair in tied)
@@ -289,17 +292,23 @@ def _judge_linearisation(
         influence=influence,
         sampling_bias=swarm,
     )
-    values = f"its {linearisation.level:.0%} interval at the optimum is {low:.3g} to {high:.3g}"
+    values = f"{linearisation.interval_in_words(name)} is {' to '.join(ends(low, high, plain=True))}"
+    if linearisation.bent(name):
+        sentence = (
+            f"{name} is undecided: {values}, but the model bends there, and the interval by likelihood differs by "
+            f"about {share(linearisation.bending_of(name))} on one side; 'geoswarm profile' calculates it."
+        )
+        return "undecided", evidence, sentence
     if width <= WIDTH_LIMIT and not (open_below or open_above):
-        return "identified", evidence, f"{name} is identified: {values}, {width:.1%} of the searched range."
+        return "identified", evidence, f"{name} is identified: {values}, {share(width)} of the searched range."
     if width <= 2 * WIDTH_LIMIT and bool(open_below) != bool(open_above):
         side, bound = ("above", "lower") if open_below else ("below", "upper")
         return (
             "bounded_on_one_side",
             evidence,
-            f"{name} is only bounded from {side}: {values}, beyond the {bound} bound.",
+            f"{name} is only bounded from {side}: {values}, up to the {bound} bound or beyond.",
         )
-    return "not_identified", evidence, f"{name} is not identified: {values}, {width:.0%} of the searched range."
+    return "not_identified", evidence, f"{name} is not identified: {values}, {share(width)} of the searched range."
 
 
 def _several(name: str, linearisation: Linearisation, other: OtherFit) -> str:

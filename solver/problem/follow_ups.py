@@ -27,7 +27,7 @@ class SensitivityMethod(Section):
     """Sensitivities at an optimum by differences of fourth order, 4 d + 1 evaluations a step.
 
     Without a step, one is found for each parameter: further generations move only those parameters whose derivative is
-    not certain yet.
+    not certain yet, and a last one, of 2 d evaluations, lies at the ends of the intervals that they give.
     """
 
     kind: Literal["sensitivity"] = "sensitivity"

@@ -17,6 +17,7 @@ from geoswarm.solver.identifiability import (
     linearise,
 )
 from geoswarm.solver.identifiability.basins import equivalent_objective, heads_elsewhere
+from geoswarm.solver.identifiability.bending import likelihood_intervals
 from geoswarm.solver.identifiability.differences import evaluate_differences
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.polish import Polished, polish
@@ -208,4 +209,5 @@ def linearise_here(
 def _linearise(
     calibration: Calibration, polished: Polished, noise: Mapping[str, float] | float | None
 ) -> Linearisation:
-    return from_evaluations(calibration, *evaluate_differences(calibration, polished.parameters), noise=noise)
+    found = from_evaluations(calibration, *evaluate_differences(calibration, polished.parameters), noise=noise)
+    return likelihood_intervals(calibration, found)

@@ -23,7 +23,7 @@ from geoswarm.solver.report.record import Optimum, RunRecord, method_in_words
 from geoswarm.solver.report.scope import not_modelled
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.report.uncertainty_tables import uncertainty_tables
-from geoswarm.solver.words import duration, number, reasons_in_words, typeset, verdict_in_words
+from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset, verdict_in_words
 
 __all__ = ["Content", "report_content"]
 
@@ -230,8 +230,7 @@ def _parameter_table(
         shown = name if label.symbol == name else f"{label.symbol} ({name})"
         cells = [shown, number(values[name]), *([] if polished is None else [number(polished[name])]), label.unit]
         if isinstance(parameter, FreeParameter):
-            interval = _interval(statistics, name)
-            sure = "–" if interval is None else f"{number(interval[0], 3)} … {number(interval[1], 3)}{doubt}"
+            sure = _interval(statistics, name, doubt)
             cells += [f"{number(parameter.lower)} … {number(parameter.upper)}", parameter.scale, sure]
         elif isinstance(parameter, LinkedParameter):
             cells += [f"= {parameter.expression.text}", "linked", ""]
@@ -283,10 +282,14 @@ def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]
     return Table("Correlations of the good fits", columns, tuple(rows), (1, 2, 3, 4, 5), note)
 
 
-def _interval(statistics: Statistics | None, name: str) -> tuple[float, float] | None:
-    if statistics is None or statistics.linearisation is None:
-        return None
-    return statistics.linearisation.interval(name)
+def _interval(statistics: Statistics | None, name: str, doubt: str) -> str:
+    """The interval of a parameter, what it rests on, and why it may not hold; a dash without one."""
+    linearisation = None if statistics is None else statistics.linearisation
+    interval = None if linearisation is None else linearisation.interval(name)
+    if linearisation is None or interval is None:
+        return "–"
+    rests = linearisation.basis_in_words(name)
+    return f"{' … '.join(ends(*interval))}{rests and f', {rests}'}{doubt}"
 
 
 def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -> list[Table]:

@@ -11,7 +11,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.labels import ParameterLabel
 from geoswarm.solver.report.parts import Table
 from geoswarm.solver.report.uncertainty import Uncertainty
-from geoswarm.solver.words import number
+from geoswarm.solver.words import ends, number
 
 __all__ = ["uncertainty_tables"]
 
@@ -50,7 +50,7 @@ def _posterior_table(posterior: Posterior, labels: dict[str, ParameterLabel]) ->
     rows = []
     for index, name in enumerate(posterior.names):
         low, high = posterior.intervals[index]
-        interval = f"{number(float(low), 4)} … {number(float(high), 4)}" if np.isfinite(low + high) else "–"
+        interval = " … ".join(ends(float(low), float(high), digits=4)) if np.isfinite(low + high) else "–"
         middle = number(float(np.median(posterior.parameters[:, index])), 4)
         rows.append((labels[name].symbol, middle, interval, labels[name].unit))
     trusted = "trusted" if posterior.trusted else "NOT trusted"

@@ -16,6 +16,7 @@ from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.chains import Chain
 from geoswarm.solver.search.descent import Descent
 from geoswarm.solver.search.differences import DifferenceDesign, plan_differences
+from geoswarm.solver.search.interval_ends import IntervalEnds, plan_from_residuals
 from geoswarm.solver.search.space import SearchSpace
 from geoswarm.solver.search.steps import FIRST_STEP, Moves, StepSearch
 
@@ -50,7 +51,8 @@ class SensitivitySettings:
 class SensitivitySearch:
     """Differences at the optimum, after the generations of a descent where that is wanted.
 
-    One generation with a given step; otherwise further ones, until the step of each parameter is found.
+    One generation with a given step; otherwise further ones, until the step of each parameter is found, and then one at
+    the ends of the linearised intervals, which shows whether the model bends there.
     """
 
     def __init__(self, space: SearchSpace, settings: SensitivitySettings, snapshot: Snapshot | None = None) -> None:
@@ -59,11 +61,15 @@ class SensitivitySearch:
         self.generation = 0
         self.done = False
         self.descent = Descent(space.to_unit(settings.optimum)) if settings.polish else None
+        self.ends: IntervalEnds | None = None
+        """Of the linearised intervals, once the steps are found."""
         moves = None
         if snapshot is not None:
             self.generation, self.done = snapshot["generation"], snapshot["done"]
             self.descent = None if snapshot["descent"] is None else Descent.from_json(snapshot["descent"])
             moves = [[(int(i), float(h)) for i, h in moves] for moves in snapshot.get("moves") or []]
+            ends = snapshot.get("ends")
+            self.ends = None if ends is None else IntervalEnds.from_json(ends)
         self._moves: list[Moves] | None = moves or None
 
     @property
@@ -96,6 +102,8 @@ class SensitivitySearch:
             return None
         if self.descent is not None and not self.descent.finished:
             return self.descent.positions(self._space)
+        if self.ends is not None:
+            return self.ends.positions
         steps = self.steps
         return self.plan.positions if steps is None else steps.positions
 
@@ -105,19 +113,31 @@ class SensitivitySearch:
         with threadpool_limits(limits=1):  # sums of products in the same order on every machine
             if self.descent is not None and not self.descent.finished:
                 self.descent = self.descent.advance(latest_residuals(runs, len(objectives)))
+            elif self.ends is not None:
+                self.done = True
             elif steps is not None:
-                following = steps.next(latest_residuals(runs, len(steps.every.positions)))
-                self.done = following is None
+                rows = latest_residuals(runs, len(steps.every.positions))
+                following = steps.next(rows)
                 self._moves = steps.generations if following is None else following.generations
+                if following is None:
+                    found = self._ends(steps, rows)
+                    self.done = not len(found.positions)
+                    self.ends = None if self.done else found
             else:
                 self.done = True
         self.generation += 1
 
+    def _ends(self, steps: StepSearch, rows: FloatArray) -> IntervalEnds:
+        """Ends of the intervals that the weighted residuals of all differences, shape (N, n), give."""
+        columns = steps.columns(rows)
+        return plan_from_residuals(self._space, self.optimum, columns, rows[0])
+
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able."""
+        ends = None if self.ends is None else self.ends.to_json()
         descent = None if self.descent is None else self.descent.to_json()
         moves = None if self._moves is None else [[list(move) for move in moves] for moves in self._moves]
-        return {"generation": self.generation, "done": self.done, "descent": descent, "moves": moves}
+        return {"generation": self.generation, "done": self.done, "descent": descent, "moves": moves, "ends": ends}
 
 
 @dataclass(frozen=True, slots=True)

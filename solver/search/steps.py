@@ -109,6 +109,11 @@ class StepSearch:
         plan = DifferenceDesign(every.optimum, every.positions[kept], every.parameter[kept], every.offset[kept])
         return plan, kept
 
+    def columns(self, residuals: FloatArray) -> FloatArray:
+        """The best derivative of each parameter per range, shape (m, d), nan where there is none."""
+        blank = np.full(residuals.shape[1], np.nan)
+        return np.stack([_best(tried).column if tried else blank for tried in self._trials(residuals)], axis=1)
+
     def _trials(self, residuals: FloatArray) -> list[list[_Trial]]:
         """Steps of each parameter that gave a derivative."""
         good = np.atleast_1d(np.isfinite(residuals).all(axis=1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from geoswarm.cli import output
-from geoswarm.solver.words import duration, number, reasons_in_words, typeset
+from geoswarm.solver.words import duration, ends, number, reasons_in_words, share, typeset
 
 
 @pytest.mark.parametrize(
@@ -24,6 +24,36 @@ def test_a_number_is_printed_or_plain(value: float | None, printed: str, plain: 
     assert number(value) == printed
     assert number(value, plain=True) == plain
     assert output.number(value) == plain
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "printed"),
+    [
+        (2.3, 9.1, ("2.3", "9.1")),
+        (2.34512, 2.34518, ("2.34512", "2.34518")),
+        (0.0116, 0.0174, ("0.0116", "0.0174")),
+        (-1e-9, 1e-9, ("-1e-9", "1e-9")),
+        (1e5, 1e5 + 0.5, ("100000", "100000.5")),
+        (3.0, 3.0, ("3", "3")),
+    ],
+)
+def test_the_ends_of_an_interval_differ(low: float, high: float, printed: tuple[str, str]) -> None:
+    assert ends(low, high, plain=True) == printed
+
+
+def test_a_narrow_interval_shows_a_value_between_its_ends() -> None:
+    value, half = 2.298765, 3e-7
+    low, high = (float(text) for text in ends(value - half, value + half, plain=True))
+    assert low < value < high
+    assert high - low == pytest.approx(2 * half, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("part", "printed"),
+    [(0.34, "34%"), (0.021, "2.1%"), (0.00004, "0.004%"), (3e-10, "less than 0.000001%"), (0.0, "0%")],
+)
+def test_a_share_never_reads_zero_unless_it_is(part: float, printed: str) -> None:
+    assert share(part) == printed
 
 
 def test_the_terminal_uses_the_same_words() -> None:

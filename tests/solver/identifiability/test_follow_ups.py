@@ -33,10 +33,11 @@ def run(problem: Problem) -> list[Evaluation]:
     return [record.evaluation for record in calibrate(problem).history]
 
 
-def test_sensitivities_are_one_generation_and_give_the_textbook_errors() -> None:
+def test_sensitivities_and_the_ends_of_intervals_give_the_textbook_errors() -> None:
     problem = sensitivity_problem(LINE, np.array([SLOPE, INTERCEPT]), seed=3, of="0123456789abcdef")
     result = calibrate(problem)
-    assert (result.evaluations, result.generations) == (9, 1)
+    # four places a parameter, the optimum, and then both ends of each interval
+    assert (result.evaluations, result.generations) == (9 + 4, 2)
     assert result.stop_reasons == ("design_completed",)
     found = findings_of(problem, 3, [record.evaluation for record in result.history])
     assert found.linearisation is not None
@@ -45,6 +46,8 @@ def test_sensitivities_are_one_generation_and_give_the_textbook_errors() -> None
     errors = np.sqrt(s2 * np.diag(np.linalg.inv(design.T @ design)))
     np.testing.assert_allclose(found.linearisation.standard_errors, errors, rtol=1e-6)
     assert found.linearisation.at_optimum
+    np.testing.assert_allclose(found.linearisation.bending, 0.0, atol=1e-6)  # a line does not bend
+    assert found.linearisation.bases == ("linearised", "linearised")
     assert findings_of(problem, 3, []).notes == ("the sensitivities are not complete yet",)
 
 

@@ -1,10 +1,11 @@
 // Follow-ups that evaluate more around the optimum, and what they have found: intervals and profiles.
 import { doubt } from "../alarm.js";
 import { element, once } from "../dom.js";
-import { number, percent, symbol } from "../format.js";
+import { ends, number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 
+const BASES = { bent: " (approximate: the model bends there; profiles give it)", correlated: " (widened for correlated residuals)", uneven: " (widened for uneven residuals)", profile: " (by likelihood)" };
 const AGAIN_SECONDS = 2;
 const ENDED = ["finished", "failed", "cancelled"];
 
@@ -58,7 +59,7 @@ export class Uncertainty {
     if (!linearisation) return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
     const rows = Object.entries(linearisation.parameters).map(([name, at]) => element("tr", {}, element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),
-      element("td", {}, at.interval ? `${number(at.interval[0])} … ${number(at.interval[1])}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
+      element("td", {}, at.interval ? `${ends(...at.interval)}${BASES[at.bent ? "bent" : at.interval_basis] ?? ""}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
     const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval${doubt(fit) ? `: does not hold. ${doubt(fit)}` : ""}`, "Influence"];
     const where = linearisation.at_optimum || linearisation.distance.every((d) => d === null) ? "" : "The search had not reached the minimum: these values are those of a point near it.";
     return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...remarks];
@@ -83,11 +84,11 @@ export class Uncertainty {
     const f = this.objectiveUnit ? `f [${this.objectiveUnit}]` : "f";
     const [blue] = palette();
     const line = { type: "line", line: { color: colour("--ink"), dash: "dash", width: 1 } };
-    const ends = [lower, upper].filter((value) => value !== null).map((value) => ({ ...line, x0: value, x1: value, yref: "paper", y0: 0, y1: 1, line: { ...line.line, dash: "dot" } }));
+    const marks = [lower, upper].filter((value) => value !== null).map((value) => ({ ...line, x0: value, x1: value, yref: "paper", y0: 0, y1: 1, line: { ...line.line, dash: "dot" } }));
     const title = (text) => ({ title: { text } });
     return {
       data: [{ x: values, y: objectives, mode: "lines+markers", name: "lowest objective", line: { color: blue } }],
-      layout: { height: 320, xaxis: title(symbol(parameter) + unit), yaxis: title(f), shapes: [{ ...line, xref: "paper", x0: 0, x1: 1, y0: limit, y1: limit }, ...ends], showlegend: false },
+      layout: { height: 320, xaxis: title(symbol(parameter) + unit), yaxis: title(f), shapes: [{ ...line, xref: "paper", x0: 0, x1: 1, y0: limit, y1: limit }, ...marks], showlegend: false },
       label: `Profile of ${parameter}; dashed: the limit, dotted: the ends of the interval`,
       columns: { [parameter]: values, [f]: objectives },
     };

@@ -1,6 +1,6 @@
 // What the data say about each parameter, in words, with the evidence and what to do about it.
 import { element } from "../dom.js";
-import { count, number, percent, symbol } from "../format.js";
+import { count, ends, number, percent, symbol } from "../format.js";
 
 const KINDS = {
   identified: "identified", bounded_on_one_side: "bounded on one side", in_combination: "in combination",
@@ -33,8 +33,7 @@ function evidenceList(evidence) {
   const rows = [
     ["Basis", BASES[evidence.basis]],
     ["Good fits", count(evidence.good_fits)],
-    ["They range from", number(evidence.range_lower)],
-    ["to", number(evidence.range_upper)],
+    ["They range over", evidence.range_lower === null || evidence.range_upper === null ? "–" : ends(evidence.range_lower, evidence.range_upper)],
     ["Share of the sampled width", percent(evidence.width_ratio ?? NaN)],
     ["In one group", yes(evidence.unimodal)],
     ["Reach the lower bound", yes(evidence.open_below)],

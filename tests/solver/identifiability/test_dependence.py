@@ -1,0 +1,99 @@
+"""Intervals under dependent noise, against the same formulas written out with full matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import null_space, toeplitz
+from scipy.optimize import brentq
+from scipy.stats import t
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import from_evaluations
+from geoswarm.solver.identifiability.dependence import Dependence, allowed_deviations, dependence_of
+from geoswarm.solver.identifiability.differences import evaluate_differences
+from geoswarm.solver.identifiability.polish import polish
+from tests.solver.identifiability.cases import free, problem_of
+
+COUNT = 30
+X = np.linspace(0.0, 2.0, COUNT)
+JACOBIAN = np.stack([np.ones(COUNT), X], axis=1)
+BASIS = np.linalg.qr(JACOBIAN)[0]
+INVERSE = np.linalg.pinv(JACOBIAN)
+QUANTILE = float(t.ppf(0.975, COUNT - 2))
+
+
+def correlated_residuals(rho: float) -> FloatArray:
+    random = np.random.default_rng(4)
+    noise = random.normal(0.0, 1.0, COUNT)
+    for i in range(1, COUNT):
+        noise[i] = rho * noise[i - 1] + np.sqrt(1.0 - rho**2) * noise[i]
+    return np.asarray(noise - BASIS @ (BASIS.T @ noise))
+
+
+def half_widths(residuals: FloatArray, found: Dependence) -> FloatArray:
+    deviations = np.full(COUNT, np.sqrt(residuals @ residuals / (COUNT - 2)))
+    places = np.arange(COUNT)
+    return QUANTILE * allowed_deviations(INVERSE, deviations, residuals, BASIS, [(found, places)], 0.95, QUANTILE)
+
+
+def test_the_interval_of_correlated_noise_is_the_mixture_over_rho() -> None:
+    residuals = correlated_residuals(0.7)
+    found = dependence_of("y", residuals, BASIS, correlated=True)
+    assert found is not None
+    outside = null_space(JACOBIAN.T)  # the residuals' own coordinates
+    own = outside.T @ residuals
+    grid = np.linspace(0.0, 0.98, 50)
+    logarithms, spreads = [], []
+    for rho in grid:
+        matrix = toeplitz(rho ** np.arange(COUNT))
+        inside = outside.T @ matrix @ outside
+        squares = float(own @ np.linalg.solve(inside, own))
+        logarithms.append(-0.5 * np.linalg.slogdet(inside)[1] - 0.5 * (COUNT - 2) * np.log(squares))
+        spreads.append(np.sqrt(squares / (COUNT - 2) * np.diag(INVERSE @ matrix @ INVERSE.T)))
+    shares = np.exp(np.array(logarithms) - max(logarithms))
+    shares /= shares.sum()
+    assert found.rho == pytest.approx(grid[np.argmax(logarithms)])
+
+    def missing(half: float, index: int) -> float:
+        return float(shares @ [2.0 * t.sf(half / s[index], COUNT - 2) for s in spreads]) - 0.05
+
+    expected = [brentq(missing, 1e-6, 100.0, args=(index,)) for index in range(2)]
+    np.testing.assert_allclose(half_widths(residuals, found), expected, rtol=1e-4)
+
+
+def test_the_interval_of_uneven_noise_is_that_of_hc3() -> None:
+    noise = np.random.default_rng(2).normal(0.0, 1.0, COUNT) * X**2
+    residuals = noise - BASIS @ (BASIS.T @ noise)
+    found = dependence_of("y", residuals, BASIS, correlated=False)
+    assert found is not None
+    assert found.kind == "uneven"
+    leverage = np.diag(BASIS @ BASIS.T)
+    shares = INVERSE**2 * (residuals / (1.0 - leverage)) ** 2
+    degrees = 3.0 * shares.sum(axis=1) ** 2 / (shares**2).sum(axis=1) - 2.0
+    expected = t.ppf(0.975, np.maximum(degrees, 2.0)) * np.sqrt(shares.sum(axis=1))
+    np.testing.assert_allclose(half_widths(residuals, found), expected, rtol=1e-9)
+
+
+def test_even_and_independent_residuals_depend_on_nothing() -> None:
+    noise = np.random.default_rng(8).normal(0.0, 1.0, COUNT)
+    assert dependence_of("y", noise - BASIS @ (BASIS.T @ noise), BASIS, correlated=False) is None
+
+
+def test_standard_errors_do_not_allow_for_dependence_and_intervals_are_never_narrower() -> None:
+    problem = problem_of("a + b * x", {"a": free(-9.0, 9.0), "b": free(-9.0, 9.0)}, 1.0 + correlated_residuals(0.9), X)
+    calibration = Calibration(problem, 1)
+    best = polish(calibration, np.array([1.0, 0.0]))
+    found = from_evaluations(calibration, *evaluate_differences(calibration, best.parameters))
+    assert found.dependence
+    assert found.bases == ("correlated", "correlated")
+    squares = best.objective * COUNT
+    classical = np.sqrt(squares / (COUNT - 2) * np.diag(np.linalg.inv(JACOBIAN.T @ JACOBIAN)))
+    np.testing.assert_allclose(found.standard_errors, classical, rtol=1e-6)
+    assert (np.diff(found.intervals, axis=1)[:, 0] > 2.0 * QUANTILE * classical).all()
+    assert "widened for correlated residuals" in found.interval_in_words("b")
+    # an error that is stated and larger than the residuals is not undercut by them
+    stated = from_evaluations(calibration, *evaluate_differences(calibration, best.parameters), noise=5.0)
+    usual = 1.959964 * 5.0 * np.sqrt(np.diag(np.linalg.inv(JACOBIAN.T @ JACOBIAN)))
+    np.testing.assert_allclose(np.diff(stated.intervals, axis=1)[:, 0], 2.0 * usual, rtol=1e-5)
