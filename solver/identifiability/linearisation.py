@@ -22,7 +22,7 @@ size, or the profile objective."""
 BENDS = 0.1
 """Part by which an end of an interval by likelihood differs from the linearised one, from which the model bends."""
 
-_FAR = 0.2
+_FAR, _MISPLACED = 0.2, 1.0  # standard errors
 _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
     "correlated": "widened for correlated residuals",
@@ -147,6 +147,11 @@ class Linearisation:
         """The largest distance from the minimum in standard errors; None where none is known."""
         known = self.distance[np.isfinite(self.distance)]
         return float(known.max()) if known.size else None
+
+    @property
+    def misplaced(self) -> bool:
+        """Whether the minimum is more than a standard error away: then nothing can be decided here."""
+        return self.far is not None and self.far > _MISPLACED
 
     def influence(self, name: str) -> float:
         """Length of the parameter's weighted derivative over the longest one, 0 to 1."""

@@ -198,7 +198,7 @@ def analyse(
         far = linearisation.far
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
     others: tuple[OtherFit, ...] = ()
-    if linearisation is not None:
+    if linearisation is not None and not linearisation.misplaced:
         lowest = _objective_at(calibration, samples, at_optimum)
         equal = equivalent_objective(calibration, lowest, known)
         others = other_fits(samples, linearisation, equal, lowest, elsewhere)

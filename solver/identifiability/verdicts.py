@@ -293,6 +293,12 @@ def _judge_linearisation(
         sampling_bias=swarm,
     )
     values = f"{linearisation.interval_in_words(name)} is {' to '.join(ends(low, high, plain=True))}"
+    if linearisation.misplaced:
+        sentence = (
+            f"{name} is undecided: {values}, but that is not the minimum yet ({linearisation.far:.2g} standard errors "
+            "away); polish the best parameters first."
+        )
+        return "undecided", evidence, sentence
     if linearisation.bent(name):
         sentence = (
             f"{name} is undecided: {values}, but the model bends there, and the interval by likelihood differs by "

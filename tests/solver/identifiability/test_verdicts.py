@@ -63,6 +63,17 @@ def test_linearisation_names_the_product_for_a_swarm() -> None:
     assert any("swarm" in warning for warning in statistics.warnings)
 
 
+def test_nothing_is_identified_far_from_the_minimum() -> None:
+    problem = problem_of("a * x", {"a": free()}, 3.0 * X + NOISE)
+    swarm = Samples.from_result(problem, calibrate(problem))
+    calibration = Calibration(problem, 1)
+    near = analyse(calibration, swarm, linearisation=linearised(problem, [3.0])).verdict("a")
+    far = analyse(calibration, swarm, linearisation=linearised(problem, [3.1])).verdict("a")
+    assert near.kind == "identified"
+    assert far.kind == "undecided"
+    assert "not the minimum yet" in far.sentence
+
+
 def test_a_swarm_alone_decides_nothing() -> None:
     problem = problem_of("a * x", {"a": free()}, 3.0 * X + NOISE)
     statistics = analyse(Calibration(problem, 1), Samples.from_result(problem, calibrate(problem)))
