@@ -11,7 +11,7 @@ from pydantic import Field
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, StagedLoadModel, StagedLoadSpec
+from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadModel, StagedLoadSpec
 
 __all__ = ["IsotropicCompressionModel", "IsotropicCompressionSpec"]
 
@@ -30,13 +30,13 @@ class IsotropicCompressionSpec(StagedLoadSpec):
 
     kind: Literal["isotropic_compression"] = "isotropic_compression"
     height: float = Field(
-        gt=0.0,
+        ge=MIN_LENGTH,
         le=MAX_LENGTH,
         description="Height of the specimen at the beginning, m.",
         json_schema_extra=in_unit("m", 0.07, 0.2),
     )
     diameter: float = Field(
-        gt=0.0,
+        ge=MIN_LENGTH,
         le=MAX_LENGTH,
         description="Diameter of the specimen at the beginning, m.",
         json_schema_extra=in_unit("m", 0.038, 0.1),

@@ -13,7 +13,7 @@ from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivale
 from geoswarm.solver.element_test.axial import lateral_limits
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, StagedLoadModel, StagedLoadSpec
+from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadModel, StagedLoadSpec
 
 __all__ = ["OedometerModel", "OedometerSpec"]
 
@@ -31,7 +31,7 @@ class OedometerSpec(StagedLoadSpec):
 
     kind: Literal["oedometer"] = "oedometer"
     height: float = Field(
-        gt=0.0,
+        ge=MIN_LENGTH,
         le=MAX_LENGTH,
         description="Height of the specimen at the beginning, m.",
         json_schema_extra=in_unit("m", 0.01, 0.05),
@@ -44,7 +44,7 @@ class OedometerSpec(StagedLoadSpec):
     )
     diameter: float | None = Field(
         None,
-        gt=0.0,
+        ge=MIN_LENGTH,
         le=MAX_LENGTH,
         description="Diameter of the ring, m (finite_element; the ring is smooth, so it has no effect).",
         json_schema_extra=in_unit("m", 0.05, 0.1),

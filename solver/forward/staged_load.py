@@ -29,11 +29,11 @@ from geoswarm.solver.forward.soil import inadmissible_soil, soil_from, soil_para
 if TYPE_CHECKING:
     from geoswarm.solver.forward.specimen import Specimen
 
-__all__ = ["MAX_LENGTH", "MAX_STRESS", "LoadStage", "SpecimenMesh", "StagedLoadModel", "StagedLoadSpec"]
+__all__ = ["MAX_LENGTH", "MAX_STRESS", "MIN_LENGTH", "LoadStage", "SpecimenMesh", "StagedLoadModel", "StagedLoadSpec"]
 
 # Far beyond any test; what lies beyond them is a mistake in units, or meant to overflow something.
-MAX_LENGTH = 1.0e3
-"""Largest dimension of a specimen, m."""
+MIN_LENGTH, MAX_LENGTH = 1.0e-6, 1.0e3
+"""Smallest and largest dimension of a specimen, m."""
 MAX_STRESS = 1.0e7
 """Largest stress, kPa."""
 MAX_DURATION = 1.0e7
@@ -86,7 +86,7 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         description="How the specimen is represented: one point, or axisymmetric six-node triangles with their weight.",
     )
     height: float = Field(
-        gt=0.0,
+        ge=MIN_LENGTH,
         le=MAX_LENGTH,
         description="Height of the specimen at the beginning, m.",
         json_schema_extra=in_unit("m"),

@@ -115,7 +115,8 @@ def _shape_faults(mesh: Mesh) -> list[str]:
     for start, end, mid in EDGES:
         ends = mesh.nodes[mesh.triangles[:, start]], mesh.nodes[mesh.triangles[:, end]]
         off = np.linalg.norm(mesh.nodes[mesh.triangles[:, mid]] - 0.5 * (ends[0] + ends[1]), axis=1)
-        off /= np.linalg.norm(ends[1] - ends[0], axis=1)
+        length = np.linalg.norm(ends[1] - ends[0], axis=1)  # 0 where it is too small for its square
+        off = np.divide(off, length, out=np.where(off > 0.0, np.inf, 0.0), where=length > 0.0)
         if off.max() > _OFF_CENTRE:
             worst = int(np.argmax(off))
             faults.append(
