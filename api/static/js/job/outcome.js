@@ -18,7 +18,7 @@ export function outcome(view) {
       const { fit } = await get(`/jobs/${view.id}/statistics`);
       document.getElementById("alarm").replaceChildren(...alarm(fit));
     } catch (error) {
-      if (error.status !== 409) announce(error.message);
+      if (![404, 409].includes(error.status)) announce(error.message); // 404: the job has been deleted meanwhile
     }
   }
 
