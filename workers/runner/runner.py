@@ -31,6 +31,7 @@ __all__ = ["Runner"]
 log = logging.getLogger(__name__)
 
 POLL_SECONDS = 0.05
+PAUSES = (0.0, 0.2, 1.0)  # s, before another supervisor is started in place of one that was killed
 MEMORY_SECONDS = 0.1
 NURSE_SECONDS = 120.0  # it loads every kernel that is compiled
 COMPILE_SECONDS = 1800.0
@@ -250,14 +251,15 @@ class Runner:
     def _connected(self) -> tuple[socket.socket, Board]:
         """Return the connection to a live evaluation process and the memory shared with it."""
         if self._connection is None or self._board is None:
-            for trial in (1, 2):
+            for pause in (*PAUSES, None):
                 try:
                     self._fork()
                     break
-                except OSError as error:  # the nurse was killed
-                    if trial == 2:
+                except OSError as error:  # the nurse was killed, perhaps by what will kill the next one, too
+                    if pause is None:
                         raise
                     log.warning("the supervisor of the evaluation process is gone, another one is started: %s", error)
+                    time.sleep(pause)
                     self._replace_nurse()
         if self._connection is None or self._board is None:
             raise RuntimeError("there is no evaluation process")
