@@ -60,7 +60,7 @@ RUN_WORKER = (
 )
 
 
-def wait_for(condition: Callable[[], bool], what: str, seconds: float = 40.0) -> None:
+def wait_for(condition: Callable[[], bool], what: str, seconds: float = 120.0) -> None:
     """Wait until a condition holds."""
     deadline = time.monotonic() + seconds
     while not condition():
@@ -68,7 +68,7 @@ def wait_for(condition: Callable[[], bool], what: str, seconds: float = 40.0) ->
         time.sleep(0.02)
 
 
-def wait_until_ended(service: JobService, job_id: str, seconds: float = 60.0) -> JobView:
+def wait_until_ended(service: JobService, job_id: str, seconds: float = 300.0) -> JobView:
     """Wait for the end of a job and return it."""
     wait_for(
         lambda: service.get(job_id).state in ("finished", "failed", "cancelled"), f"the end of job {job_id}", seconds

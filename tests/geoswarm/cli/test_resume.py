@@ -43,6 +43,7 @@ def interrupt_at(monkeypatch: pytest.MonkeyPatch, run: int, error: type[BaseExce
     monkeypatch.setattr(Calibration, "evaluate", evaluate_some)
 
 
+@pytest.mark.timeout(1200)  # more than a hundred processes begin: minutes on a busy machine
 def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "tests.geoswarm.cli.interruptions", str(tmp_path), "21"],
