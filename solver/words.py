@@ -1,14 +1,16 @@
-"""Numbers, durations and states as a reader sees them: in a report, and plain in a terminal."""
+"""Numbers, durations, states and near names as a reader sees them: in a report, and plain in a terminal."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 
 __all__ = [
     "REASONS",
     "VERDICTS",
+    "did_you_mean",
     "duration",
     "ends",
     "number",
@@ -67,6 +69,12 @@ def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
     if exponent:
         text = _power(mantissa, power)
     return text.replace("-", "−")
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean lambda_star?``, or nothing when no known name is near."""
+    close = get_close_matches(name, list(known), n=1)
+    return f"; did you mean {close[0]}?" if close else ""
 
 
 def ends(low: float, high: float, *, digits: int = 3, plain: bool = False) -> tuple[str, str]:

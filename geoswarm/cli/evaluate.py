@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +65,7 @@ def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float
         For a text of another form, an unknown or linked name, a name given twice, or a value that is no finite number.
     """
     from geoswarm.solver.problem import LinkedParameter
+    from geoswarm.solver.words import did_you_mean
 
     given: dict[str, float] = {}
     for text in settings:
@@ -74,8 +74,7 @@ def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float
             raise BadInputError(f"--set {text!r}: give NAME=VALUE, for example --set lambda_star=0.1")
         parameter = problem.parameters.get(name)
         if parameter is None:
-            close = get_close_matches(name, problem.parameters, n=1)
-            hint = f"; did you mean {close[0]}?" if close else ""
+            hint = did_you_mean(name, problem.parameters)
             raise BadInputError(f"--set {name}: unknown parameter{hint}; known: {', '.join(problem.parameters)}")
         if isinstance(parameter, LinkedParameter):
             raise BadInputError(

@@ -31,7 +31,7 @@ def examples_command(name: str | None, directory: Path | None, as_json: bool) ->
         _list(as_json)
         return
     if name not in example_names():
-        from geoswarm.solver.problem.issues import did_you_mean
+        from geoswarm.solver.words import did_you_mean
 
         hint = did_you_mean(name, example_names())
         raise BadInputError(f"there is no example '{name}'{hint}; known: {', '.join(example_names())}")

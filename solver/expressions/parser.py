@@ -19,7 +19,6 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from geoswarm.solver.errors import ExpressionError
 from geoswarm.solver.expressions.functions import CONSTANTS, FUNCTIONS, HINTS, WHERE
@@ -36,6 +35,7 @@ from geoswarm.solver.expressions.nodes import (
     is_truth,
     negated,
 )
+from geoswarm.solver.words import did_you_mean
 
 __all__ = ["MAX_DEPTH", "MAX_LENGTH", "parse_tree"]
 
@@ -311,6 +311,5 @@ def _too_deep() -> ExpressionError:
 
 def _unknown_function(name: str) -> str:
     known = ", ".join(FUNCTIONS)
-    close = get_close_matches(name, FUNCTIONS, n=1)
-    hint = HINTS.get(name) or (f"did you mean {close[0]}?" if close else None)
-    return f"unknown function '{name}'{f'; {hint}' if hint else ''}; known: {known}"
+    hint = f"; {HINTS[name]}" if name in HINTS else did_you_mean(name, FUNCTIONS)
+    return f"unknown function '{name}'{hint}; known: {known}"

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -20,6 +19,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from geoswarm.solver.errors import BrokenForwardModelError, UnknownForwardModelError
 from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.words import did_you_mean
 
 __all__ = ["BUILT_IN", "GROUP", "AnyForwardModelSpec", "find_spec", "forget", "kinds", "parse_spec"]
 
@@ -66,9 +66,7 @@ def find_spec(kind: str) -> type[ForwardModelSpec]:
     entry = _installed().get(kind)
     if entry is None:
         known = ", ".join(kinds())
-        close = get_close_matches(kind, kinds(), n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
-        raise UnknownForwardModelError(f"unknown kind '{kind}'{hint}; known kinds: {known}")
+        raise UnknownForwardModelError(f"unknown kind '{kind}'{did_you_mean(kind, kinds())}; known kinds: {known}")
     return _load(entry)
 
 

@@ -17,7 +17,7 @@ from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.problem.feasibility import estimates_in_conflict, infeasibility
 from geoswarm.solver.problem.follow_up_checks import follow_up_issues
-from geoswarm.solver.problem.issues import describe, did_you_mean, issues_of, validated
+from geoswarm.solver.problem.issues import describe, issues_of, validated
 from geoswarm.solver.problem.observations import Observation, Points, build_observations, read_points
 from geoswarm.solver.problem.parameters import (
     FixedParameter,
@@ -45,6 +45,7 @@ from geoswarm.solver.problem.sections import (
     WarmStart,
 )
 from geoswarm.solver.problem.weighting import scheme_factors
+from geoswarm.solver.words import did_you_mean
 
 __all__ = ["load_problem", "parse_problem"]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from difflib import get_close_matches
 from functools import partial
 from typing import Any, TypeVar
 
@@ -14,8 +13,9 @@ from pydantic_core import ErrorDetails
 
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.registry import find_spec
+from geoswarm.solver.words import did_you_mean
 
-__all__ = ["describe", "did_you_mean", "issues_of", "join_path", "number", "validated"]
+__all__ = ["describe", "issues_of", "join_path", "number", "validated"]
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -80,12 +80,6 @@ def join_path(path: str, steps: Iterable[str | int]) -> str:
     for step in steps:
         path += f"[{step}]" if isinstance(step, int) else f".{step}" if path else step
     return path
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """``; did you mean lambda_star?`` or nothing."""
-    close = get_close_matches(name, list(known), n=1)
-    return f"; did you mean {close[0]}?" if close else ""
 
 
 def number(value: float) -> str:

@@ -14,12 +14,13 @@ from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
 from geoswarm.solver.problem.cells import moment_in
 from geoswarm.solver.problem.columns import Columns, Heading, read_table
-from geoswarm.solver.problem.issues import did_you_mean, number
+from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.preparation import Readings, prepared
 from geoswarm.solver.problem.sections import ObservationSection
 from geoswarm.solver.problem.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.tables import TableError
 from geoswarm.solver.problem.units import UnitError, convert, same_unit
+from geoswarm.solver.words import did_you_mean
 
 __all__ = ["Observation", "Points", "build_observations", "read_points"]
 

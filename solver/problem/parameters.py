@@ -13,8 +13,9 @@ from geoswarm.solver.errors import ExpressionError, Issue
 from geoswarm.solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
 from geoswarm.solver.forward.base import ForwardModel, ParameterInfo
 from geoswarm.solver.forward.combined import CombinedModel
-from geoswarm.solver.problem.issues import did_you_mean, number
+from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.sections import FixedSection, FreeSection, LinkedSection, Scale
+from geoswarm.solver.words import did_you_mean
 
 __all__ = [
     "FixedParameter",

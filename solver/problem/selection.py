@@ -41,12 +41,11 @@ def chosen_points(
     low, high = section.x_from, section.x_to
     if low is not None and high is not None and low > high:
         return chosen, [Issue(f"{path}.x_to", f"{number(high)} is below x_from, {number(low)}")]
-    given = x if unit is None else convert(x, info.x_unit, unit)
-    slack = 1e-9 * float(np.abs(given).max(initial=0.0))
-    if low is not None:
-        chosen &= given >= low - slack
-    if high is not None:
-        chosen &= given <= high + slack
+    if low is not None or high is not None:
+        given = x if unit is None else convert(x, info.x_unit, unit)
+        slack = 1e-9 * float(np.abs(given).max(initial=0.0))
+        chosen &= given >= (-np.inf if low is None else low - slack)
+        chosen &= given <= (np.inf if high is None else high + slack)
     staged = "stage_x_from" if section.stage_x_from is not None else "leave_out_stages"
     if section.stage_x_from is not None or section.leave_out_stages:
         starts = stage_times(spec, section.series)

@@ -69,7 +69,9 @@ COMMON = {
 
 @lru_cache(maxsize=256)
 def _factor(unit: str, base: str) -> Fraction:
-    return COMMON[unit, base] if (unit, base) in COMMON else _registered_factor(unit, base)
+    if (unit, base) in COMMON:
+        return COMMON[unit, base]
+    return 1 / COMMON[base, unit] if (base, unit) in COMMON else _registered_factor(unit, base)
 
 
 def _registered_factor(unit: str, base: str) -> Fraction:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from geoswarm.solver.report.compression import CompressionCurve
 from geoswarm.solver.report.style import (
     BLUE,
-    INK,
     ORANGE,
     drawing,
     finish,
     head,
     plain_ticks,
+    plot_measured,
     with_unit,
 )
 
@@ -34,18 +34,7 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
         axes = figure.add_subplot()
         axes.plot(curve.stress, curve.calculated, color=BLUE, linewidth=1.6, label="identified", zorder=3)
         if curve.measured.size:
-            axes.plot(
-                curve.measured_stress,
-                curve.measured,
-                linestyle="none",
-                marker="o",
-                markersize=4.2,
-                markerfacecolor="none",
-                markeredgecolor=INK,
-                markeredgewidth=0.8,
-                label="measured",
-                zorder=4,
-            )
+            plot_measured(axes, curve.measured_stress, curve.measured)
         low, high = float(curve.stress.min()), float(max(curve.stress.max(), curve.preconsolidation))
         axes.set_xlim(min(low, curve.preconsolidation) / 1.4, high * 1.4)
         if curve.preconsolidation > _BEYOND * curve.stress[0]:  # normally consolidated from the start: nothing to mark

@@ -7,9 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.report.curves import SeriesCurve
-from geoswarm.solver.report.style import BLUE, GREEN, GRID, INK, MUTED, drawing, finish, head, plain_ticks, with_unit
+from geoswarm.solver.report.style import (
+    BLUE,
+    GREEN,
+    GRID,
+    MUTED,
+    drawing,
+    finish,
+    head,
+    plain_ticks,
+    plot_measured,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,7 +108,7 @@ def _fit(axes: Axes, curve: SeriesCurve) -> None:
     if curve.initial is not None:
         axes.plot(curve.x, curve.initial, color=GREEN, linewidth=1.2, linestyle="--", label="initial", zorder=2)
     axes.plot(curve.x, curve.y, color=BLUE, linewidth=1.6, label="identified", zorder=3)
-    _measured(axes, curve.measured_x, curve.measured_y)
+    plot_measured(axes, curve.measured_x, curve.measured_y)
     axes.set_ylabel(with_unit(curve.y_quantity, curve.y_unit))
     axes.set_title(curve.series, loc="left")
     plain_ticks(axes, "y", log=False, most=7)
@@ -117,21 +127,6 @@ def _residuals(axes: Axes, curve: SeriesCurve) -> None:
     plain_ticks(axes, "y", log=False, most=4)
 
 
-def _measured(axes: Axes, x: FloatArray, y: FloatArray) -> None:
-    axes.plot(
-        x,
-        y,
-        linestyle="none",
-        marker="o",
-        markersize=3.4,
-        markerfacecolor="none",
-        markeredgecolor=INK,
-        markeredgewidth=0.7,
-        label="measured",
-        zorder=4,
-    )
-
-
 def _stage(axes: Axes, curve: SeriesCurve, start: float, end: float) -> None:
     inside = (curve.measured_x > start) & (curve.measured_x <= end)
     along = (curve.x > start) & (curve.x <= end)
@@ -139,7 +134,7 @@ def _stage(axes: Axes, curve: SeriesCurve, start: float, end: float) -> None:
     if curve.initial is not None:
         axes.plot(x, curve.initial[along], color=GREEN, linewidth=1.1, linestyle="--")
     axes.plot(x, curve.y[along], color=BLUE, linewidth=1.5)
-    _measured(axes, curve.measured_x[inside] - start, curve.measured_y[inside])
+    plot_measured(axes, curve.measured_x[inside] - start, curve.measured_y[inside])
     first = float((curve.measured_x[inside] - start).min())
     axes.set_xlim(first * 0.6, (end - start) * 1.5)
     shown = np.concatenate([curve.y[along & (curve.x - start >= first * 0.6)], curve.measured_y[inside]])

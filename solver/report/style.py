@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.extras import has
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ __all__ = [
     "head",
     "inline_svg",
     "plain_ticks",
+    "plot_measured",
     "png_of",
     "save_figure",
     "shortened",
@@ -126,6 +128,22 @@ def shortened(figure: Figure, title: str) -> str:
 
 def _title_length(figure: Figure) -> int:
     return int(10.0 * figure.get_size_inches()[0])  # letters of this size in an inch
+
+
+def plot_measured(axes: Axes, x: FloatArray, y: FloatArray) -> None:
+    """Draw measured points, shape (m,) each, as open circles over everything else."""
+    axes.plot(
+        x,
+        y,
+        linestyle="none",
+        marker="o",
+        markersize=3.4,
+        markerfacecolor="none",
+        markeredgecolor=INK,
+        markeredgewidth=0.7,
+        label="measured",
+        zorder=4,
+    )
 
 
 def finish(axes: Axes, *, legend: bool = True) -> None:

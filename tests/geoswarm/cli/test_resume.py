@@ -43,6 +43,13 @@ def interrupt_at(monkeypatch: pytest.MonkeyPatch, run: int, error: type[BaseExce
     monkeypatch.setattr(Calibration, "evaluate", evaluate_some)
 
 
+def cut_off(monkeypatch: pytest.MonkeyPatch, problem: str, output: Path, run: int) -> None:
+    """A calibration that Ctrl-C ends in the forward run of that number."""
+    with monkeypatch.context() as patch:
+        interrupt_at(patch, run)
+        assert main(["run", problem, "--output", str(output)]) == 130
+
+
 @pytest.mark.timeout(1200)  # more than a hundred processes begin: minutes on a busy machine
 def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(tmp_path: Path) -> None:
     done = subprocess.run(
@@ -62,9 +69,7 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem, output = write(tmp_path), tmp_path / "output"
-    with monkeypatch.context() as patch:
-        interrupt_at(patch, 21)
-        assert main(["run", problem, "--output", str(output)]) == 130
+    cut_off(monkeypatch, problem, output, 21)
     said = capsys.readouterr().err
     assert f"20 finished runs are kept in {output / 'run.journal'}" in said
     assert f"'geoswarm run {problem} --output {output} --resume' goes on" in said
@@ -97,9 +102,7 @@ def test_a_seed_that_was_drawn_is_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem, output = write(tmp_path, seed=None), tmp_path / "output"
-    with monkeypatch.context() as patch:
-        interrupt_at(patch, 9)
-        assert main(["run", problem, "--output", str(output)]) == 130
+    cut_off(monkeypatch, problem, output, 9)
     seed = json.loads((output / "problem.json").read_text(encoding="utf-8"))["seed"]
     assert main(["run", problem, "--output", str(output), "--resume", "--seed", str(seed + 1)]) == 2
     assert "with another seed" in capsys.readouterr().err
@@ -111,9 +114,7 @@ def test_another_problem_does_not_go_on_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem, output = write(tmp_path), tmp_path / "output"
-    with monkeypatch.context() as patch:
-        interrupt_at(patch, 9)
-        assert main(["run", problem, "--output", str(output)]) == 130
+    cut_off(monkeypatch, problem, output, 9)
     other = write(tmp_path, parameters={"amplitude": {"lower": 0.1, "upper": 9}, "rate": {"value": 0.7}})
     assert main(["run", other, "--output", str(output), "--resume"]) == 2
     assert "with another parameters" in capsys.readouterr().err

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from geoswarm.solver.problem import load_problem
 from geoswarm.solver.problem.units import COMMON, UnitError, _registered_factor, convert, same_unit
+
+OEDOMETER = Path(__file__).resolve().parents[3] / "examples" / "oedometer" / "problem.yaml"
 
 
 @pytest.mark.parametrize(
@@ -98,5 +103,14 @@ def test_base_units_need_no_registry() -> None:
     assert done.stdout.strip() == "False"
 
 
+def test_a_worker_reads_a_laboratory_test_without_the_registry() -> None:
+    document = json.dumps(load_problem(OEDOMETER).document())
+    use = "from geoswarm.solver.problem import parse_problem; parse_problem(json.loads(sys.stdin.read()))"
+    code = f"import json, sys; {use}; print('pint' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], input=document, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 def test_common_factors_are_those_of_the_registry() -> None:
     assert {pair: _registered_factor(*pair) for pair in COMMON} == COMMON
+    assert {pair: 1 / _registered_factor(*reversed(pair)) for pair in COMMON} == COMMON
