@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import ForwardError
+from geoswarm.solver.errors import ForwardError, in_words
 from geoswarm.solver.follow_up import DESIGN_COMPLETED, FollowUp
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.offer import Offer
@@ -235,17 +235,18 @@ class Calibration:
         began = time.perf_counter()
         try:
             with np.errstate(all="ignore"):
-                responses = self._run(values)
+                found = self._run(values)
             seconds = time.perf_counter() - began
+            responses = self.objective.responses(found)
             misfits = self.objective.misfits(responses)
         except ForwardError as error:
-            reason, message = error.reason, str(error)
+            reason, message = error.reason, in_words(error).removeprefix(f"{type(error).__name__}: ")
         except MemoryError:
             reason, message = "killed_memory", "the forward model ran out of memory"
         except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
-            reason, message = "bad_output", f"the forward model raised {type(error).__name__}: {error}"
+            reason, message = "bad_output", f"the forward model raised {in_words(error)}"
         else:
-            return Evaluation(parameters, self.objective.value(misfits), misfits, dict(responses), None, None, seconds)
+            return Evaluation(parameters, self.objective.value(misfits), misfits, responses, None, None, seconds)
         return Evaluation(parameters, None, {}, {}, reason, message, time.perf_counter() - began)
 
     @property

@@ -40,6 +40,7 @@ __all__ = [
     "ProblemError",
     "SolverError",
     "WorkerLostError",
+    "in_words",
 ]
 
 FailureReason: TypeAlias = Literal[
@@ -50,6 +51,16 @@ FailureReason: TypeAlias = Literal[
 
 class SolverError(Exception):
     """Base of all errors that the solver raises on purpose."""
+
+
+def in_words(error: BaseException) -> str:
+    """Return the name and message of an error, also of one that cannot be printed."""
+    name = type(error).__name__
+    try:
+        message = str(error)
+    except Exception:  # noqa: BLE001  a forward model's own class
+        return f"{name} (its message cannot be printed)"
+    return f"{name}: {message}" if message else name
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,8 +20,9 @@ from geoswarm.solver.kernel_cache import settle
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.runner.runner import ONE_THREAD
-from geoswarm.workers.runner.wire import anonymous_file
+from geoswarm.workers.runner.environment import without_secrets
+from geoswarm.workers.runner.nurse_link import ONE_THREAD
+from geoswarm.workers.runner.output import anonymous_file
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.evaluations import overdue
 from geoswarm.workers.store.workers import forget_worker
@@ -145,7 +146,7 @@ class Supervisor:
             [sys.executable, "-c", BOOTSTRAP],
             stdin=subprocess.PIPE,
             pass_fds=(*ends, slots),
-            env={**os.environ, **ONE_THREAD},
+            env=without_secrets(os.environ) | ONE_THREAD,  # what it needs of them comes over its standard input
             process_group=0,  # Ctrl-C in a terminal reaches this process alone, which then ends its workers in order
         )
         identity = Identity.new("embedded", process.pid)

@@ -12,8 +12,8 @@ from geoswarm.workers.coordinator.ending import changed_criteria
 from geoswarm.workers.coordinator.machine import GenerationJoined, Job, apply
 from geoswarm.workers.coordinator.work import Claim, HandIn, Leap, Result, joined
 from geoswarm.workers.heart import Heart
-from geoswarm.workers.runner.evaluator import Evaluator, NeverMind, limits_of
-from geoswarm.workers.runner.runner import POLL_SECONDS
+from geoswarm.workers.runner.evaluator import Evaluator, NeverMind, NoProcessError, limits_of
+from geoswarm.workers.runner.nurse_link import POLL_SECONDS
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.tally import tally
 from geoswarm.workers.tracing import record_span
@@ -65,6 +65,8 @@ class Errand:
         self._asked = True
         self._last = 0  # number of results with which the last evaluation of the claim begins
         self._due = self._since = 0.0
+        self.trouble: str | None = None
+        """Why this worker could not begin an evaluation: what it held goes back, and others may begin it."""
 
     def run(self) -> HandIn:
         """Run it, or several generations when it is cheap enough; what takes long is cut and handed in early.
@@ -143,6 +145,8 @@ class Errand:
                 self._since = outcome.ended
         except NeverMind as end:
             return particles[end.index]
+        except NoProcessError as error:
+            self.trouble = str(error)
         return None
 
     def _look(self) -> float | None:

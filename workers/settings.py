@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, field_validator, model_validator
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
@@ -19,6 +19,7 @@ SECRETS = {"GEOSWARM_DATABASE_URL": "database_url", "GEOSWARM_BROKER_URL": "brok
 
 ENVIRONMENT = {
     "GEOSWARM_WORKERS": "workers",
+    "GEOSWARM_PASS_ENVIRONMENT": "passed_environment",
     "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
     "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
     "GEOSWARM_CHECK_SECONDS": "check_seconds",
@@ -40,6 +41,11 @@ def mask_url(url: str) -> str:
         return make_url(url).render_as_string(hide_password=True)
     except ArgumentError:
         return "(address that cannot be parsed)"
+
+
+def _names(value: Any) -> Any:
+    """Names from a list, or from a text with commas between them."""
+    return tuple(part.strip() for part in value.split(",") if part.strip()) if isinstance(value, str) else value
 
 
 class Settings(BaseModel):
@@ -77,6 +83,9 @@ class Settings(BaseModel):
         a worker that has nothing else to do.
     isolate
         Evaluate in a process of its own, which can be killed; False is for debugging: nothing is limited.
+    passed_environment
+        Names of environment variables that forward models get beside the usual ones (``PATH``, ``HOME``, ...), with
+        ``*`` for any letters.
     evaluation_seconds, evaluation_memory_mb
         Limits [s], [MiB] that no problem may exceed; None: what the problem says.
     check_seconds
@@ -113,6 +122,7 @@ class Settings(BaseModel):
     overdue_seconds: float = Field(30.0, gt=0)
     overdue_factor: float = Field(4.0, ge=1)
     isolate: bool = True
+    passed_environment: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
     evaluation_seconds: float | None = Field(None, gt=0)
     evaluation_memory_mb: float | None = Field(None, ge=16)
     check_seconds: float = Field(60.0, gt=0)

@@ -17,8 +17,8 @@ from geoswarm.solver.kernel_cache import settle
 from geoswarm.workers.celery_app import SERVE_TASK, CeleryDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
+from geoswarm.workers.runner.output import anonymous_file
 from geoswarm.workers.runner.processes import kill_descendants
-from geoswarm.workers.runner.wire import anonymous_file
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.slots import Slots
 from geoswarm.workers.store import Store

@@ -51,7 +51,7 @@ class TrialBench:
 
     def _evaluate(self, calibration: Calibration, position: FloatArray, fields: str | None = None) -> Evaluation:
         if self._evaluator is None:
-            self._evaluator = Runner() if self._settings.isolate else InlineEvaluator()
+            self._evaluator = Runner(self._settings.passed_environment) if self._settings.isolate else InlineEvaluator()
             self._evaluator.start()
         make_ready(self._evaluator, calibration.problem)
         limits = limits_of(calibration.problem, self._settings).within(self._settings.check_seconds)

@@ -40,6 +40,7 @@ CACHED_CALIBRATIONS = 32
 LONGEST_WAIT_SECONDS = 2.0
 SHORTEST_LOOK, LONGEST_LOOK = 0.001, 0.02  # between two looks for the next generation [s]
 PATIENCE_SECONDS = 0.05
+TROUBLE_SECONDS = 5.0
 
 
 class Worker:
@@ -64,7 +65,7 @@ class Worker:
         self.heart = Heart(store, self.runtime, settings, identity)
         self.stopping = self.heart.stopping
         self.slots = Slots.none() if slots is None else slots
-        self._evaluator: Evaluator = Runner() if settings.isolate else InlineEvaluator()
+        self._evaluator: Evaluator = Runner(settings.passed_environment) if settings.isolate else InlineEvaluator()
         self._live_workers = 1
         self._calibrations: OrderedDict[str, Calibration] = OrderedDict()
 
@@ -158,14 +159,24 @@ class Worker:
         early = partial(self._early, job_id, calibration, turn)
         while answer.claim is not None:
             self.heart.claim = claim = answer.claim
+            errand = Errand(claim, self._evaluator, calibration, self.settings, self.heart, early)
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
-                hand_in = Errand(claim, self._evaluator, calibration, self.settings, self.heart, early).run()
+                hand_in = errand.run()
+            if errand.trouble is not None:
+                turn.end()
             answer = self._exchange(job_id, calibration, hand_in, turn)
+            if errand.trouble is not None:
+                self._rest(errand.trouble)
             if answer.waiting is not None and self._generation_ends(claim, answer.waiting, turn):
                 answer = self._exchange(job_id, calibration, HandIn(), turn)
             self.heart.claim = answer.claim
         if answer.left:
             self.doorbell.ring(job_id, kind=_kind(calibration))
+
+    def _rest(self, trouble: str) -> None:
+        """Leave the work to others for a while: this worker cannot do any now, and no evaluation is to blame."""
+        log.warning("worker %s takes no evaluation for %g s: %s", self.identity.id, TROUBLE_SECONDS, trouble)
+        self.stopping.wait(TROUBLE_SECONDS)
 
     def _generation_ends(self, claim: Claim, typical: float, turn: _Turn) -> bool:
         """Wait for the others to end a generation, if nothing else is to be done and it cannot take long.
@@ -207,6 +218,9 @@ class Worker:
     ) -> Exchange:
         """Exchange with the runtime once."""
         want = want and turn.goes_on()
+        if want and self.heart.delay > self.settings.heartbeat_seconds:
+            # The database is too slow for all that are asking: fewer claims, so that leases are renewed in time.
+            self.stopping.wait(min(self.heart.delay, self.settings.lease_seconds / 4))
         answer = self.runtime.exchange(
             job_id,
             self.identity.id,
@@ -274,13 +288,18 @@ class _Turn:
     def __init__(self, worker: Worker, job_id: str) -> None:
         self._worker = worker
         self._job_id = job_id
+        self._ended = False
         self.begins = True
         """The job goes to the end of the line with the next exchange."""
         self.until = time.monotonic() + worker.settings.slice_seconds
 
+    def end(self) -> None:
+        """Take no further claim of this job."""
+        self._ended = True
+
     def goes_on(self) -> bool:
         """Whether the worker takes another claim of this job."""
-        if self._worker.stopping.is_set():
+        if self._ended or self._worker.stopping.is_set():
             return False
         if time.monotonic() >= self.until and self._worker.next_job() in (None, self._job_id):
             self.until = time.monotonic() + self._worker.settings.slice_seconds

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import BadOutputError, NotFiniteError
@@ -48,22 +49,32 @@ class LeastSquares:
     def __init__(self, observed: Sequence[ObservedSeries]) -> None:
         self.observed = tuple(observed)
 
-    def misfits(self, responses: Mapping[str, FloatArray]) -> dict[str, float]:
-        """Return f'_g of every series, in (base unit of the series)^2.
+    def responses(self, found: Mapping[str, npt.ArrayLike]) -> dict[str, FloatArray]:
+        """Return what a forward model answered for the observed series, in arrays that it cannot change any more.
 
         Parameters
         ----------
-        responses
+        found
             Calculated values of each series at its observed points, shape (m_g,), base units.
 
         Raises
         ------
         BadOutputError
-            When a series is missing or has another shape than the observation.
+            When a series is missing, complex, or has another shape than the observation.
         NotFiniteError
             When a value is NaN or infinite; the message names series and point.
         """
-        return {observed.series: _misfit(observed, responses) for observed in self.observed}
+        return {observed.series: _checked(observed, found) for observed in self.observed}
+
+    def misfits(self, responses: Mapping[str, FloatArray]) -> dict[str, float]:
+        """Return f'_g of every series, in (base unit of the series)^2, from :meth:`responses`.
+
+        Raises
+        ------
+        NotFiniteError
+            When the residuals are too large to be squared.
+        """
+        return {observed.series: _misfit(observed, responses[observed.series]) for observed in self.observed}
 
     def weighted_residuals(self, responses: Mapping[str, FloatArray]) -> FloatArray:
         """Return sqrt(w_g w_h / m) (y_calc - y_meas) of all series in a row: its squared length is the objective."""
@@ -79,11 +90,13 @@ class LeastSquares:
         return sum(observed.weight * misfits[observed.series] for observed in self.observed)
 
 
-def _misfit(observed: ObservedSeries, responses: Mapping[str, FloatArray]) -> float:
+def _checked(observed: ObservedSeries, found: Mapping[str, npt.ArrayLike]) -> FloatArray:
     name = observed.series
-    if name not in responses:
-        raise BadOutputError(f"series '{name}' is missing in the response; it has {', '.join(sorted(responses))}")
-    calculated = np.asarray(responses[name], dtype=np.float64)
+    if name not in found:
+        raise BadOutputError(f"series '{name}' is missing in the response; it has {', '.join(sorted(found))}")
+    if np.iscomplexobj(found[name]):
+        raise BadOutputError(f"series '{name}' is complex; real numbers are needed")
+    calculated = np.array(found[name], dtype=np.float64)
     if calculated.shape != observed.y.shape:
         raise BadOutputError(
             f"series '{name}' has shape {calculated.shape}, but {observed.y.size} points were asked for"
@@ -94,10 +107,16 @@ def _misfit(observed: ObservedSeries, responses: Mapping[str, FloatArray]) -> fl
         raise NotFiniteError(
             f"series '{name}' is {calculated[first]} at point {first + 1} of {finite.size} (x = {observed.x[first]:g})"
         )
+    return calculated
+
+
+def _misfit(observed: ObservedSeries, calculated: FloatArray) -> float:
     residuals = calculated - observed.y
     # no BLAS: its summation order may depend on the number of threads
     with np.errstate(over="ignore"):
         misfit = float(np.sum(observed.point_weights * residuals * residuals)) / residuals.size
     if not np.isfinite(misfit):
-        raise NotFiniteError(f"the misfit of series '{name}' is {misfit}: its residuals are too large to be squared")
+        raise NotFiniteError(
+            f"the misfit of series '{observed.series}' is {misfit}: its residuals are too large to be squared"
+        )
     return misfit

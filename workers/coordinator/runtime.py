@@ -34,7 +34,7 @@ from geoswarm.workers.coordinator.machine import (
 )
 from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
 from geoswarm.workers.coordinator.session import Closed, Due, Session
-from geoswarm.workers.coordinator.tries import expire_cell
+from geoswarm.workers.coordinator.tries import expire_cell, give_back
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.settings import Settings
@@ -50,6 +50,7 @@ from geoswarm.workers.store.evaluations import (
 )
 from geoswarm.workers.store.event_bell import insert_events
 from geoswarm.workers.store.jobs import LockedJob, get_problem, lock_job, save_job
+from geoswarm.workers.store.workers import live_workers
 
 __all__ = ["Runtime"]
 
@@ -212,15 +213,17 @@ class Runtime:
         """Renew the leases of a claim."""
 
         def work(connection: Connection) -> None:
-            if lock_job(connection, claim.job_id) is not None:
-                renew_leases(
-                    connection, claim.job_id, claim.generation, claim.particles, worker, self.settings.lease_seconds
-                )
+            lease = self.settings.lease_seconds
+            renew_leases(connection, claim.job_id, claim.generation, claim.particles, worker, lease)
 
         self.store.write(work)
 
     def expire(self, job_id: str, generation: int, lost_workers: Sequence[str]) -> int:
-        """End the leases of a generation that are overdue or whose worker is lost; return how many."""
+        """End the leases of a generation that are overdue or whose worker is lost; return how many.
+
+        A worker that is heard of has not lost its evaluation: the store is slow, and its word is on its way. It gets
+        as much time again; then the evaluation goes to others, and the try does not count.
+        """
 
         def work(connection: Connection) -> int:
             locked = lock_job(connection, job_id)
@@ -230,13 +233,20 @@ class Runtime:
             failures: Failures | None = None
             expired = 0
             fatal: str | None = None
+            heard = live_workers(connection, self.settings.lease_seconds).difference(lost_workers)
             for cell in board.cells:
-                lease = cell.values["lease_expires_at"]
-                overdue = lease is not None and lease < locked.now
-                if cell.status.state == "running" and (overdue or cell.status.worker in lost_workers):
+                lease, worker = cell.values["lease_expires_at"], cell.status.worker
+                late = 0.0 if lease is None else locked.now - lease
+                if cell.status.state != "running" or (late <= 0.0 and worker not in lost_workers):
+                    continue
+                if worker is not None and worker in heard:
+                    if late <= self.settings.lease_seconds:
+                        continue
+                    give_back(board, cell, worker, cell.status.attempts, locked.now, killed=False)
+                else:
                     failures = failures or read_failures(connection, job_id)
                     fatal = expire_cell(connection, board, cell, failures, locked.now) or fatal
-                    expired += 1
+                expired += 1
             board.write(connection)
             if fatal is not None and locked.row.retry_to is None:
                 self._save(connection, locked, [apply(locked.job(), JobBroken(fatal))])

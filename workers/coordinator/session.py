@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import statistics
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from sqlalchemy import Connection
@@ -168,8 +169,8 @@ class Session:
             self._record(next_board, hand_in.results)
             if self.fatal is not None:
                 transitions.append(apply(final.job, JobBroken(self.fatal)))
-        seconds = [r.evaluation.seconds for r in leaps[-1].results if r.evaluation.reason is None]
-        self.typical = statistics.median(seconds) if seconds else self.typical
+        last = [r.evaluation for r in leaps[-1].results]
+        self.typical = _typical([{"seconds": e.seconds, "reason": e.reason} for e in last], self.typical)
         self._save(transitions, [leap.finished_at for leap in leaps])
         return next_board, next_board is not None
 
@@ -213,8 +214,7 @@ class Session:
                 self.due = Due(self.job, event, stopping)
                 return None
             transition = apply(self.job, event, self.calibration)
-        succeeded = [v["seconds"] for v in values if v["reason"] is None]
-        self.typical = statistics.median(succeeded) if succeeded else self.typical
+        self.typical = _typical(values, self.typical)
         self._save([transition], [])
         if transition.job.state != "running":
             return None
@@ -252,8 +252,7 @@ class Session:
         """Answer with a claim, if there is one to be had; ``under_way`` is what this worker is at."""
         particles = len(board.cells)
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
-            measured = [cell.values["seconds"] for cell in board.cells if cell.status.state == "finished"]
-            self.typical = statistics.median(measured) if measured else None
+            self.typical = _typical([cell.values for cell in board.cells if cell.status.done], None)
         left = sum(cell.status.state == "pending" for cell in board.cells)
         chunk = self.sizing.chunk(self.typical, particles, left, self.live_workers)
         claimed = self._choose(board, chunk, under_way) if want else []
@@ -329,6 +328,23 @@ class Session:
             stopping=self.locked.row.stopping,
             last=last,
         )
+
+
+def _typical(results: Sequence[Mapping[str, Any]], before: float | None) -> float | None:
+    """Return what an evaluation costs [s]: the median of those that succeeded, or the mean where failures cost more.
+
+    Parameters
+    ----------
+    results
+        ``seconds`` and ``reason`` of each.
+    before
+        What was known before, for a generation without one success.
+    """
+    succeeded: list[float] = [result["seconds"] for result in results if result["reason"] is None]
+    if not succeeded:
+        return before
+    every: list[float] = [result["seconds"] for result in results if result["seconds"] is not None]
+    return max(statistics.median(succeeded), statistics.fmean(every) if len(every) > len(succeeded) else 0.0)
 
 
 def _dispatched(job_id: str, transition: Transition) -> Board:

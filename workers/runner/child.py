@@ -1,4 +1,4 @@
-"""The evaluation process: evaluates positions that its worker sends, one after the other."""
+"""The evaluation process: evaluates positions that its worker sends, one after the other, for one job."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import os
 import socket
 import sys
 import time
-from collections import OrderedDict
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,88 +16,114 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.errors import in_words
 from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.runner.board import Board
 from geoswarm.workers.runner.evaluator import evaluate
-from geoswarm.workers.runner.wire import Board, ConnectionEnded, Outcome, pack_outcomes, receive, send
+from geoswarm.workers.runner.output import LOG_TAIL, OwnOutput
+from geoswarm.workers.runner.traces import Traces
+from geoswarm.workers.runner.wire import ConnectionEnded, Frame, FrameReader, Outcome, pack_outcomes, receive, send
 
-__all__ = ["LOG_TAIL", "serve", "tail"]
+__all__ = ["serve"]
 
-CACHED_CALIBRATIONS = 8
 SEND_EVERY_SECONDS = 0.005
-LOG_TAIL = 8192  # bytes of output kept of a failed evaluation
 
 
 def serve(connection: socket.socket, board: Board) -> None:
     """Answer the worker until it closes the connection.
 
-    ``load`` makes a job known, ``run`` evaluates positions. Results go back in frames of at least 5 ms of work, so that
-    cheap evaluations share them; the last frame says ``done``.
+    ``load`` makes the job known, ``run`` evaluates positions. Results go back in frames of at least 5 ms of work, so
+    that cheap evaluations share them; the last frame says ``done``, and ``renew`` when the runs have left traces and
+    the next one should have a process of its own.
     """
     with contextlib.suppress(OSError):
         # When memory runs out, the kernel shall choose this process, not the worker that has results to hand in.
         Path("/proc/self/oom_score_adj").write_text("500")
-    known: OrderedDict[str, Calibration] = OrderedDict()
-    with contextlib.suppress(ConnectionEnded):
-        while True:
-            request, body = receive(connection)
-            job: str = request["job"]
-            if request["op"] == "load":
-                known[job] = Calibration(parse_problem(json.loads(request["problem"])), request["seed"])
-                if len(known) > CACHED_CALIBRATIONS:
-                    known.popitem(last=False)
-            elif job not in known:
-                send(connection, {"unknown": job})
-                continue
-            known.move_to_end(job)
-            if request["op"] == "run":
-                positions = np.frombuffer(body, dtype="<f8").reshape(request["shape"])
-                _run(connection, board, known[job], positions, request)
+    _Child(connection, board).serve()
 
 
-def _run(
-    connection: socket.socket,
-    board: Board,
-    calibration: Calibration,
-    positions: FloatArray,
-    request: Mapping[str, Any],
-) -> None:
-    budget = request["budget"]
-    outcomes: list[Outcome] = []
-    started = sent = time.monotonic()
-    for index, position in enumerate(positions):
-        began = board.begin(index)
-        if index > 0 and (board.stopped or (budget is not None and began - started > budget)):
-            break
-        outcomes.append(_evaluate(calibration, position, began, request["fields"]))
-        if outcomes[-1].ended - sent > SEND_EVERY_SECONDS:
-            heads, body = pack_outcomes(outcomes)
-            send(connection, {"results": heads, "done": False}, body)
-            outcomes, sent = [], time.monotonic()
-    board.idle()
-    heads, body = pack_outcomes(outcomes)
-    send(connection, {"results": heads, "done": True}, body)
+class _Child:
+    def __init__(self, connection: socket.socket, board: Board) -> None:
+        self._connection = connection
+        self._board = board
+        self._pid = os.getpid()
+        self._calibration: Calibration | None = None
+        self._output = OwnOutput()
+        self._traces = Traces()
+        # What a forward model forks must not speak for this process, whatever it raises or returns.
+        os.register_at_fork(after_in_child=connection.close)
+
+    def serve(self) -> None:
+        reader = FrameReader()
+        with contextlib.suppress(ConnectionEnded):
+            while True:
+                request = receive(self._connection, reader)
+                if request.pid != self._pid:
+                    return
+                if request.head["op"] == "load":
+                    self._load(request)
+                else:
+                    self._run(request)
+
+    def _load(self, request: Frame) -> None:
+        self._board.build()
+        self._calibration = Calibration(parse_problem(json.loads(request.head["problem"])), request.head["seed"])
+        self._leave_if_forked()
+        self._traces = Traces()  # what a built model keeps open stays
+        self._board.idle()
+
+    def _run(self, request: Frame) -> None:
+        head, board, calibration = request.head, self._board, self._calibration
+        if calibration is None:
+            raise RuntimeError("a run was asked for before its job")
+        budget = head["budget"]
+        positions = np.frombuffer(request.body, dtype="<f8").reshape(head["shape"])
+        outcomes: list[Outcome] = []
+        first = 0  # of those that were not sent yet
+        left: str | None = None
+        started = sent = time.monotonic()
+        for index, position in enumerate(positions):
+            began = board.begin(index)
+            if index > 0 and (board.stopped or (budget is not None and began - started > budget)):
+                break
+            outcomes.append(self._evaluate(calibration, position, began, head["fields"]))
+            self._leave_if_forked()
+            left = self._traces.of_run()
+            if left is not None:
+                break
+            if outcomes[-1].ended - sent > SEND_EVERY_SECONDS:
+                self._answer(request, first, outcomes, done=False)
+                first, outcomes, sent = index + 1, [], time.monotonic()
+        board.idle()
+        self._answer(request, first, outcomes, done=True, renew=left or self._traces.of_many())
+
+    def _evaluate(self, calibration: Calibration, position: FloatArray, began: float, fields: str | None) -> Outcome:
+        self._output.clear()
+        try:
+            evaluation = evaluate(calibration, position, fields)
+        except BaseException as error:  # noqa: BLE001  a forward model may raise anything; nobody here presses Ctrl-C
+            seconds = time.monotonic() - began
+            evaluation = Evaluation(position, None, {}, {}, "bad_output", _what_it_raised(error), seconds)
+        log = None
+        if evaluation.reason is not None:
+            for stream in (sys.stdout, sys.stderr):
+                with contextlib.suppress(Exception):
+                    stream.flush()
+            log = self._output.tail()
+            evaluation = replace(evaluation, message=(evaluation.message or "")[:LOG_TAIL])
+        return Outcome(evaluation, log, began, time.monotonic())
+
+    def _answer(self, request: Frame, first: int, outcomes: list[Outcome], **head: Any) -> None:
+        heads, body = pack_outcomes(outcomes)
+        send(self._connection, Frame(request.nonce, first, self._pid, {"results": heads, **head}, body))
+
+    def _leave_if_forked(self) -> None:
+        """End a copy of this process that a forward model has made by forking, in whatever language."""
+        if os.getpid() != self._pid:
+            os._exit(0)
 
 
-def _evaluate(calibration: Calibration, position: FloatArray, began: float, fields: str | None) -> Outcome:
-    if os.fstat(1).st_size:
-        os.ftruncate(1, 0)
-    try:
-        evaluation = evaluate(calibration, position, fields)
-    except SystemExit as error:
-        message = f"the forward model ended the program (sys.exit({error.code!r}))"
-        evaluation = Evaluation(position, None, {}, {}, "bad_output", message, time.monotonic() - began)
-    log = None
-    if evaluation.reason is not None:
-        for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(OSError, ValueError):
-                stream.flush()
-        log = tail(1)
-        evaluation = replace(evaluation, message=(evaluation.message or "")[:LOG_TAIL])
-    return Outcome(evaluation, log, began, time.monotonic())
-
-
-def tail(descriptor: int) -> str | None:
-    """Return the end of what was written to a file; None when that is nothing."""
-    size = os.fstat(descriptor).st_size
-    data = os.pread(descriptor, LOG_TAIL, max(size - LOG_TAIL, 0))
-    return data.decode("utf-8", "replace").replace("\x00", "") or None
+def _what_it_raised(error: BaseException) -> str:
+    if isinstance(error, SystemExit) and isinstance(error.code, int | str | None):
+        return f"the forward model ended the program (sys.exit({error.code!r}))"
+    return f"the forward model raised {in_words(error)}"

@@ -14,7 +14,7 @@ from geoswarm.solver.warm import run_sample
 from geoswarm.workers.runner.wire import Outcome
 from geoswarm.workers.settings import Settings
 
-__all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "evaluate", "limits_of"]
+__all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "NoProcessError", "evaluate", "limits_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +35,10 @@ class NeverMind(Exception):  # noqa: N818  no error
     def __init__(self, index: int) -> None:
         self.index = index
         super().__init__(index)
+
+
+class NoProcessError(Exception):
+    """No process to evaluate in is to be had now: the worker's own trouble, for which no evaluation is to blame."""
 
 
 class Evaluator(Protocol):
@@ -80,6 +84,8 @@ class Evaluator(Protocol):
         ------
         NeverMind
             When an unwanted evaluation was killed; those before it were given.
+        NoProcessError
+            When the system has no process to spare; those before it were given.
         """
 
     def close(self) -> None:

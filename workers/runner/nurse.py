@@ -18,6 +18,8 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
+from geoswarm.workers.runner.output import shorten
+
 __all__ = ["BOOTSTRAP", "FORK", "KILL", "LOAD", "STATUS", "main"]
 
 log = logging.getLogger(__name__)
@@ -32,9 +34,14 @@ KILL = b"k"
 LOAD = {"oedometer": b"o", "section": b"s"}
 """What asks for each group of kernels (:data:`geoswarm.solver.warm.SAMPLES`)."""
 STATUS = struct.Struct("=ii")
-"""Exit code of the evaluation process (below 0: the signal that ended it), and whether that is known."""
+"""Her answer, a number and whether it is known.
+
+To a fork: the number of the new process, beside its descriptor, or that of the error. To a kill: the exit code of the
+evaluation process (below 0: the signal that ended it).
+"""
 
 REAP_SECONDS = 2.0
+OUTPUT_SECONDS = 0.1
 
 
 def main(given: Mapping[str, Any]) -> None:
@@ -42,10 +49,11 @@ def main(given: Mapping[str, Any]) -> None:
     # What needs long to load is loaded here, once for all evaluation processes to come.
     from geoswarm.solver.warm import load_kernels, run_sample
     from geoswarm.workers.runner import child
-    from geoswarm.workers.runner.processes import adopt_orphans, kill_descendants, reap
+    from geoswarm.workers.runner.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
     from geoswarm.workers.warm import warm_up
 
     adopt_orphans()
+    wake_with_parent()
     for number in (signal.SIGINT, signal.SIGTERM):  # its worker decides about its end
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.WARNING)
@@ -54,10 +62,14 @@ def main(given: Mapping[str, Any]) -> None:
     control = socket.socket(fileno=given["control"])
     groups = {message: group for group, message in LOAD.items()}
     ended: dict[int, int] = {}
-    current = 0
+    current, output = 0, -1
+    poll = select.poll()
+    poll.register(control, select.POLLIN)
     while True:
-        ready, _, _ = select.select([control], [], [], REAP_SECONDS)
+        ready = poll.poll(1000.0 * (OUTPUT_SECONDS if current else REAP_SECONDS))
         ended |= reap()
+        if output >= 0:
+            shorten(output)
         if not ready:
             ended = {pid: status for pid, status in ended.items() if pid == current}
             continue
@@ -65,37 +77,60 @@ def main(given: Mapping[str, Any]) -> None:
             message, descriptors, _, _ = socket.recv_fds(control, 1, 3)
         except ConnectionResetError:
             message, descriptors = b"", []
+        passed: list[int] = []
         if message == FORK:
-            current = os.fork()
-            if current == 0:
-                control.close()
-                _become_child(child.serve, *descriptors)
-            for descriptor in descriptors:
-                os.close(descriptor)
+            connection, new_output, board = descriptors
+            try:
+                current = os.fork()
+                if current == 0:
+                    control.close()
+                    _become_child(child.serve, *descriptors)
+                passed = _process_descriptor(current)
+                answer = STATUS.pack(current, 1)
+            except OSError as error:  # no process to be had
+                current = 0
+                answer = STATUS.pack(error.errno or 0, 0)
+            for descriptor in (connection, board, output):  # the output stays open: it is kept short here
+                if descriptor >= 0:
+                    os.close(descriptor)
+            output = new_output
             ended = {}
-            answer = STATUS.pack(0, 0)
         elif message in groups:
             run_sample(groups[message])
             answer = STATUS.pack(0, 0)
         else:
             ended |= kill_descendants(os.getpid())
             status = ended.get(current)
+            current = 0
             code = 0 if status is None else os.waitstatus_to_exitcode(status)
             answer = STATUS.pack(code, int(status is not None))
         if not message:
             os._exit(0)
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-            control.sendall(answer)
+            socket.send_fds(control, [answer], passed)
+        for descriptor in passed:
+            os.close(descriptor)
+
+
+def _process_descriptor(pid: int) -> list[int]:
+    """Return a descriptor that is ready when a child has ended, if the system has such."""
+    if sys.platform != "linux":
+        return []
+    try:
+        return [os.pidfd_open(pid)]
+    except OSError:
+        return []
 
 
 def _become_child(serve: Any, connection: int, output: int, board: int) -> None:
     """Turn this fork into an evaluation process; does not return."""
-    from geoswarm.workers.runner.processes import die_with_parent
-    from geoswarm.workers.runner.wire import Board
+    from geoswarm.workers.runner.board import Board
+    from geoswarm.workers.runner.processes import adopt_orphans, die_with_parent
 
     code = 1
     try:
         die_with_parent()
+        adopt_orphans()  # what its forward models leave behind is its own, and seen after the run
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_DFL)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)

@@ -18,6 +18,7 @@ __all__ = [
     "kill_session",
     "memory_below",
     "reap",
+    "wake_with_parent",
 ]
 
 PROC = Path("/proc")
@@ -35,6 +36,11 @@ def adopt_orphans() -> None:
 def die_with_parent() -> None:
     """Ask the kernel for SIGKILL when the parent dies (Linux)."""
     _prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
+
+
+def wake_with_parent() -> None:
+    """Ask the kernel for SIGCONT when the parent dies: who was stopped then sees that it is alone (Linux)."""
+    _prctl(PR_SET_PDEATHSIG, int(signal.SIGCONT))
 
 
 def _prctl(option: int, value: int) -> None:

@@ -2,102 +2,76 @@
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import json
 import logging
 import os
-import select
 import signal
-import socket
-import subprocess
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.workers.runner.child import LOG_TAIL, tail
+from geoswarm.workers.runner.board import BUILDING, IDLE
 from geoswarm.workers.runner.evaluator import Limits, NeverMind
-from geoswarm.workers.runner.nurse import BOOTSTRAP, FORK, KILL, LOAD, STATUS
-from geoswarm.workers.runner.processes import kill_session, memory_below
-from geoswarm.workers.runner.wire import Board, ConnectionEnded, Outcome, anonymous_file, receive, send, unpack_outcomes
+from geoswarm.workers.runner.nurse_link import POLL_SECONDS, NurseLink
+from geoswarm.workers.runner.output import anonymous_file, tail
+from geoswarm.workers.runner.process import EvaluationProcess
+from geoswarm.workers.runner.wire import ConnectionEnded, Frame, GarbledError, Outcome, unpack_outcomes
 from geoswarm.workers.store.codec import pack_array
 
 __all__ = ["Runner"]
 
 log = logging.getLogger(__name__)
 
-POLL_SECONDS = 0.05
-PAUSES = (0.0, 0.2, 1.0)  # s, before another supervisor is started in place of one that was killed
 MEMORY_SECONDS = 0.1
-NURSE_SECONDS = 120.0  # it loads every kernel that is compiled
-COMPILE_SECONDS = 1800.0
-LARGEST_OUTPUT = 16 * 2**20  # bytes
-
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-"""Environment of a process that evaluates: one numerical thread, as there is one worker a core."""
+GROWTH_SECONDS = 1.0
+MOST_RUNS = 50_000  # in one process
+MOST_GROWTH = 256.0  # MiB that a process may keep between runs, beyond three times what it keeps after the first ones
+BUILD_SECONDS = 300.0
+SILENT_SECONDS = 30.0  # in the middle of an answer, or with an answer due
 
 
 class Runner:
     """Evaluates in a process of its own, which is killed with everything that it has started when it exceeds a limit.
 
-    It serves one thread. The process stays for the next evaluations, so a run costs some 0.1 ms more than inline.
+    It serves one thread. The process stays for the next evaluations of the same job, so a run costs some 0.1 ms more
+    than inline. Another job, a run that leaves processes or threads behind, and many runs or much memory bring a
+    fresh one.
+
+    Parameters
+    ----------
+    passed
+        Names of environment variables that forward models get beside the usual ones.
     """
 
-    def __init__(self) -> None:
-        self._nurse: subprocess.Popen[bytes] | None = None
-        self._control: socket.socket | None = None
-        self._connection: socket.socket | None = None
-        self._board: Board | None = None
+    def __init__(self, passed: tuple[str, ...] = ()) -> None:
         self._output = anonymous_file()
         fcntl.fcntl(self._output, fcntl.F_SETFL, os.O_APPEND)
+        self._nurse = NurseLink(self._output, passed)
+        self._process: EvaluationProcess | None = None
         self._idle_memory = 0.0
+        self._kept_memory: float | None = None  # after the first runs
         self._memory_at = 0.0
-        self.loaded: set[str] = set()
+
+    @property
+    def loaded(self) -> Collection[str]:
+        """Groups of kernels that need not be loaded any more."""
+        return self._nurse.loaded
 
     def start(self) -> None:
-        """Start the nurse, which gets ready by itself."""
-        ours, theirs = socket.socketpair()
-        given = json.dumps({"path": sys.path, "control": theirs.fileno()})
-        with theirs:
-            self._nurse = subprocess.Popen(
-                [sys.executable, "-c", BOOTSTRAP, given],
-                stdin=subprocess.DEVNULL,
-                pass_fds=[theirs.fileno()],
-                env={**os.environ, **ONE_THREAD},
-                start_new_session=True,  # signals of a terminal or a supervisor are for the worker
-            )
-        ours.settimeout(NURSE_SECONDS)
-        self._control = ours
-        self.loaded.clear()
+        """Start the nurse, which gets ready by itself; one that cannot be started is started with the first run."""
+        try:
+            self._nurse.start()
+        except OSError as error:
+            log.warning("the nurse of evaluation processes could not be started yet: %s", error)
 
     def load(self, group: str, unwanted: Callable[[], bool]) -> None:
         """Have the nurse load a group of kernels: all evaluation processes that she forks have it then."""
-        if self._connection is not None:
-            self._kill()  # what was forked before lacks them
-        if self._control is None:
-            self.start()
-        control, nurse = self._control, self._nurse
-        if control is None or nurse is None:
-            raise RuntimeError("the runner was not started")
-        deadline = time.monotonic() + COMPILE_SECONDS
-        try:
-            control.sendall(LOAD[group])
-            while not select.select([control], [], [], POLL_SECONDS)[0]:
-                if unwanted():
-                    nurse.kill()  # her answer must not be taken for another one
-                    return
-                if time.monotonic() > deadline:
-                    raise TimeoutError(f"kernels were not compiled within {COMPILE_SECONDS:g} s")
-            self._answer()
-            self.loaded.add(group)
-        except OSError as error:
-            log.warning("the kernels of %r could not be loaded: %s", group, error)
-            self._replace_nurse()
-            self.loaded.add(group)  # not again and again: an evaluation compiles, or tells what is wrong
+        self._kill()  # what was forked before lacks them
+        self._nurse.load(group, unwanted)
 
     def run(
         self,
@@ -113,6 +87,8 @@ class Runner:
         """Evaluate positions in order; one that exceeds a limit, or ends its process, gives a failed evaluation."""
         started = time.monotonic()
         given, idle_ends = 0, 0
+        alone = len(positions)  # has to begin in a fresh process
+        singly = False
         lost: dict[int, Outcome] = {}
         while given < len(positions):
             if given in lost:
@@ -123,17 +99,24 @@ class Runner:
             if given and (left == 0.0 or unwanted() is not None):
                 return
             first = given
+            if given == alone:
+                self._kill()
+                alone = len(positions)
+            part = positions[given : given + 1 if singly else min((alone, *lost))]
             try:
-                for outcome in self._batch(
-                    job_id, calibration, positions[given : min(lost, default=None)], limits, left, unwanted, fields
-                ):
+                for outcome in self._batch(job_id, calibration, part, limits, left, unwanted, fields):
                     given += 1
                     yield outcome
-                if not lost:
+                if given < first + len(part) and self._process is not None:
                     return
             except NeverMind as end:
                 raise NeverMind(first + end.index) from None
+            except _SpoiledError as spoiled:
+                alone = first + spoiled.index
             except _EndedError as ended:
+                if ended.index < 0 and len(part) > 1:
+                    singly = True  # who is to blame will show
+                    continue
                 if ended.index < 0 and (idle_ends := idle_ends + 1) == 1:
                     continue  # killed from outside between two evaluations: no evaluation is to blame
                 # What it had finished but not yet sent is calculated again, up to the one that was under way.
@@ -143,16 +126,7 @@ class Runner:
     def close(self) -> None:
         """Kill the evaluation process and all that it has started, and end the nurse."""
         self._disconnect()
-        if self._control is not None:
-            self._control.close()
-            self._control = None
-        if self._nurse is not None:
-            try:
-                self._nurse.wait(5.0)
-            except subprocess.TimeoutExpired:
-                self._nurse.kill()
-                self._nurse.wait()
-            self._nurse = None
+        self._nurse.close()
 
     def _batch(
         self,
@@ -164,167 +138,155 @@ class Runner:
         unwanted: Callable[[], float | None],
         fields: str | None,
     ) -> Iterator[Outcome]:
-        """Give the outcomes of one request."""
-        connection, board = self._connected()
+        """Give the outcomes of one request; afterwards there is no process if the next run should have a fresh one."""
+        process = self._ready(job_id)
+        board = process.board
         board.stopped = False
         board.idle()
-        request = {"op": "run", "job": job_id, "shape": positions.shape, "budget": budget, "fields": fields}
-        body = pack_array(np.ascontiguousarray(positions).ravel())
+        request = {"op": "run", "shape": positions.shape, "budget": budget, "fields": fields}
         received = 0
         try:
-            send(connection, request, body)
+            if process.job is None:
+                problem = json.dumps(calibration.problem.document(), allow_nan=False)
+                process.ask({"op": "load", "seed": calibration.seed, "problem": problem})
+                process.job = job_id
+                process.ask(request, _packed(positions), first=False)
+            else:
+                process.ask(request, _packed(positions))
             while True:
-                self._watch(connection, board, limits, unwanted)
-                answer, values = receive(connection)
-                if "unknown" in answer:
-                    problem = json.dumps(calibration.problem.document(), allow_nan=False)
-                    load = {"op": "load", "job": job_id, "seed": calibration.seed, "problem": problem}
-                    send(connection, load)
-                    send(connection, request, body)
-                    continue
-                outcomes = unpack_outcomes(answer["results"], values, positions[received:])
+                frame = self._watched(process, limits, unwanted)
+                outcomes = _outcomes(frame, positions[received:])
                 received += len(outcomes)
+                if frame.head["done"] and not received:
+                    raise GarbledError
+                process.took(len(outcomes))
                 yield from outcomes
-                if answer["done"]:
+                if frame.head["done"]:
+                    self._renew(process, frame.head["renew"])
                     return
         except ConnectionEnded:
-            code = self._kill()
-            raise _EndedError("worker_lost", _how_it_ended(code), board.current, tail(self._output)) from None
+            current = board.current
+            raise _EndedError("worker_lost", _how_it_ended(self._kill()), current, tail(self._output)) from None
+        except GarbledError:
+            current = (IDLE, board.current[1])
+            self._kill()
+            message = "the evaluation process gave an answer that does not fit what was asked, and was killed"
+            raise _EndedError("worker_lost", message, current, tail(self._output)) from None
         except GeneratorExit:
             self._kill()  # the caller has lost interest; whatever is under way must not answer the next request
             raise
 
-    def _watch(
-        self,
-        connection: socket.socket,
-        board: Board,
-        limits: Limits,
-        unwanted: Callable[[], float | None],
-    ) -> None:
-        """Wait until the evaluation process has something to say.
+    def _watched(self, process: EvaluationProcess, limits: Limits, unwanted: Callable[[], float | None]) -> Frame:
+        """Wait for the next answer.
 
         Raises
         ------
         _EndedError
-            When it had to be killed because of a limit.
+            When the process had to be killed because of a limit.
+        _SpoiledError
+            When it had to be killed for memory that an earlier run may have left.
         NeverMind
             When it had to be killed because nobody wants the result.
+        ConnectionEnded, GarbledError
         """
         deadline: float | None = None
-        while not select.select([connection], [], [], POLL_SECONDS)[0]:
+        asked = time.monotonic()
+        while True:
+            frame = process.answer(POLL_SECONDS)
+            if frame is not None:
+                return frame
             now = time.monotonic()
-            index, since = board.current
-            since = since if index >= 0 else now
+            index, since = process.board.current
             if deadline is None:
                 patience = unwanted()
                 if patience is not None:
-                    board.stopped = True
+                    process.board.stopped = True
                     deadline = now + patience
             elif now > deadline:
                 self._kill()
                 raise NeverMind(max(index, 0))
-            if limits.seconds is not None and now - since > limits.seconds:
-                self._kill()
-                message = f"ran for longer than {limits.seconds:g} s (limits.seconds_per_evaluation) and was killed"
-                raise _EndedError("timeout", message, (index, since), tail(self._output))
+            self._keep_time(process, limits, index, since, now - max(asked, process.heard))
             if limits.memory_mb is not None and now - self._memory_at > MEMORY_SECONDS:
                 self._memory_at = now
-                used = self._memory_used()
-                if used > limits.memory_mb:
-                    self._kill()
-                    message = (
-                        f"used {used:.0f} MiB, more than {limits.memory_mb:g} MiB (limits.memory_mb), and was killed"
-                    )
-                    raise _EndedError("killed_memory", message, (index, since), tail(self._output))
-            self._shorten_output()
+                self._keep_memory(process, limits.memory_mb, index, since)
+
+    def _keep_time(self, process: EvaluationProcess, limits: Limits, index: int, since: float, silent: float) -> None:
+        running = time.monotonic() - since
+        message: str | None = None
+        reason = "worker_lost"
+        if index >= 0 and limits.seconds is not None and running > limits.seconds:
+            reason = "timeout"
+            message = f"ran for longer than {limits.seconds:g} s (limits.seconds_per_evaluation) and was killed"
+        elif index == BUILDING and running > BUILD_SECONDS:
+            message = f"the problem was not built within {BUILD_SECONDS:g} s in the evaluation process"
+        elif (process.answering or index == IDLE) and min(running, silent) > SILENT_SECONDS:
+            message = f"the evaluation process was silent for {SILENT_SECONDS:g} s with an answer due, and was killed"
+        if message is not None:
+            self._kill()
+            raise _EndedError(reason, message, (index, since), tail(self._output))
+
+    def _keep_memory(self, process: EvaluationProcess, most: float, index: int, since: float) -> None:
+        used = self._memory_used()
+        if used <= most:
+            return
+        # What counts is what this evaluation uses, not what those before it have left.
+        spoiled = process.runs > 0 or index > 0
+        self._kill()
+        if spoiled:
+            raise _SpoiledError(index)
+        message = f"used {used:.0f} MiB, more than {most:g} MiB (limits.memory_mb), and was killed"
+        raise _EndedError("killed_memory", message, (index, since), tail(self._output))
 
     def _memory_used(self) -> float:
         """Return the memory [MiB] of all below the nurse, beyond what the evaluation process had at its start."""
-        return 0.0 if self._nurse is None else memory_below(self._nurse.pid) - self._idle_memory
+        return self._nurse.memory() - self._idle_memory
 
-    def _shorten_output(self) -> None:
-        if os.fstat(self._output).st_size > LARGEST_OUTPUT:
-            end = tail(self._output) or ""
-            os.ftruncate(self._output, 0)
-            os.write(self._output, end.encode()[-LOG_TAIL:])
+    def _ready(self, job_id: str) -> EvaluationProcess:
+        """Return a process that is idle and has evaluated for this job at most."""
+        process = self._process
+        if process is not None and (process.job not in (None, job_id) or process.spoke_unasked):
+            self._kill()
+        if self._process is None:
+            self._process = self._nurse.fork()
+            self._idle_memory = self._nurse.memory()
+            self._kept_memory = None
+        return self._process
 
-    def _connected(self) -> tuple[socket.socket, Board]:
-        """Return the connection to a live evaluation process and the memory shared with it."""
-        if self._connection is None or self._board is None:
-            for pause in (*PAUSES, None):
-                try:
-                    self._fork()
-                    break
-                except OSError as error:  # the nurse was killed, perhaps by what will kill the next one, too
-                    if pause is None:
-                        raise
-                    log.warning("the supervisor of the evaluation process is gone, another one is started: %s", error)
-                    time.sleep(pause)
-                    self._replace_nurse()
-        if self._connection is None or self._board is None:
-            raise RuntimeError("there is no evaluation process")
-        return self._connection, self._board
-
-    def _fork(self) -> None:
-        if self._control is None:
-            self.start()
-        if self._control is None:
-            raise RuntimeError("the runner was not started")
-        ours, theirs = socket.socketpair()
-        descriptor = anonymous_file()
-        try:
-            with theirs:
-                board = Board(descriptor, new=True)
-                socket.send_fds(self._control, [FORK], [theirs.fileno(), self._output, descriptor])
-                self._answer()
-        except OSError:
-            ours.close()
-            raise
-        finally:
-            os.close(descriptor)
-        self._connection, self._board = ours, board
-        self._idle_memory = 0.0
-        self._idle_memory = self._memory_used()
-
-    def _answer(self) -> int | None:
-        """Return the exit code of the evaluation process that the nurse tells, None when there is none."""
-        if self._control is None:
-            raise RuntimeError("the runner was not started")
-        data = self._control.recv(STATUS.size, socket.MSG_WAITALL)
-        if len(data) < STATUS.size:
-            raise ConnectionResetError("it ended")
-        code, known = STATUS.unpack(data)
-        return code if known else None
+    def _renew(self, process: EvaluationProcess, left: str | None) -> None:
+        """Kill a process that should make no further run; the next one begins in a fresh one."""
+        now = time.monotonic()
+        if left is None and process.runs < MOST_RUNS:
+            if now - self._memory_at < GROWTH_SECONDS and self._kept_memory is not None:
+                return
+            self._memory_at = now
+            kept = self._memory_used()
+            if self._kept_memory is None:
+                self._kept_memory = kept
+            if kept < 3.0 * self._kept_memory + MOST_GROWTH:
+                return
+            left = f"{kept:.0f} MiB of memory"
+        log.debug("a fresh evaluation process after %d runs: they have left %s", process.runs, left)
+        self._kill()
 
     def _kill(self) -> int | None:
         """End the evaluation process with all below it; return its exit code when that is known."""
-        self._disconnect()
-        try:
-            if self._control is None:
-                return None
-            self._control.sendall(KILL)
-            return self._answer()
-        except OSError:
-            self._replace_nurse()
+        if self._process is None:
             return None
+        self._disconnect()
+        return self._nurse.kill()
 
     def _disconnect(self) -> None:
-        if self._connection is not None:
-            self._connection.close()
-        self._connection = None
+        if self._process is not None:
+            self._process.close()
+        self._process = None
 
-    def _replace_nurse(self) -> None:
-        """Start another nurse; what a killed one has left behind is found by its session."""
-        nurse = self._nurse
-        self._disconnect()
-        if nurse is not None:
-            with contextlib.suppress(ProcessLookupError):
-                nurse.kill()
-            nurse.wait()
-            kill_session(nurse.pid)
-        if self._control is not None:
-            self._control.close()
-        self.start()
+
+class _SpoiledError(Exception):
+    """The process was killed for what may not be the fault of the run under way: it is begun again in a fresh one."""
+
+    def __init__(self, index: int) -> None:
+        self.index = max(index, 0)
+        super().__init__(index)
 
 
 class _EndedError(Exception):
@@ -344,6 +306,20 @@ class _EndedError(Exception):
         parameters = np.array(position, dtype=np.float64)
         evaluation = Evaluation(parameters, None, {}, {}, self.reason, self.message, now - began)
         return Outcome(evaluation, self.output, began, now)
+
+
+def _outcomes(frame: Frame, positions: FloatArray) -> list[Outcome]:
+    """Return the outcomes of an answer about positions, shape (k, d), or some of the first of them."""
+    try:
+        if len(frame.head["results"]) > len(positions) or not isinstance(frame.head["done"], bool):
+            raise GarbledError
+        return unpack_outcomes(frame.head["results"], frame.body, positions)
+    except (LookupError, TypeError, ValueError):
+        raise GarbledError from None
+
+
+def _packed(positions: FloatArray) -> bytes:
+    return pack_array(np.ascontiguousarray(positions).ravel())
 
 
 def _how_it_ended(code: int | None) -> str:

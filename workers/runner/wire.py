@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import json
-import mmap
-import os
 import socket
 import struct
-import sys
-import tempfile
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,17 +16,23 @@ from geoswarm.solver.calibration import Evaluation
 from geoswarm.workers.store.codec import pack_array, unpack_array
 
 __all__ = [
-    "Board",
+    "ONCE",
     "ConnectionEnded",
+    "Frame",
+    "FrameReader",
+    "GarbledError",
     "Outcome",
-    "anonymous_file",
     "pack_outcomes",
     "receive",
     "send",
     "unpack_outcomes",
 ]
 
-LENGTHS = struct.Struct("!II")
+HEADER = struct.Struct("!8sQqqII")
+"""Mark, nonce, index, process, and the lengths [byte] of the JSON text and of the body."""
+MARK = b"geoswarm"
+LONGEST_HEAD = 2**26
+LONGEST_BODY = 2**30
 ONCE = 1 << 16
 
 
@@ -39,44 +40,110 @@ class ConnectionEnded(Exception):  # noqa: N818  says what it is
     """The other side has closed the connection or died."""
 
 
-def send(connection: socket.socket, head: Mapping[str, Any], body: bytes = b"") -> None:
-    """Send one frame.
+class GarbledError(Exception):
+    """What came over the connection is no frame of ours."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One message.
+
+    Parameters
+    ----------
+    nonce
+        Number of the request, drawn anew for each; an answer carries that of its request.
+    index
+        Place of the first position that it is about, within its request.
+    pid
+        The evaluation process that is asked, or that answers.
+    """
+
+    nonce: int
+    index: int
+    pid: int
+    head: Mapping[str, Any]
+    body: bytes = b""
+
+    def packed(self) -> bytes:
+        """Return its bytes."""
+        text = json.dumps(self.head, separators=(",", ":")).encode()
+        header = HEADER.pack(MARK, self.nonce, self.index, self.pid, len(text), len(self.body))
+        return header + text + self.body
+
+
+class FrameReader:
+    """Puts frames together from the bytes that have come, however they are cut; holds as much as one may be long."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+
+    def __bool__(self) -> bool:
+        """Whether a frame has begun and not ended."""
+        return bool(self._bytes)
+
+    def feed(self, data: bytes) -> None:
+        """Take in bytes in their order."""
+        self._bytes += data
+
+    def frame(self) -> Frame | None:
+        """Return the next frame, None while it is not complete.
+
+        Raises
+        ------
+        GarbledError
+            For what is no frame, or one that is longer than any of ours.
+        """
+        found = self._bytes
+        if not MARK.startswith(found[: len(MARK)]):
+            raise GarbledError
+        if len(found) < HEADER.size:
+            return None
+        _, nonce, index, pid, head, body = HEADER.unpack_from(found)
+        if head > LONGEST_HEAD or body > LONGEST_BODY:
+            raise GarbledError
+        start, end = HEADER.size + head, HEADER.size + head + body
+        if len(found) < end:
+            return None
+        try:
+            values = json.loads(found[HEADER.size : start])
+        except ValueError:
+            raise GarbledError from None
+        if not isinstance(values, dict):
+            raise GarbledError
+        frame = Frame(nonce, index, pid, values, bytes(found[start:end]))
+        del found[:end]
+        return frame
+
+
+def send(connection: socket.socket, frame: Frame) -> None:
+    """Send a frame over a connection that waits.
 
     Raises
     ------
     ConnectionEnded
     """
-    text = json.dumps(head, separators=(",", ":")).encode()
     try:
-        connection.sendall(LENGTHS.pack(len(text), len(body)) + text + body)
+        connection.sendall(frame.packed())
     except (BrokenPipeError, ConnectionResetError):
         raise ConnectionEnded from None
 
 
-def receive(connection: socket.socket) -> tuple[dict[str, Any], bytes]:
-    """Wait for one frame.
+def receive(connection: socket.socket, reader: FrameReader) -> Frame:
+    """Wait for the next frame.
 
     Raises
     ------
-    ConnectionEnded
+    ConnectionEnded, GarbledError
     """
-    head, body = LENGTHS.unpack(_exactly(connection, LENGTHS.size))
-    text = _exactly(connection, head)
-    return json.loads(text), _exactly(connection, body)
-
-
-def _exactly(connection: socket.socket, size: int) -> bytes:
-    parts: list[bytes] = []
-    while size > 0:
+    while (frame := reader.frame()) is None:
         try:
-            part = connection.recv(min(size, ONCE))
+            data = connection.recv(ONCE)
         except ConnectionResetError:
-            part = b""
-        if not part:
+            data = b""
+        if not data:
             raise ConnectionEnded
-        parts.append(part)
-        size -= len(part)
-    return b"".join(parts)
+        reader.feed(data)
+    return frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,53 +201,3 @@ def unpack_outcomes(heads: Sequence[Any], body: bytes, positions: FloatArray) ->
         evaluation = Evaluation(parameters, objective, misfits, responses, reason, message, seconds)
         outcomes.append(Outcome(evaluation, log, began, ended))
     return outcomes
-
-
-def anonymous_file() -> int:
-    """Return the descriptor of a file without a name, in memory where the system can (a full disk does not matter)."""
-    if sys.platform == "linux":
-        return os.memfd_create("geoswarm")
-    with tempfile.TemporaryFile() as file:
-        return os.dup(file.fileno())
-
-
-class Board:
-    """Memory that worker and evaluation process share: which position is being evaluated, since when, and a flag."""
-
-    _STATE = struct.Struct("=qd")
-    _SIZE = 64
-    _FLAG = 32
-
-    def __init__(self, descriptor: int, *, new: bool) -> None:
-        if new:
-            os.ftruncate(descriptor, self._SIZE)
-        self._memory = mmap.mmap(descriptor, self._SIZE)
-
-    def begin(self, index: int) -> float:
-        """Note that a position is begun; return the time [s]."""
-        now = time.monotonic()
-        self._STATE.pack_into(self._memory, 0, index, now)
-        return now
-
-    def idle(self) -> None:
-        """Note that nothing is being evaluated."""
-        self._STATE.pack_into(self._memory, 0, -1, 0.0)
-
-    @property
-    def current(self) -> tuple[int, float]:
-        """Index of the position under evaluation, -1 for none, and when it began (monotonic time [s])."""
-        index, since = self._STATE.unpack_from(self._memory, 0)
-        return index, since
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the worker wants no more after the position under evaluation."""
-        return self._memory[self._FLAG] == 1
-
-    @stopped.setter
-    def stopped(self, value: bool) -> None:
-        self._memory[self._FLAG] = int(value)
-
-    def close(self) -> None:
-        """Unmap it."""
-        self._memory.close()

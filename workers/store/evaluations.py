@@ -238,18 +238,21 @@ def load_board(connection: Connection, job_id: str, generation: int) -> Board:
 def renew_leases(
     connection: Connection, job_id: str, generation: int, particles: Sequence[int], worker: str, lease: float
 ) -> None:
-    """Renew the leases [s] that a worker still holds; the caller has locked the job's row."""
-    connection.execute(
-        update(evaluations)
-        .where(
-            evaluations.c.job_id == job_id,
-            evaluations.c.generation == generation,
-            evaluations.c.particle.in_(particles),
-            evaluations.c.state == "running",
-            evaluations.c.worker == worker,
-        )
-        .values(lease_expires_at=database_now() + lease)
+    """Renew the leases [s] that a worker still holds.
+
+    Does not wait for the job's row, as a lease is no state. Rows that an exchange is changing now are left to it.
+    """
+    held = and_(
+        evaluations.c.job_id == job_id,
+        evaluations.c.generation == generation,
+        evaluations.c.particle.in_(particles),
+        evaluations.c.state == "running",
+        evaluations.c.worker == worker,
     )
+    if connection.dialect.name == "postgresql":
+        free = select(evaluations.c.particle).where(held).with_for_update(skip_locked=True).subquery()
+        held = and_(held, evaluations.c.particle.in_(select(free.c.particle)))
+    connection.execute(update(evaluations).where(held).values(lease_expires_at=database_now() + lease))
 
 
 def still_wanted(connection: Connection, job_id: str, generation: int, particles: Sequence[int]) -> str:

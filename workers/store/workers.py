@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sqlalchemy import Connection, and_, case, delete, exists, func, insert, or_, select, update
+from sqlalchemy import ColumnElement, Connection, and_, case, delete, exists, func, insert, or_, select, update
 
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.store.clock import database_now
@@ -19,6 +19,7 @@ __all__ = [
     "forget_worker",
     "forget_workers_lost_before",
     "list_workers",
+    "live_workers",
     "mark_lost",
     "overdue_workers",
     "register_worker",
@@ -56,8 +57,16 @@ def forget_worker(connection: Connection, worker_id: str) -> None:
 
 def count_live(connection: Connection, lease: float) -> int:
     """Return the number of workers heard of within their lease [s]."""
-    live = and_(workers.c.lost_at.is_(None), workers.c.seen_at > database_now() - lease)
-    return connection.scalar(select(func.count()).select_from(workers).where(live)) or 0
+    return connection.scalar(select(func.count()).select_from(workers).where(_live(lease))) or 0
+
+
+def live_workers(connection: Connection, lease: float) -> set[str]:
+    """Return the workers heard of within their lease [s]."""
+    return set(connection.scalars(select(workers.c.id).where(_live(lease))))
+
+
+def _live(lease: float) -> ColumnElement[bool]:
+    return and_(workers.c.lost_at.is_(None), workers.c.seen_at > database_now() - lease)
 
 
 def busy_workers(connection: Connection) -> dict[str, str]:

@@ -31,7 +31,7 @@ def test_perfect_responses_give_zero() -> None:
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_a_value_that_is_not_finite_is_named(bad: float) -> None:
     with pytest.raises(NotFiniteError, match=rf"series 'settlement' is {bad} at point 2 of 3 \(x = 1\)"):
-        OBJECTIVE.misfits({"settlement": np.array([1.0, bad, 4.0]), "radial": np.array([1.0, 1.0])})
+        OBJECTIVE.responses({"settlement": np.array([1.0, bad, 4.0]), "radial": np.array([1.0, 1.0])})
 
 
 def test_an_overflowing_misfit_is_a_failure() -> None:
@@ -41,6 +41,6 @@ def test_an_overflowing_misfit_is_a_failure() -> None:
 
 def test_a_missing_series_or_wrong_shape_is_bad_output() -> None:
     with pytest.raises(BadOutputError, match="series 'radial' is missing in the response; it has settlement"):
-        OBJECTIVE.misfits({"settlement": np.zeros(3)})
+        OBJECTIVE.responses({"settlement": np.zeros(3)})
     with pytest.raises(BadOutputError, match=r"series 'settlement' has shape \(2,\), but 3 points"):
-        OBJECTIVE.misfits({"settlement": np.zeros(2), "radial": np.zeros(2)})
+        OBJECTIVE.responses({"settlement": np.zeros(2), "radial": np.zeros(2)})

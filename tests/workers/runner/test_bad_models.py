@@ -1,0 +1,151 @@
+"""Forward models that behave badly: their own run fails for the right reason, and no other run notices anything."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.runner.evaluator import Limits
+from geoswarm.workers.runner.processes import descendants
+from geoswarm.workers.runner.runner import Runner
+from tests.integration.engines import wait_for
+from tests.models.geoswarm_bad_models import REASONS
+from tests.workers.runner.test_runner import positions
+
+pytestmark = pytest.mark.usefixtures("misbehaving_models")
+
+LIMITS = Limits(seconds=2.0, memory_mb=300.0)
+SLOPES = (-1.0, 1.0, -2.0, 2.0, -3.0)
+
+
+@pytest.fixture(scope="module")
+def runners() -> Iterator[list[Runner]]:
+    """One runner for all tests of this module: what one test leaves behind would show in the next."""
+    made: list[Runner] = []
+    yield made
+    for runner in made:
+        runner.close()
+
+
+@pytest.fixture
+def runner(misbehaving_models: None, runners: list[Runner]) -> Runner:  # noqa: ARG001
+    if not runners:
+        runners.append(Runner())
+        runners[0].start()
+    return runners[0]
+
+
+def bad(behaviour: str) -> Calibration:
+    document = {
+        "forward_model": {"kind": "bad", "behaviour": behaviour},
+        "parameters": {"slope": {"lower": -5, "upper": 5}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
+        "method": {"kind": "monte_carlo", "samples": 4},
+        "seed": 1,
+    }
+    return Calibration(parse_problem(document), 1)
+
+
+def evaluated(runner: Runner, job: str, behaviour: str, slopes: tuple[float, ...] = SLOPES) -> list[Any]:
+    """Reason or response of each run."""
+    outcomes = runner.run(job, bad(behaviour), positions(*slopes), LIMITS)
+    return [o.evaluation.reason or o.evaluation.responses["y"].tolist() for o in outcomes]
+
+
+def expected(slopes: tuple[float, ...], reason: str | None = None) -> list[Any]:
+    return [reason if slope > 0.0 and reason else (slope * np.arange(3.0)).tolist() for slope in slopes]
+
+
+@pytest.mark.parametrize("behaviour", REASONS)
+def test_a_bad_model_spoils_its_own_run_alone(runner: Runner, behaviour: str) -> None:
+    assert evaluated(runner, f"job of {behaviour}", behaviour) == expected(SLOPES, REASONS[behaviour])
+    assert evaluated(runner, f"job after {behaviour}", "good") == expected(SLOPES)
+    pid = runner._nurse.pid
+    assert pid is not None
+    assert len(descendants(pid)) == 1  # the process of the good job; nothing else is left
+
+
+def test_a_growing_process_is_renewed_and_no_evaluation_is_blamed(runner: Runner) -> None:
+    slopes = tuple(float(number) for number in range(1, 13))  # 60 MiB each, 300 MiB are granted
+    for size in (12, 5, 1):
+        found: list[Any] = []
+        for first in range(0, 12, size):
+            found += evaluated(runner, f"leak {size}", "leak memory", slopes[first : first + size])
+        assert found == expected(slopes)
+
+
+def test_output_stays_bounded_while_it_is_written(runner: Runner) -> None:
+    evaluated(runner, "writes", "leave a thread that writes", (1.0,))
+    size = os.fstat(runner._output).st_size
+    time.sleep(0.5)
+    assert os.fstat(runner._output).st_size == size  # whatever wrote is gone
+    began = time.monotonic()
+    largest = 0
+    for outcome in runner.run(
+        "writes on",
+        bad("write without end"),
+        positions(1.0),
+        LIMITS,
+        unwanted=lambda: None,
+    ):
+        largest = os.fstat(runner._output).st_size
+        assert outcome.evaluation.reason == "timeout"
+        assert outcome.log is not None
+    assert time.monotonic() - began < 60.0
+    assert largest < 512 * 2**20
+
+
+def test_forward_models_see_no_secret(
+    misbehaving_models: None,  # noqa: ARG001
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("GEOSWARM_API_KEY", "secret")
+    monkeypatch.setenv("GEOSWARM_DATABASE_URL", "sqlite:///secret.db")
+    monkeypatch.setenv("LICENSE_SERVER", "lm@host")
+    runner = Runner(("LICENSE_*",))
+    try:
+        list(runner.run("job", bad("good"), positions(-1.0), LIMITS))
+        nurse = runner._nurse.pid
+        assert nurse is not None
+        for pid in (nurse, *descendants(nurse)):
+            environment = Path(f"/proc/{pid}/environ").read_bytes()
+            assert b"secret" not in environment
+            assert b"LICENSE_SERVER=lm@host" in environment
+    finally:
+        runner.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent has ended")
+def test_a_stopped_nurse_ends_with_its_worker(tmp_path: Path) -> None:
+    code = (
+        "import os, signal, sys, time\n"
+        "from tests.workers.runner.test_bad_models import bad, LIMITS, positions\n"
+        "from geoswarm.workers.runner.runner import Runner\n"
+        "runner = Runner()\n"
+        "list(runner.run('job', bad('good'), positions(-1.0), LIMITS))\n"
+        "os.kill(runner._nurse.pid, signal.SIGSTOP)\n"
+        "print(runner._nurse.pid, flush=True)\n"
+        "time.sleep(600)\n"
+    )
+    root = Path(__file__).parents[3]
+    paths = os.pathsep.join([str(root / "tests" / "models"), str(root)])
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, cwd=tmp_path, env={**os.environ, "PYTHONPATH": paths}
+    ) as worker:
+        try:
+            assert worker.stdout is not None
+            nurse = int(worker.stdout.readline())
+            assert descendants(nurse)
+        finally:
+            worker.kill()
+    wait_for(lambda: not Path(f"/proc/{nurse}").exists(), "the end of the nurse")

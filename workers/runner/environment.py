@@ -1,0 +1,36 @@
+"""What forward models see of the environment: no password, no key, nothing that one deployment alone has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
+
+__all__ = ["ALLOWED", "SECRETS", "clean_environment", "without_secrets"]
+
+ALLOWED = (
+    *("PATH", "HOME", "USER", "LOGNAME", "SHELL", "HOSTNAME", "TMPDIR", "TEMP", "TMP", "TERM", "DISPLAY"),
+    *("LANG", "LANGUAGE", "LC_*", "TZ", "TZDIR", "XDG_*"),
+    *("LD_LIBRARY_PATH", "VIRTUAL_ENV", "CONDA_PREFIX", "PYTHON*", "NUMBA_*", "OMP_*", "OPENBLAS_*", "MKL_*", "CUDA_*"),
+    *("SSL_CERT_FILE", "SSL_CERT_DIR"),
+)
+"""Names, with ``*`` for any letters."""
+
+
+SECRETS = ("GEOSWARM_API_KEY", "GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL")
+"""Variables with passwords and keys; ``_FILE`` behind a name points to one."""
+
+
+def without_secrets(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment without the variables of :data:`SECRETS`."""
+    hidden = {*SECRETS, *(f"{name}_FILE" for name in SECRETS)}
+    return {name: value for name, value in environment.items() if name not in hidden}
+
+
+def clean_environment(environment: Mapping[str, str], passed: Sequence[str] = ()) -> dict[str, str]:
+    """Return the variables of :data:`ALLOWED` and those that the operator passes on, names with ``*`` or without.
+
+    >>> clean_environment({"PATH": "/bin", "GEOSWARM_API_KEY": "secret", "LM_HOST": "a"}, ["LM_*"])
+    {'PATH': '/bin', 'LM_HOST': 'a'}
+    """
+    patterns = (*ALLOWED, *passed)
+    return {name: value for name, value in environment.items() if any(fnmatchcase(name, p) for p in patterns)}

@@ -1,0 +1,225 @@
+"""A worker's side of the nurse: starts her, has her fork, load and kill, and replaces her when she is lost."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import logging
+import os
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+from geoswarm.workers.runner.board import Board
+from geoswarm.workers.runner.environment import clean_environment
+from geoswarm.workers.runner.evaluator import NoProcessError
+from geoswarm.workers.runner.nurse import BOOTSTRAP, FORK, KILL, LOAD, STATUS
+from geoswarm.workers.runner.output import anonymous_file
+from geoswarm.workers.runner.process import EvaluationProcess
+from geoswarm.workers.runner.processes import kill_session, memory_below
+
+__all__ = ["ONE_THREAD", "NurseLink"]
+
+log = logging.getLogger(__name__)
+
+POLL_SECONDS = 0.05
+PAUSES = (0.0, 0.2, 1.0)  # s, before another nurse is started in place of one that was killed
+READY_SECONDS = 120.0  # she loads every kernel that is compiled
+ANSWER_SECONDS = 15.0  # to fork or to kill, when she is ready
+WAKE_SECONDS = 1.0
+COMPILE_SECONDS = 1800.0
+
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+"""Environment of a process that evaluates: one numerical thread, as there is one worker a core."""
+
+
+class NurseLink:
+    """The nurse of one worker.
+
+    Parameters
+    ----------
+    output
+        Descriptor of the file that takes what forward models write to their standard output and error.
+    passed
+        Names of environment variables that forward models get beside the usual ones.
+    """
+
+    def __init__(self, output: int, passed: tuple[str, ...] = ()) -> None:
+        self._output = output
+        self._passed = passed
+        self._process: subprocess.Popen[bytes] | None = None
+        self._control: socket.socket | None = None
+        self._ready = False
+        self.loaded: set[str] = set()
+        """Groups of kernels that she has loaded."""
+
+    @property
+    def pid(self) -> int | None:
+        """Her process number."""
+        return None if self._process is None else self._process.pid
+
+    def start(self) -> None:
+        """Start her; she gets ready by herself.
+
+        Raises
+        ------
+        OSError
+            When the system has no process or descriptor to spare.
+        """
+        ours, theirs = socket.socketpair()
+        given = json.dumps({"path": sys.path, "control": theirs.fileno()})
+        try:
+            with theirs:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-c", BOOTSTRAP, given],
+                    stdin=subprocess.DEVNULL,
+                    pass_fds=[theirs.fileno()],
+                    env={**clean_environment(os.environ, self._passed), **ONE_THREAD},
+                    start_new_session=True,  # signals of a terminal or a supervisor are for the worker
+                )
+        except OSError:
+            ours.close()
+            raise
+        self._control = ours
+        self._ready = False
+        self.loaded.clear()
+
+    def load(self, group: str, unwanted: Callable[[], bool]) -> None:
+        """Have her load a group of kernels: all evaluation processes that she forks have it then."""
+        try:
+            control, process = self._started()
+            control.sendall(LOAD[group])
+            deadline = time.monotonic() + COMPILE_SECONDS
+            while not _readable(control, POLL_SECONDS):
+                if unwanted():
+                    process.kill()  # her answer must not be taken for another one
+                    return
+                if time.monotonic() > deadline:
+                    raise TimeoutError(f"kernels were not compiled within {COMPILE_SECONDS:g} s")
+            self._answer()
+        except OSError as error:
+            log.warning("the kernels of %r could not be loaded: %s", group, error)
+            self._lose()
+        self.loaded.add(group)  # not again and again: an evaluation compiles, or tells what is wrong
+
+    def fork(self) -> EvaluationProcess:
+        """Return a new evaluation process.
+
+        Raises
+        ------
+        NoProcessError
+            When none is to be had, however often the nurse was replaced.
+        """
+        for pause in (*PAUSES, None):
+            try:
+                return self._fork()
+            except OSError as error:  # she was killed, perhaps by what will kill the next one, too
+                self._lose()
+                if pause is None:
+                    raise NoProcessError(f"no evaluation process could be started: {error}") from error
+                log.warning("the nurse of the evaluation process is gone, another one is started: %s", error)
+                time.sleep(pause)
+        raise AssertionError
+
+    def kill(self) -> int | None:
+        """End everything that she has forked, with all that it has started; return its exit code if that is known."""
+        if self._control is None:
+            return None
+        try:
+            self._control.sendall(KILL)
+            code, known, _ = self._answer()
+        except OSError:
+            self._lose()
+            return None
+        return code if known else None
+
+    def memory(self) -> float:
+        """Return the memory [MiB] of all that she has forked."""
+        return 0.0 if self.pid is None else memory_below(self.pid)
+
+    def close(self) -> None:
+        """End her; she kills all that she has forked."""
+        if self._control is not None:
+            self._control.close()
+            self._control = None
+        if self._process is not None:
+            self._wake()
+            try:
+                self._process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                self._lose()
+            self._process = None
+
+    def _started(self) -> tuple[socket.socket, subprocess.Popen[bytes]]:
+        if self._control is None or self._process is None:
+            self.start()
+        if self._control is None or self._process is None:
+            raise RuntimeError("the nurse was not started")
+        return self._control, self._process
+
+    def _fork(self) -> EvaluationProcess:
+        control, _ = self._started()
+        ours, theirs = socket.socketpair()
+        shared = -1
+        try:
+            with theirs:
+                shared = anonymous_file()
+                board = Board(shared, new=True)
+                socket.send_fds(control, [FORK], [theirs.fileno(), self._output, shared])
+                pid, known, pidfd = self._answer()
+        except OSError:
+            ours.close()
+            raise
+        finally:
+            if shared >= 0:
+                os.close(shared)
+        if not known:
+            ours.close()
+            raise OSError(pid, os.strerror(pid))
+        return EvaluationProcess(ours, board, pid, pidfd)
+
+    def _answer(self) -> tuple[int, bool, int | None]:
+        """Return her number, whether it is known, and the descriptor that came with it."""
+        control, _ = self._started()
+        deadline = time.monotonic() + (ANSWER_SECONDS if self._ready else READY_SECONDS)
+        while not _readable(control, WAKE_SECONDS):
+            self._wake()
+            if time.monotonic() > deadline:
+                raise TimeoutError(errno.ETIMEDOUT, "the nurse does not answer")
+        data, descriptors, _, _ = socket.recv_fds(control, STATUS.size, 1)
+        if len(data) < STATUS.size:
+            for descriptor in descriptors:
+                os.close(descriptor)
+            raise ConnectionResetError(errno.ECONNRESET, "the nurse has ended")
+        self._ready = True
+        number, known = STATUS.unpack(data)
+        return number, bool(known), descriptors[0] if descriptors else None
+
+    def _wake(self) -> None:
+        """Have her go on if a forward model has stopped her."""
+        if self._process is not None:
+            with contextlib.suppress(OSError):
+                self._process.send_signal(signal.SIGCONT)
+
+    def _lose(self) -> None:
+        """Kill her and what she leaves behind, which is found by its session."""
+        if self._process is not None:
+            with contextlib.suppress(OSError):
+                self._process.kill()
+            self._process.wait()
+            kill_session(self._process.pid)
+            self._process = None
+        if self._control is not None:
+            self._control.close()
+            self._control = None
+
+
+def _readable(control: socket.socket, seconds: float) -> bool:
+    poll = select.poll()
+    poll.register(control, select.POLLIN)
+    return bool(poll.poll(1000.0 * seconds))
