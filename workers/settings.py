@@ -22,6 +22,7 @@ ENVIRONMENT = {
     "GEOSWARM_PASS_ENVIRONMENT": "passed_environment",
     "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
     "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
+    "GEOSWARM_BUILD_MEMORY_MB": "build_memory_mb",
     "GEOSWARM_CHECK_SECONDS": "check_seconds",
     "GEOSWARM_QUOTA_JOBS": "quota_jobs",
     "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
@@ -88,6 +89,8 @@ class Settings(BaseModel):
         ``*`` for any letters.
     evaluation_seconds, evaluation_memory_mb
         Limits [s], [MiB] that no problem may exceed; None: what the problem says.
+    build_memory_mb
+        Memory [MiB] that building the forward model of another package may take.
     check_seconds
         Longest test run of a problem that is not a job yet [s].
     kinds
@@ -125,6 +128,7 @@ class Settings(BaseModel):
     passed_environment: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
     evaluation_seconds: float | None = Field(None, gt=0)
     evaluation_memory_mb: float | None = Field(None, ge=16)
+    build_memory_mb: float = Field(4096.0, ge=64)
     check_seconds: float = Field(60.0, gt=0)
     kinds: tuple[str, ...] = ()
     slots: dict[str, Annotated[int, Field(ge=1)]] = {}

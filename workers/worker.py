@@ -9,6 +9,7 @@ from functools import partial
 
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
@@ -18,7 +19,7 @@ from geoswarm.workers.errors import StoreUnavailableError, WorkersError
 from geoswarm.workers.heart import Heart
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.kernels import make_ready
-from geoswarm.workers.runner.evaluator import Evaluator, InlineEvaluator
+from geoswarm.workers.runner.evaluator import Evaluator, InlineEvaluator, Limits, NoProcessError
 from geoswarm.workers.runner.runner import Runner
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.slots import Slots
@@ -135,6 +136,8 @@ class Worker:
             log.warning("worker %s: %s", self.identity.id, error, extra=extra)
             # Jobs may be listed by a database that takes nothing in (disk full): do not ask it without a pause.
             self.stopping.wait(self.settings.poll_seconds)
+        except NoProcessError as error:
+            self._rest(str(error))
         except Exception as error:
             log.exception("job %s cannot be worked on", job_id, extra=extra)
             self._give_up(job_id, f"{type(error).__name__}: {error}")
@@ -254,7 +257,10 @@ class Worker:
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
-        problem = parse_problem(unpack_problem(row.problem))
+        document = unpack_problem(row.problem)
+        if is_foreign(document.get("forward_model")):
+            self._evaluator.build(job_id, document, row.seed, Limits(None, self.settings.build_memory_mb))
+        problem = parse_problem(document)
         offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
         calibration = Calibration(problem, row.seed, offer)
         self._calibrations[job_id] = calibration

@@ -21,7 +21,7 @@ from geoswarm.solver.errors import BrokenForwardModelError, UnknownForwardModelE
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["BUILT_IN", "GROUP", "AnyForwardModelSpec", "find_spec", "forget", "kinds", "parse_spec"]
+__all__ = ["BUILT_IN", "GROUP", "AnyForwardModelSpec", "find_spec", "forget", "is_foreign", "kinds", "parse_spec"]
 
 GROUP = "geoswarm.forward_models"
 """Entry point group."""
@@ -51,6 +51,15 @@ def _installed() -> dict[str, EntryPoint]:
 def kinds() -> tuple[str, ...]:
     """Kinds of forward model that are installed, loaded or not, the built-in ones first."""
     return tuple(_installed())
+
+
+def is_foreign(section: Any) -> bool:
+    """Whether a ``forward_model`` section of a document, or a part of it, needs a forward model of another package."""
+    if not isinstance(section, Mapping):
+        return False
+    parts = section.get("parts")
+    inner = parts.values() if section.get("kind") == "combined" and isinstance(parts, Mapping) else ()
+    return section.get("kind") not in BUILT_IN or any(is_foreign(part) for part in inner)
 
 
 def find_spec(kind: str) -> type[ForwardModelSpec]:

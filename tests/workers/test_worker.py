@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import errno
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,7 +10,9 @@ from sqlalchemy import select, update
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Step
+from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.coordinator.work import HandIn
+from geoswarm.workers.runner.nurse_link import NurseLink
 from geoswarm.workers.service import JobService
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import pack_json
@@ -77,6 +81,56 @@ def test_a_problem_that_cannot_be_built_fails_the_job_not_the_worker(
     other = service.submit(line())[0].id
     worker.serve(other)
     assert service.get(other).state == "finished"
+
+
+@pytest.mark.usefixtures("misbehaving_models")
+def test_a_model_that_dies_while_it_is_built_fails_its_job_and_no_worker(
+    service: JobService, make_worker: MakeWorker, store: Store
+) -> None:
+    document: dict[str, Any] = {
+        "forward_model": {"kind": "bad"},
+        "parameters": {"slope": {"lower": -5, "upper": 5}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
+        "stopping": {"max_evaluations": 12},
+        "seed": 1,
+    }
+    job_id = service.submit(parse_problem(document))[0].id
+    document["forward_model"]["builds"] = "crash"
+    store.write(lambda c: c.execute(update(jobs).values(problem=pack_json(document))))
+    worker = make_worker(isolate=True)
+    worker.serve(job_id)
+    view = service.get(job_id)
+    assert view.state == "failed"
+    assert view.error == (
+        "BuildError: the problem could not be built, tried 3 times: the evaluation process was ended by SIGSEGV"
+    )
+    other = service.submit(line())[0].id
+    worker.serve(other)
+    worker.close()
+    assert service.get(other).state == "finished"
+
+
+def test_without_a_process_to_spare_the_work_is_left_to_others(
+    service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none(_self: NurseLink) -> None:
+        raise OSError(errno.EAGAIN, "no process to spare")
+
+    monkeypatch.setattr("geoswarm.workers.worker.TROUBLE_SECONDS", 0.01)
+    monkeypatch.setattr("geoswarm.workers.runner.nurse_link.PAUSES", (0.0,))
+    job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
+    worker = make_worker(isolate=True)
+    with monkeypatch.context() as patch:
+        patch.setattr(NurseLink, "start", none)
+        for _ in range(5):
+            worker.serve(job_id)
+        assert service.get(job_id).state == "running"
+        assert {(e.state, e.attempts) for e in service.iterate_evaluations(job_id)} == {("pending", 0)}
+    worker.serve(job_id)
+    worker.close()
+    assert service.get(job_id).state == "finished"
+    assert {(e.state, e.attempts) for e in service.iterate_evaluations(job_id)} == {("finished", 1)}
+    assert recorded_history(service, job_id) == expected_history(line(stopping={"max_evaluations": 12}))
 
 
 def test_a_bug_in_the_search_fails_the_job_not_the_worker(

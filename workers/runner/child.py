@@ -48,6 +48,7 @@ class _Child:
         self._board = board
         self._pid = os.getpid()
         self._calibration: Calibration | None = None
+        self._why = "no problem was loaded"
         self._output = OwnOutput()
         self._traces = Traces()
         # What a forward model forks must not speak for this process, whatever it raises or returns.
@@ -60,22 +61,27 @@ class _Child:
                 request = receive(self._connection, reader)
                 if request.pid != self._pid:
                     return
-                if request.head["op"] == "load":
-                    self._load(request)
-                else:
-                    self._run(request)
+                match request.head["op"]:
+                    case "load":
+                        self._load(request)
+                    case "built":
+                        self._send(request, {})
+                    case "run":
+                        self._run(request)
 
     def _load(self, request: Frame) -> None:
         self._board.build()
-        self._calibration = Calibration(parse_problem(json.loads(request.head["problem"])), request.head["seed"])
+        self._calibration = None
+        try:
+            self._calibration = Calibration(parse_problem(json.loads(request.head["problem"])), request.head["seed"])
+        except BaseException as error:  # noqa: BLE001  anybody's code; the worker that builds it finds out by itself
+            self._why = f"the problem cannot be built here: it raised {in_words(error)}"[:LOG_TAIL]
         self._leave_if_forked()
         self._traces = Traces()  # what a built model keeps open stays
         self._board.idle()
 
     def _run(self, request: Frame) -> None:
-        head, board, calibration = request.head, self._board, self._calibration
-        if calibration is None:
-            raise RuntimeError("a run was asked for before its job")
+        head, board = request.head, self._board
         budget = head["budget"]
         positions = np.frombuffer(request.body, dtype="<f8").reshape(head["shape"])
         outcomes: list[Outcome] = []
@@ -86,7 +92,7 @@ class _Child:
             began = board.begin(index)
             if index > 0 and (board.stopped or (budget is not None and began - started > budget)):
                 break
-            outcomes.append(self._evaluate(calibration, position, began, head["fields"]))
+            outcomes.append(self._evaluate(position, began, head["fields"]))
             self._leave_if_forked()
             left = self._traces.of_run()
             if left is not None:
@@ -97,10 +103,13 @@ class _Child:
         board.idle()
         self._answer(request, first, outcomes, done=True, renew=left or self._traces.of_many())
 
-    def _evaluate(self, calibration: Calibration, position: FloatArray, began: float, fields: str | None) -> Outcome:
+    def _evaluate(self, position: FloatArray, began: float, fields: str | None) -> Outcome:
         self._output.clear()
         try:
-            evaluation = evaluate(calibration, position, fields)
+            if self._calibration is None:
+                evaluation = Evaluation(position, None, {}, {}, "bad_output", self._why, 0.0)
+            else:
+                evaluation = evaluate(self._calibration, position, fields)
         except BaseException as error:  # noqa: BLE001  a forward model may raise anything; nobody here presses Ctrl-C
             seconds = time.monotonic() - began
             evaluation = Evaluation(position, None, {}, {}, "bad_output", _what_it_raised(error), seconds)
@@ -115,7 +124,10 @@ class _Child:
 
     def _answer(self, request: Frame, first: int, outcomes: list[Outcome], **head: Any) -> None:
         heads, body = pack_outcomes(outcomes)
-        send(self._connection, Frame(request.nonce, first, self._pid, {"results": heads, **head}, body))
+        self._send(request, {"results": heads, **head}, first, body)
+
+    def _send(self, request: Frame, head: dict[str, Any], first: int = 0, body: bytes = b"") -> None:
+        send(self._connection, Frame(request.nonce, first, self._pid, head, body))
 
     def _leave_if_forked(self) -> None:
         """End a copy of this process that a forward model has made by forking, in whatever language."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
@@ -14,7 +14,16 @@ from geoswarm.solver.warm import run_sample
 from geoswarm.workers.runner.wire import Outcome
 from geoswarm.workers.settings import Settings
 
-__all__ = ["Evaluator", "InlineEvaluator", "Limits", "NeverMind", "NoProcessError", "evaluate", "limits_of"]
+__all__ = [
+    "BuildError",
+    "Evaluator",
+    "InlineEvaluator",
+    "Limits",
+    "NeverMind",
+    "NoProcessError",
+    "evaluate",
+    "limits_of",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +50,10 @@ class NoProcessError(Exception):
     """No process to evaluate in is to be had now: the worker's own trouble, for which no evaluation is to blame."""
 
 
+class BuildError(Exception):
+    """The problem of a job cannot be built: whatever builds it dies, hangs or takes too much memory."""
+
+
 class Evaluator(Protocol):
     """Evaluates positions of a job."""
 
@@ -55,6 +68,16 @@ class Evaluator(Protocol):
         """Load a group of kernels, and compile it if need be, outside of any evaluation.
 
         Ends early when ``unwanted`` becomes true. Does not raise for what goes wrong: an evaluation will tell.
+        """
+
+    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: Limits) -> None:
+        """Build the problem of a job where no harm is done, before this process builds it.
+
+        Raises
+        ------
+        BuildError
+            When that ended the process, exceeded a limit, or took too long, three times.
+        NoProcessError
         """
 
     def run(
@@ -105,6 +128,9 @@ class InlineEvaluator:
         """Load a group of kernels into this process."""
         run_sample(group)
         self.loaded.add(group)
+
+    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: Limits) -> None:
+        """Do nothing."""
 
     def run(
         self,

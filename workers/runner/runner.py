@@ -8,14 +8,15 @@ import logging
 import os
 import signal
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.workers.runner.board import BUILDING, IDLE
-from geoswarm.workers.runner.evaluator import Limits, NeverMind
+from geoswarm.workers.runner.evaluator import BuildError, Limits, NeverMind
 from geoswarm.workers.runner.nurse_link import POLL_SECONDS, NurseLink
 from geoswarm.workers.runner.output import anonymous_file, tail
 from geoswarm.workers.runner.process import EvaluationProcess
@@ -31,6 +32,8 @@ GROWTH_SECONDS = 1.0
 MOST_RUNS = 50_000  # in one process
 MOST_GROWTH = 256.0  # MiB that a process may keep between runs, beyond three times what it keeps after the first ones
 BUILD_SECONDS = 300.0
+BUILD_TRIES = 3
+GARBLED = "the evaluation process gave an answer that does not fit what was asked, and was killed"
 SILENT_SECONDS = 30.0  # in the middle of an answer, or with an answer due
 
 
@@ -72,6 +75,26 @@ class Runner:
         """Have the nurse load a group of kernels: all evaluation processes that she forks have it then."""
         self._kill()  # what was forked before lacks them
         self._nurse.load(group, unwanted)
+
+    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: Limits) -> None:
+        """Have the problem of a job built in the evaluation process, which may die of it."""
+        why = ""
+        for _ in range(BUILD_TRIES):
+            process = self._ready(job_id)
+            try:
+                if process.job is None:
+                    self._load(process, job_id, document, seed)
+                    process.ask({"op": "built"}, first=False)
+                    self._watched(process, limits, lambda: None)
+                return
+            except ConnectionEnded:
+                why = _how_it_ended(self._kill())
+            except GarbledError:
+                self._kill()
+                why = GARBLED
+            except _EndedError as ended:
+                why = ended.message
+        raise BuildError(f"the problem could not be built, tried {BUILD_TRIES} times: {why}")
 
     def run(
         self,
@@ -147,9 +170,7 @@ class Runner:
         received = 0
         try:
             if process.job is None:
-                problem = json.dumps(calibration.problem.document(), allow_nan=False)
-                process.ask({"op": "load", "seed": calibration.seed, "problem": problem})
-                process.job = job_id
+                self._load(process, job_id, calibration.problem.document(), calibration.seed)
                 process.ask(request, _packed(positions), first=False)
             else:
                 process.ask(request, _packed(positions))
@@ -170,11 +191,15 @@ class Runner:
         except GarbledError:
             current = (IDLE, board.current[1])
             self._kill()
-            message = "the evaluation process gave an answer that does not fit what was asked, and was killed"
-            raise _EndedError("worker_lost", message, current, tail(self._output)) from None
+            raise _EndedError("worker_lost", GARBLED, current, tail(self._output)) from None
         except GeneratorExit:
             self._kill()  # the caller has lost interest; whatever is under way must not answer the next request
             raise
+
+    def _load(self, process: EvaluationProcess, job_id: str, document: Mapping[str, Any], seed: int) -> None:
+        process.board.build()
+        process.ask({"op": "load", "seed": seed, "problem": json.dumps(document, allow_nan=False)})
+        process.job = job_id
 
     def _watched(self, process: EvaluationProcess, limits: Limits, unwanted: Callable[[], float | None]) -> Frame:
         """Wait for the next answer.

@@ -15,7 +15,7 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.runner.evaluator import Limits
+from geoswarm.workers.runner.evaluator import BuildError, Limits
 from geoswarm.workers.runner.processes import descendants
 from geoswarm.workers.runner.runner import Runner
 from tests.integration.engines import wait_for
@@ -103,6 +103,25 @@ def test_output_stays_bounded_while_it_is_written(runner: Runner) -> None:
         assert outcome.log is not None
     assert time.monotonic() - began < 60.0
     assert largest < 512 * 2**20
+
+
+@pytest.mark.parametrize(
+    ("builds", "why"),
+    [
+        ("crash", "the evaluation process was ended by SIGSEGV"),
+        ("hang", "the problem was not built within 1 s in the evaluation process"),
+        ("eat", "more than 300 MiB"),
+    ],
+)
+def test_a_problem_that_cannot_be_built_harms_nobody(
+    runner: Runner, monkeypatch: pytest.MonkeyPatch, builds: str, why: str
+) -> None:
+    monkeypatch.setattr("geoswarm.workers.runner.runner.BUILD_SECONDS", 1.0)
+    document = bad("good").problem.document()
+    document["forward_model"]["builds"] = builds
+    with pytest.raises(BuildError, match=f"could not be built, tried 3 times: .*{why}"):
+        runner.build(f"job {builds}", document, 1, LIMITS)
+    assert evaluated(runner, f"job after {builds}", "good") == expected(SLOPES)
 
 
 def test_forward_models_see_no_secret(
