@@ -14,6 +14,9 @@ from geoswarm.api.authentication import SESSION_COOKIE, Authenticator
 from geoswarm.api.errors import ProblemDetail, install_error_handlers
 from geoswarm.api.feed import EventFeed
 from geoswarm.api.gate import SIGN_IN, Gate
+from geoswarm.api.heavy.middleware import HeavyWork
+from geoswarm.api.heavy.pool import HeavyPool
+from geoswarm.api.heavy.program import Trusting
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
@@ -31,7 +34,13 @@ Submit a problem, follow its events, read the best parameters. Units inside: kN,
 Errors are problem details (RFC 9457)."""
 
 
-def create_app(service: JobService, settings: ApiSettings | None = None) -> FastAPI:
+def create_app(
+    service: JobService,
+    settings: ApiSettings | None = None,
+    *,
+    pool: HeavyPool | None = None,
+    inner: type[Trusting] | None = None,
+) -> FastAPI:
     """Build the application on a service that the caller opens and closes.
 
     Parameters
@@ -40,6 +49,10 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
         What the routes work on.
     settings
         API key and limits; the defaults answer only to loopback names.
+    pool
+        Processes for requests that calculate; None: they are worked on here.
+    inner
+        The door of an application inside such a process, in place of that to the world.
     """
     settings = settings or ApiSettings()
     app = FastAPI(
@@ -65,9 +78,14 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
     app.state.assets = Assets()
     app.mount("/static", app.state.assets, name="static")
     app.state.authenticator = Authenticator(settings, service)
-    app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)
     app.state.requests = RequestMetrics()
-    app.add_middleware(Observer, metrics=app.state.requests)
+    if pool is not None:
+        app.add_middleware(HeavyWork, pool=pool, settings=settings)
+    if inner is None:
+        app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)
+        app.add_middleware(Observer, metrics=app.state.requests)
+    else:
+        app.add_middleware(inner)
     install_error_handlers(app, pages=error_page)
     app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]  # the framework's own way to extend the document
     return app

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import signal
 import socket
@@ -16,6 +17,7 @@ from geoswarm.api.app import create_app
 from geoswarm.api.assets import Assets
 from geoswarm.api.errors import PortInUseError
 from geoswarm.api.feed import EventFeed
+from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.api.settings import ApiSettings
 from geoswarm.workers.service import JobService
 
@@ -68,8 +70,10 @@ class Server(uvicorn.Server):
         feed: EventFeed,
         assets: Assets,
         on_started: Callable[[], None] | None = None,
+        pool: HeavyPool | None = None,
     ) -> None:
         super().__init__(config)
+        self._pool = pool
         self._assets = assets
         self._feed = feed
         self._on_started = on_started
@@ -79,10 +83,14 @@ class Server(uvicorn.Server):
         if self.started and self._on_started is not None:
             self._on_started()
         threading.Thread(target=self._assets.prepare, name="prepare assets", daemon=True).start()
+        if self.started and self._pool is not None:
+            self._first = asyncio.ensure_future(self._pool.start())
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._feed.close()
         await super().shutdown(sockets)
+        if self._pool is not None:
+            self._pool.close()
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -144,9 +152,16 @@ def build_server(
     listener: socket.socket,
     settings: ApiSettings | None = None,
     on_started: Callable[[str], None] | None = None,
+    *,
+    heavy: bool = True,
 ) -> Server:
-    """Put application and uvicorn together for a listening socket."""
-    app = create_app(service, settings)
+    """Put application and uvicorn together for a listening socket.
+
+    ``heavy``: requests that calculate get processes of their own.
+    """
+    settings = settings or ApiSettings()
+    pool = HeavyPool(service, settings) if heavy and settings.heavy_processes else None
+    app = create_app(service, settings, pool=pool)
     config = uvicorn.Config(
         app,
         log_config=None,
@@ -157,7 +172,8 @@ def build_server(
         timeout_graceful_shutdown=GRACE_SECONDS,
     )
     url = base_url(listener)
-    return Server(config, app.state.feed, app.state.assets, None if on_started is None else lambda: on_started(url))
+    told = None if on_started is None else lambda: on_started(url)
+    return Server(config, app.state.feed, app.state.assets, told, pool)
 
 
 def base_url(listener: socket.socket) -> str:

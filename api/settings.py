@@ -22,6 +22,9 @@ VARIABLES: dict[str, str] = {
     "max_body_bytes": "GEOSWARM_MAX_BODY_BYTES",
     "requests_per_second": "GEOSWARM_REQUESTS_PER_SECOND",
     "request_burst": "GEOSWARM_REQUEST_BURST",
+    "heavy_processes": "GEOSWARM_HEAVY_PROCESSES",
+    "heavy_seconds": "GEOSWARM_HEAVY_SECONDS",
+    "heavy_memory_mb": "GEOSWARM_HEAVY_MEMORY_MB",
 }
 
 
@@ -44,6 +47,13 @@ class ApiSettings(BaseModel):
         Time in which a request body must have arrived [s].
     requests_per_second, request_burst
         What one API key may ask for in the long run [1/s] (0: anything) and at once, in each process of the service.
+    heavy_processes
+        Processes for requests that calculate: test runs, statistics, reports, problems that are read; 0: none, these
+        requests are worked on in the process of the service.
+    heavy_seconds, heavy_memory_mb
+        Time [s] and memory [MiB] that one such request may take.
+    heavy_wait_seconds
+        Time that one may wait for its turn [s].
     heartbeat_seconds
         Pause after which a silent event stream sends a comment, so that proxies and clients know it is alive.
     poll_seconds
@@ -59,6 +69,10 @@ class ApiSettings(BaseModel):
     body_seconds: float = Field(default=30.0, gt=0.0)
     requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
     request_burst: int = Field(default=500, ge=1)
+    heavy_processes: int = Field(default=3, ge=0, le=64)
+    heavy_seconds: float = Field(default=120.0, gt=0.0)
+    heavy_memory_mb: float = Field(default=2048.0, ge=256.0)
+    heavy_wait_seconds: float = Field(default=30.0, gt=0.0)
     heartbeat_seconds: float = Field(default=10.0, gt=0.0, le=20.0)
     poll_seconds: float = Field(default=0.1, gt=0.0, le=10.0)
 

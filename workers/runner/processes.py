@@ -17,6 +17,7 @@ __all__ = [
     "kill_descendants",
     "kill_session",
     "memory_below",
+    "memory_of",
     "reap",
     "wake_with_parent",
 ]
@@ -26,6 +27,7 @@ PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
 KILL_SECONDS = 1.5
 MIB = 1024.0 * 1024.0
+PAGE = os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 4096
 
 
 def adopt_orphans() -> None:
@@ -135,6 +137,13 @@ def kill_session(session: int) -> None:
 def memory_below(pid: int) -> float:
     """Return the memory [MiB] of all processes below one; pages that several share are counted once."""
     return sum(_proportional(child) for child in descendants(pid)) / MIB
+
+
+def memory_of(pid: int) -> float:
+    """Return the resident memory [MiB] of a process, shared pages included; quicker than to share them out."""
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        return int((PROC / str(pid) / "statm").read_text().split()[1]) * PAGE / MIB
+    return 0.0
 
 
 def _proportional(pid: int) -> float:

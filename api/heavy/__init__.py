@@ -1,0 +1,11 @@
+"""Requests that calculate, in processes of their own: what one of them does can neither stop nor slow the others.
+
+===============  ===============================================================================
+``requests``     which requests these are
+``middleware``   sends them there, each in its owner's turn, and answers when nothing came of it
+``turns``        whose turn it is
+``pool``         the processes: made when needed, the one that knows the job first
+``process``      one of them: asked over a socket of this machine, watched, ended at its limits
+``program``      what runs in it: the same application, behind no door
+===============  ===============================================================================
+"""

@@ -1,0 +1,166 @@
+"""Sends requests that calculate to processes of their own, and answers in their place when nothing came of it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import logging
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import httpx
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from geoswarm.api.errors import DetailError, detail_response
+from geoswarm.api.heavy.pool import HeavyPool
+from geoswarm.api.heavy.process import EndedError, HeavyProcess
+from geoswarm.api.heavy.requests import is_heavy, job_of
+from geoswarm.api.heavy.turns import BusyError, Turns
+from geoswarm.workers.access import LOCAL, Principal
+
+if TYPE_CHECKING:
+    from geoswarm.api.settings import ApiSettings
+
+__all__ = ["HeavyWork"]
+
+log = logging.getLogger(__name__)
+
+PER_CLIENT = 2
+WAITING = 20  # requests of one client
+GRACE_SECONDS = 1.0  # for a request whose client has left
+
+
+class HeavyWork:
+    """ASGI middleware behind the gate."""
+
+    def __init__(self, app: ASGIApp, pool: HeavyPool, settings: ApiSettings) -> None:
+        self._app = app
+        self._pool = pool
+        self._settings = settings
+        self._turns = Turns(settings.heavy_processes, PER_CLIENT, WAITING)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if not is_heavy(scope):
+            await self._app(scope, receive, send)
+            return
+        body = await _whole_body(receive)
+        if body is None:
+            return
+        principal: Principal = scope.get("state", {}).get("principal") or LOCAL
+        client = principal.owner or principal.key_id or ""
+        work = asyncio.ensure_future(self._in_turn(scope, body, principal, client, send))
+        left = asyncio.ensure_future(_departure(receive))
+        await asyncio.wait({work, left}, return_when=asyncio.FIRST_COMPLETED)
+        if not work.done():
+            await asyncio.wait({work}, timeout=GRACE_SECONDS)
+        left.cancel()
+        work.cancel()  # has no effect when it has ended
+        with contextlib.suppress(asyncio.CancelledError):
+            await work
+
+    async def _in_turn(self, scope: Scope, body: bytes, principal: Principal, client: str, send: Send) -> None:
+        try:
+            async with asyncio.timeout(self._settings.heavy_wait_seconds):
+                await self._turns.take(client)
+        except (BusyError, TimeoutError):
+            await _refuse(
+                scope,
+                send,
+                DetailError(
+                    503,
+                    "All processes for requests that calculate are busy; come again in a few seconds.",
+                    kind="busy",
+                    title="Busy",
+                    headers={"Retry-After": "5"},
+                ),
+            )
+            return
+        try:
+            await self._passed_on(scope, body, principal, send)
+        finally:
+            self._turns.give_back(client)
+
+    async def _passed_on(self, scope: Scope, body: bytes, principal: Principal, send: Send) -> None:
+        begun = False
+
+        async def noting(message: Message) -> None:
+            nonlocal begun
+            begun = True
+            await send(message)
+
+        try:
+            process = await self._pool.take(job_of(scope["path"]))
+        except EndedError as error:
+            log.error("no process for requests that calculate: %s", error)
+            refusal = "No process for requests that calculate could be started; the server's log says more."
+            await _refuse(scope, send, DetailError(503, refusal, kind="unavailable", headers={"Retry-After": "5"}))
+            return
+        asking = asyncio.ensure_future(_answered(process, scope, body, json.dumps(asdict(principal)), noting))
+        watching = asyncio.ensure_future(process.watch(self._settings.heavy_seconds, self._settings.heavy_memory_mb))
+        why: str | None = None
+        try:
+            await asyncio.wait({asking, watching}, return_when=asyncio.FIRST_COMPLETED)
+            if asking.done():
+                asking.result()
+            else:
+                why = watching.result()
+        except (EndedError, httpx.TransportError) as error:
+            why = str(error) or "broke off"
+        finally:
+            watching.cancel()
+            if asking.done() and why is None and not asking.cancelled() and asking.exception() is None:
+                self._pool.put_back(process)
+            else:
+                asking.cancel()
+                await asyncio.shield(self._pool.discard(process))
+        if why is not None:
+            log.warning("the process that worked on %s %s %s", scope["method"], scope["path"], why)
+            if not begun:
+                await _refuse(scope, send, _too_heavy(why))
+
+
+async def _answered(process: HeavyProcess, scope: Scope, body: bytes, principal: str, send: Send) -> None:
+    response = await process.ask(scope, body, principal)
+    try:
+        headers = [(name.lower(), value) for name, value in response.headers.raw if name.lower() != b"connection"]
+        await send({"type": "http.response.start", "status": response.status_code, "headers": headers})
+        async for part in response.aiter_raw():
+            await send({"type": "http.response.body", "body": part, "more_body": True})
+        await send({"type": "http.response.body", "body": b""})
+    finally:
+        await response.aclose()
+
+
+async def _whole_body(receive: Receive) -> bytes | None:
+    """The body of a request, limited by whoever stands before; None when the client left."""
+    parts: list[bytes] = []
+    while True:
+        message = await receive()
+        if message["type"] == "http.disconnect":
+            return None
+        parts.append(message.get("body", b""))
+        if not message.get("more_body", False):
+            return b"".join(parts)
+
+
+async def _departure(receive: Receive) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass
+
+
+async def _refuse(scope: Scope, send: Send, error: DetailError) -> None:
+    async def nothing() -> Message:
+        return {"type": "http.disconnect"}
+
+    await detail_response(error)(scope, nothing, send)
+
+
+def _too_heavy(why: str) -> DetailError:
+    return DetailError(
+        422,
+        f"The process that worked on this request {why}. Ask for less; if a forward model of another package is "
+        "involved, it may be to blame.",
+        kind="too-heavy",
+        title="Too heavy",
+    )

@@ -1,0 +1,90 @@
+"""The processes for requests that calculate."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from typing import Any
+
+from geoswarm.api.heavy.process import EndedError, HeavyProcess
+from geoswarm.api.settings import ApiSettings
+from geoswarm.workers.embedded import PipeDoorbell
+from geoswarm.workers.service import JobService
+
+__all__ = ["HeavyPool"]
+
+log = logging.getLogger(__name__)
+
+
+class HeavyPool:
+    """Makes processes when they are needed and keeps them; whoever takes one has it alone.
+
+    Parameters
+    ----------
+    service
+        Its settings and doorbell are what the processes work with, too.
+    """
+
+    def __init__(self, service: JobService, settings: ApiSettings) -> None:
+        ends: tuple[int, ...] = ()
+        if isinstance(service.doorbell, PipeDoorbell):
+            ends = (service.doorbell.read_end, service.doorbell.write_end)
+        self._descriptors = ends
+        self._given: dict[str, Any] = {
+            "settings": service.settings.model_dump(),
+            "doorbell": ends,
+            "log_level": logging.getLogger().getEffectiveLevel(),
+        }
+        self.settings = settings
+        self._idle: list[HeavyProcess] = []
+        self._all: set[HeavyProcess] = set()
+        self._closed = False
+
+    async def start(self) -> None:
+        """Have one ready before it is asked for."""
+        with contextlib.suppress(EndedError):
+            self.put_back(await self.take(None))
+
+    async def take(self, job: str | None) -> HeavyProcess:
+        """Return a process that is ready, if possible one that knows the job.
+
+        Raises
+        ------
+        EndedError
+            When none could be started.
+        """
+        while self._idle:
+            known = [process for process in self._idle if job is not None and process.job == job]
+            process = known[0] if known else self._idle[-1]
+            self._idle.remove(process)
+            if process.alive:
+                process.job = job
+                return process
+            await self.discard(process)
+        process = HeavyProcess(self._given, self._descriptors)
+        self._all.add(process)
+        try:
+            await process.ready()
+        except BaseException:
+            await self.discard(process)
+            raise
+        process.job = job
+        return process
+
+    def put_back(self, process: HeavyProcess) -> None:
+        """Give it to whoever asks next."""
+        self._idle.append(process)
+
+    async def discard(self, process: HeavyProcess) -> None:
+        """End a process that will not be asked again."""
+        self._all.discard(process)
+        await asyncio.to_thread(process.kill)
+        await process.close()
+
+    def close(self) -> None:
+        """End all of them."""
+        for process in self._all:
+            process.kill()
+        self._all.clear()
+        self._idle.clear()

@@ -1,0 +1,84 @@
+"""The program of a process for requests that calculate: the same application, behind no door."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import sys
+import threading
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from geoswarm.api.heavy.process import PRINCIPAL_HEADER
+from geoswarm.workers.access import Principal
+from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.embedded import PipeDoorbell
+from geoswarm.workers.logs import start_logging
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+
+__all__ = ["Trusting", "main"]
+
+
+class Trusting:
+    """ASGI middleware that takes the word of the service about who asks: nobody else reaches this process."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http" and (text := Headers(scope=scope).get(PRINCIPAL_HEADER)) is not None:
+            scope.setdefault("state", {})["principal"] = Principal(**json.loads(text))
+        await self._app(scope, receive, send)
+
+
+def main(given: Mapping[str, Any]) -> None:
+    """Answer until the service dies or ends this process.
+
+    Parameters
+    ----------
+    given
+        ``settings`` of the engine, ``doorbell`` (ends of the pipe, empty with a broker), ``listener`` (descriptor) and
+        ``log_level``.
+    """
+    from geoswarm.api.app import create_app
+
+    threading.Thread(target=_follow_parent, daemon=True).start()
+    start_logging(given["log_level"])
+    with suppress(OSError):
+        # When memory runs out, the kernel shall choose this process, not the service.
+        Path("/proc/self/oom_score_adj").write_text("500")
+    settings = Settings(**given["settings"])
+    store = Store(settings)
+    app = create_app(JobService(store, _doorbell(settings, given["doorbell"]), settings), inner=Trusting)
+    config = uvicorn.Config(
+        app, log_config=None, log_level="warning", access_log=False, server_header=False, lifespan="off"
+    )
+    uvicorn.Server(config).run(sockets=[socket.socket(fileno=given["listener"])])
+
+
+def _doorbell(settings: Settings, ends: tuple[int, ...]) -> Doorbell:
+    if ends:
+        return PipeDoorbell(settings.workers, (ends[0], ends[1]))
+    if settings.broker_url is None:
+        from geoswarm.workers.doorbell import MuteDoorbell
+
+        return MuteDoorbell()
+    from geoswarm.workers.celery_app import CeleryDoorbell
+
+    return CeleryDoorbell(settings)
+
+
+def _follow_parent() -> None:
+    """End with the service: the end of standard input tells."""
+    while os.read(sys.stdin.fileno(), 1):
+        pass
+    os._exit(0)
