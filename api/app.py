@@ -75,6 +75,7 @@ def create_app(
     app.include_router(api_router)
     app.include_router(pages_router)
     app.state.limiters = {}
+    app.state.pool = pool
     app.state.assets = Assets()
     app.mount("/static", app.state.assets, name="static")
     app.state.authenticator = Authenticator(settings, service)

@@ -74,6 +74,7 @@ class Server(uvicorn.Server):
     ) -> None:
         super().__init__(config)
         self._pool = pool
+        self._first: asyncio.Future[None] | None = None
         self._assets = assets
         self._feed = feed
         self._on_started = on_started
@@ -90,7 +91,9 @@ class Server(uvicorn.Server):
         self._feed.close()
         await super().shutdown(sockets)
         if self._pool is not None:
-            self._pool.close()
+            if self._first is not None:
+                self._first.cancel()
+            await self._pool.close()
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:

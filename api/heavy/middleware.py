@@ -7,6 +7,7 @@ import contextlib
 import json
 import logging
 from dataclasses import asdict
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import httpx
@@ -14,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.errors import DetailError, detail_response
 from geoswarm.api.heavy.pool import HeavyPool
-from geoswarm.api.heavy.process import EndedError, HeavyProcess
+from geoswarm.api.heavy.process import ROUTE_HEADER, EndedError, HeavyProcess
 from geoswarm.api.heavy.requests import is_heavy, job_of
 from geoswarm.api.heavy.turns import BusyError, Turns
 from geoswarm.workers.access import LOCAL, Principal
@@ -28,6 +29,7 @@ log = logging.getLogger(__name__)
 
 PER_CLIENT = 2
 WAITING = 20  # requests of one client
+OWN_HEADERS = frozenset({b"connection", ROUTE_HEADER.encode()})  # between the two processes
 GRACE_SECONDS = 1.0  # for a request whose client has left
 
 
@@ -123,7 +125,9 @@ class HeavyWork:
 async def _answered(process: HeavyProcess, scope: Scope, body: bytes, principal: str, send: Send) -> None:
     response = await process.ask(scope, body, principal)
     try:
-        headers = [(name.lower(), value) for name, value in response.headers.raw if name.lower() != b"connection"]
+        headers = [(name.lower(), value) for name, value in response.headers.raw if name.lower() not in OWN_HEADERS]
+        if (route := response.headers.get(ROUTE_HEADER)) is not None:
+            scope["route"] = SimpleNamespace(path=route)  # what metrics and logs call this request
         await send({"type": "http.response.start", "status": response.status_code, "headers": headers})
         async for part in response.aiter_raw():
             await send({"type": "http.response.body", "body": part, "more_body": True})

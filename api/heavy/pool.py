@@ -39,7 +39,11 @@ class HeavyPool:
         self.settings = settings
         self._idle: list[HeavyProcess] = []
         self._all: set[HeavyProcess] = set()
-        self._closed = False
+
+    @property
+    def busy(self) -> int:
+        """Processes that work on a request now, or are being started for one."""
+        return len(self._all) - len(self._idle)
 
     async def start(self) -> None:
         """Have one ready before it is asked for."""
@@ -82,9 +86,8 @@ class HeavyPool:
         await asyncio.to_thread(process.kill)
         await process.close()
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """End all of them."""
-        for process in self._all:
-            process.kill()
-        self._all.clear()
         self._idle.clear()
+        for process in list(self._all):
+            await self.discard(process)

@@ -24,11 +24,12 @@ from geoswarm.workers.runner.environment import without_secrets
 from geoswarm.workers.runner.nurse_link import ONE_THREAD
 from geoswarm.workers.runner.processes import descendants, kill_session, memory_of
 
-__all__ = ["PRINCIPAL_HEADER", "EndedError", "HeavyProcess"]
+__all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "HeavyProcess"]
 
 log = logging.getLogger(__name__)
 
 PRINCIPAL_HEADER = "x-geoswarm-principal"
+ROUTE_HEADER = "x-geoswarm-route"  # of the answer: the template of the route that answered
 BOOTSTRAP = (
     "import json, sys; given = json.loads(sys.stdin.readline()); sys.path[:] = given['path'];"
     "from geoswarm.api.heavy.program import main; main(given)"

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import uvicorn
-from starlette.datastructures import Headers
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from geoswarm.api.heavy.process import PRINCIPAL_HEADER
+from geoswarm.api.heavy.process import PRINCIPAL_HEADER, ROUTE_HEADER
 from geoswarm.workers.access import Principal
 from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.embedded import PipeDoorbell
@@ -37,7 +37,13 @@ class Trusting:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http" and (text := Headers(scope=scope).get(PRINCIPAL_HEADER)) is not None:
             scope.setdefault("state", {})["principal"] = Principal(**json.loads(text))
-        await self._app(scope, receive, send)
+
+        async def with_route(message: Message) -> None:
+            if message["type"] == "http.response.start" and (route := scope.get("route")) is not None:
+                MutableHeaders(scope=message)[ROUTE_HEADER] = route.path
+            await send(message)
+
+        await self._app(scope, receive, with_route)
 
 
 def main(given: Mapping[str, Any]) -> None:

@@ -13,7 +13,7 @@ from geoswarm.api.errors import DetailError
 from geoswarm.api.schemas import ForwardModelDetail, ForwardModelList, ForwardModelSummary, Parameter, Series
 from geoswarm.solver.errors import BrokenForwardModelError, ExpressionError, ProblemError, UnknownForwardModelError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
-from geoswarm.solver.forward.registry import find_spec, kinds, parse_spec
+from geoswarm.solver.forward.registry import built, find_spec, kinds, parse_spec
 
 __all__ = ["EXAMPLES", "router"]
 
@@ -116,8 +116,8 @@ def _summary(kind: str) -> ForwardModelSummary:
 
 def _build(section: dict[str, Any]) -> ForwardModel | None:
     try:
-        return parse_spec(section).build()
-    except (ValidationError, ProblemError, ExpressionError):
+        return built(parse_spec(section))
+    except (ValidationError, ProblemError, ExpressionError, BrokenForwardModelError):
         return None
 
 

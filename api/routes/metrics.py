@@ -15,6 +15,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Histo
 from prometheus_client.registry import Collector
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
+from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.workers.measures import Measures
 from geoswarm.workers.tally import BUCKETS
 
@@ -34,7 +35,8 @@ JOB_STATES = ("queued", "running", "paused", "finished", "failed", "cancelled")
 def metrics(service: Service, feed: Feed, request: Request) -> PlainTextResponse:
     """Show the metrics of the installation and of this process, for Prometheus; with numbers only, of nobody's jobs."""
     registry = CollectorRegistry()
-    registry.register(_Installation(service.measures(), feed.listeners))
+    pool: HeavyPool | None = request.app.state.pool
+    registry.register(_Installation(service.measures(), feed.listeners, 0 if pool is None else pool.busy))
     text = generate_latest(registry) + generate_latest(request.app.state.requests.registry)
     return PlainTextResponse(text, media_type=CONTENT_TYPE)
 
@@ -42,8 +44,9 @@ def metrics(service: Service, feed: Feed, request: Request) -> PlainTextResponse
 class _Installation(Collector):
     """The measures in the words of Prometheus."""
 
-    def __init__(self, measures: Measures, streams: int) -> None:
+    def __init__(self, measures: Measures, streams: int, heavy: int) -> None:
         self._measures = measures
+        self._heavy = heavy
         self._streams = streams
 
     def collect(self) -> Iterator[Metric]:
@@ -59,6 +62,11 @@ class _Installation(Collector):
         )
         yield _gauge("geoswarm_workers", "Worker processes in each state.", "state", m.workers)
         yield GaugeMetricFamily("geoswarm_event_streams", "Open event streams of this process.", value=self._streams)
+        yield GaugeMetricFamily(
+            "geoswarm_heavy_busy",
+            "Processes at work on a request that calculates.",
+            value=self._heavy,
+        )
         yield _counter("geoswarm_runs", "Forward runs by outcome.", "outcome", self._labels("runs", ["finished"]))
         yield self._seconds()
         yield _counter(

@@ -25,7 +25,7 @@ from pydantic_core import PydanticCustomError
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
-from geoswarm.solver.forward.registry import AnyForwardModelSpec
+from geoswarm.solver.forward.registry import AnyForwardModelSpec, built
 
 __all__ = ["CombinedModel", "CombinedSpec"]
 
@@ -61,7 +61,7 @@ class CombinedSpec(ForwardModelSpec):
 
     def build(self) -> CombinedModel:
         """Build the forward models of all parts."""
-        return CombinedModel({name: spec.build() for name, spec in self.parts.items()})
+        return CombinedModel({name: built(spec) for name, spec in self.parts.items()})
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,11 +17,21 @@ from typing import Annotated, Any, LiteralString
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, WithJsonSchema
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from geoswarm.solver.errors import BrokenForwardModelError, UnknownForwardModelError
-from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.errors import BrokenForwardModelError, SolverError, UnknownForwardModelError, in_words
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["BUILT_IN", "GROUP", "AnyForwardModelSpec", "find_spec", "forget", "is_foreign", "kinds", "parse_spec"]
+__all__ = [
+    "BUILT_IN",
+    "GROUP",
+    "AnyForwardModelSpec",
+    "built",
+    "find_spec",
+    "forget",
+    "is_foreign",
+    "kinds",
+    "parse_spec",
+]
 
 GROUP = "geoswarm.forward_models"
 """Entry point group."""
@@ -60,6 +70,28 @@ def is_foreign(section: Any) -> bool:
     parts = section.get("parts")
     inner = parts.values() if section.get("kind") == "combined" and isinstance(parts, Mapping) else ()
     return section.get("kind") not in BUILT_IN or any(is_foreign(part) for part in inner)
+
+
+def built(spec: ForwardModelSpec) -> ForwardModel:
+    """Build the forward model of a section.
+
+    Raises
+    ------
+    BrokenForwardModelError
+        When the code of another package raises what is no error in the section.
+    ProblemError, SolverError, ValueError
+        When the section is wrong.
+    """
+    try:
+        return spec.build()
+    except (SolverError, ValueError):
+        raise
+    except Exception as error:
+        if spec.kind in BUILT_IN:
+            raise
+        raise BrokenForwardModelError(
+            f"forward model '{spec.kind}' cannot be built: it raised {in_words(error)}"
+        ) from None
 
 
 def find_spec(kind: str) -> type[ForwardModelSpec]:

@@ -10,11 +10,11 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverError, in_words
+from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverError
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.formula import FormulaModel
-from geoswarm.solver.forward.registry import find_spec, is_foreign, parse_spec
+from geoswarm.solver.forward.registry import built, find_spec, parse_spec
 from geoswarm.solver.problem.feasibility import estimates_in_conflict, infeasibility
 from geoswarm.solver.problem.follow_up_checks import follow_up_issues
 from geoswarm.solver.problem.issues import describe, issues_of, validated
@@ -185,17 +185,12 @@ class _Assembly:
             self.issues += error.issues
             return spec, None
         try:
-            return spec, spec.build()
+            return spec, built(spec)
         except ProblemError as error:
             self.issues += error.issues
             return spec, None
         except (SolverError, ValueError) as error:
             self._report("forward_model", str(error))
-            return spec, None
-        except Exception as error:
-            if not is_foreign(section):
-                raise
-            self._report("forward_model", f"cannot be built: it raised {in_words(error)}")
             return spec, None
 
     def _mapping(self, key: str, most: int) -> dict[str, Any]:

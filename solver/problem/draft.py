@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel
-from geoswarm.solver.forward.registry import parse_spec
+from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.problem.assembly import parse_problem
 from geoswarm.solver.problem.lines import line_of, lines_of
 from geoswarm.solver.problem.problem import Problem
@@ -102,6 +102,6 @@ def _syntax(issue: Issue) -> LocatedIssue:
 @lru_cache(maxsize=16)  # drafts are judged at every change, most of which are elsewhere; a section plans a mesh
 def _model(section: str) -> ForwardModel | None:
     try:
-        return parse_spec(json.loads(section)).with_files(None, "forward_model").build()
+        return built(parse_spec(json.loads(section)).with_files(None, "forward_model"))
     except (ValidationError, SolverError, ValueError):
         return None

@@ -1,0 +1,105 @@
+"""Requests that calculate for ever, die or take all memory: they end, and nobody else notices."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from geoswarm.workers.runner.processes import descendants
+from tests.attacks.services import Service, serving, watched
+from tests.integration.engines import wait_for
+from tests.servers import free_port
+
+LIMITS = {"GEOSWARM_HEAVY_SECONDS": "10", "GEOSWARM_HEAVY_MEMORY_MB": "900"}
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with serving(tmp_path_factory.mktemp("attacked"), free_port(), "--workers", "1", **LIMITS) as running:
+        yield running
+
+
+def bad(builds: str = "", behaviour: str = "good") -> dict[str, Any]:
+    return {
+        "forward_model": {"kind": "bad", "builds": builds, "behaviour": behaviour},
+        "parameters": {"slope": {"lower": -5, "upper": 5}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
+        "stopping": {"max_evaluations": 12},
+        "seed": 1,
+    }
+
+
+@pytest.mark.parametrize(
+    ("builds", "detail"),
+    [
+        ("crash", "was ended by SIGSEGV"),
+        ("hang", "took longer than 10 s"),
+        ("eat", "used more than 900 MiB of memory"),
+        ("raise", "cannot be built: it raised SilentError"),
+    ],
+)
+@pytest.mark.parametrize("route", ["problems/read", "problems/check", "jobs"])
+def test_a_model_that_fails_while_it_is_built_fails_its_request_alone(
+    service: Service, builds: str, detail: str, route: str
+) -> None:
+    key = service.key_of("attacker")
+    with service.client(key) as client:
+        answer = client.post(f"/api/v1/{route}", json=bad(builds))
+        assert detail in answer.text
+        assert answer.status_code == (200 if route == "problems/read" and builds == "raise" else 422)
+        assert client.post("/api/v1/problems/read", json=bad()).status_code == 200
+
+
+def test_a_neighbour_that_hangs_everything_is_not_noticed(service: Service) -> None:
+    attacker, victim = service.key_of("attacker"), service.key_of("victim")
+
+    def attack() -> None:
+        with service.client(attacker) as client:
+            answer = client.post("/api/v1/problems/check", json=bad("hang"))
+            assert answer.status_code in (422, 503), answer.text
+
+    attacks = [threading.Thread(target=attack) for _ in range(30)]
+    with watched(service, victim) as seconds, service.client(victim) as client:
+        for thread in attacks:
+            thread.start()
+        began = time.monotonic()
+        job = client.post("/api/v1/jobs", json=bad())
+        assert job.status_code == 201, job.text
+        waited = time.monotonic() - began
+        place = f"/api/v1/jobs/{job.json()['id']}"
+        wait_for(lambda: client.get(place).json()["state"] == "finished", "the victim's job")
+        assert client.get(f"{place}/statistics").status_code == 200
+        for thread in attacks:
+            thread.join()
+    assert waited < 60.0  # a process begins for it; the attacker's hang for minutes in all
+    assert len(seconds) > 20
+    assert sorted(seconds)[len(seconds) // 2] < 1.0
+
+
+def test_a_request_whose_client_has_left_is_ended(service: Service) -> None:
+    with service.client(service.key_of("impatient"), seconds=2.0) as client, pytest.raises(httpx.TimeoutException):
+        client.post("/api/v1/problems/read", json=bad("hang"))
+    began = time.monotonic()
+    wait_for(lambda: not _hangs(service), "the end of what hangs")
+    assert time.monotonic() - began < 60.0
+
+
+def _hangs(service: Service) -> bool:
+    """Whether a process of the service is one that answers requests and does so now."""
+    with service.client() as client:
+        return "geoswarm_heavy_busy 0" not in client.get("/metrics").text
+
+
+def test_the_service_takes_its_processes_with_it(tmp_path: Path) -> None:
+    with serving(tmp_path, free_port(), "--workers", "1") as running:
+        with running.client() as client:
+            assert client.post("/api/v1/problems/read", json=bad()).status_code == 200
+        below = descendants(running.pid)
+        assert len(below) >= 2
+    wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in below), "the end of all processes")
