@@ -74,25 +74,29 @@ class Server(uvicorn.Server):
     ) -> None:
         super().__init__(config)
         self._pool = pool
-        self._first: asyncio.Future[None] | None = None
+        self._beginning: asyncio.Future[None] | None = None
         self._assets = assets
         self._feed = feed
         self._on_started = on_started
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        if self.started and self._on_started is not None:
-            self._on_started()
         threading.Thread(target=self._assets.prepare, name="prepare assets", daemon=True).start()
-        if self.started and self._pool is not None:
-            self._first = asyncio.ensure_future(self._pool.start())
+        if self.started:
+            self._beginning = asyncio.ensure_future(self._begin())
+
+    async def _begin(self) -> None:
+        if self._pool is not None:
+            await self._pool.start()
+        if self._on_started is not None:
+            self._on_started()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._feed.close()
+        if self._beginning is not None:
+            self._beginning.cancel()
         await super().shutdown(sockets)
         if self._pool is not None:
-            if self._first is not None:
-                self._first.cancel()
             await self._pool.close()
 
     @contextmanager
@@ -121,6 +125,7 @@ def serve(
     *,
     listener: socket.socket | None = None,
     on_started: Callable[[str], None] | None = None,
+    heavy: bool = False,
 ) -> None:
     """Serve until SIGINT or SIGTERM, then stop gracefully within some 2 s and return.
 
@@ -135,7 +140,9 @@ def serve(
     listener
         From :func:`bind`, to have the port checked before the engine starts; replaces ``host`` and ``port``.
     on_started
-        Called with the base URL as soon as requests are accepted.
+        Called with the base URL as soon as requests are answered.
+    heavy
+        Requests that calculate get processes of their own.
 
     Raises
     ------
@@ -144,7 +151,7 @@ def serve(
     """
     taken = listener or bind(host, port)
     try:
-        server = build_server(service, taken, settings, on_started)
+        server = build_server(service, taken, settings, on_started, heavy=heavy)
         server.run(sockets=[taken])
     finally:
         taken.close()
@@ -156,7 +163,7 @@ def build_server(
     settings: ApiSettings | None = None,
     on_started: Callable[[str], None] | None = None,
     *,
-    heavy: bool = True,
+    heavy: bool = False,
 ) -> Server:
     """Put application and uvicorn together for a listening socket.
 

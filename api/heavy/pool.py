@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 from typing import Any
 
@@ -39,6 +38,8 @@ class HeavyPool:
         self.settings = settings
         self._idle: list[HeavyProcess] = []
         self._all: set[HeavyProcess] = set()
+        # The first one loads what it needs while the service does the same.
+        self._first: HeavyProcess | None = HeavyProcess(self._given, self._descriptors)
 
     @property
     def busy(self) -> int:
@@ -46,9 +47,11 @@ class HeavyPool:
         return len(self._all) - len(self._idle)
 
     async def start(self) -> None:
-        """Have one ready before it is asked for."""
-        with contextlib.suppress(EndedError):
+        """Wait until the first one is ready."""
+        try:
             self.put_back(await self.take(None))
+        except EndedError as error:
+            log.warning("the first process for requests that calculate %s", error)
 
     async def take(self, job: str | None) -> HeavyProcess:
         """Return a process that is ready, if possible one that knows the job.
@@ -66,7 +69,8 @@ class HeavyPool:
                 process.job = job
                 return process
             await self.discard(process)
-        process = HeavyProcess(self._given, self._descriptors)
+        process = self._first or HeavyProcess(self._given, self._descriptors)
+        self._first = None
         self._all.add(process)
         try:
             await process.ready()
@@ -89,5 +93,7 @@ class HeavyPool:
     async def close(self) -> None:
         """End all of them."""
         self._idle.clear()
+        if self._first is not None:
+            self._all.add(self._first)
         for process in list(self._all):
             await self.discard(process)

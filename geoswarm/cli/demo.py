@@ -86,7 +86,7 @@ def _serving(service: JobService, listener: socket.socket) -> Iterator[str]:
     from geoswarm.api.server import base_url, build_server
 
     started = threading.Event()
-    server = build_server(service, listener, ApiSettings(), lambda _url: started.set(), heavy=False)
+    server = build_server(service, listener, ApiSettings(), lambda _url: started.set())
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, name="http", daemon=True)
     thread.start()
     try:

@@ -154,6 +154,7 @@ def serve_command(
                 engine.service,
                 settings=api_settings,
                 listener=listener,
+                heavy=True,
                 on_started=lambda url: note(f"geoswarm serves at {url} with {engine_name}; Ctrl-C stops it."),
             )
     finally:
