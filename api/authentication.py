@@ -6,7 +6,6 @@ import base64
 import binascii
 import hmac
 from dataclasses import dataclass
-from http.cookies import CookieError, SimpleCookie
 
 import anyio.to_thread
 from starlette.datastructures import Headers
@@ -171,8 +170,8 @@ def given_key(headers: Headers) -> bytes | None:
 
 def given_token(headers: Headers) -> str | None:
     """Return the token of the session that a browser brings, None when it brings none."""
-    try:
-        morsel = SimpleCookie(headers.get("cookie", "")).get(SESSION_COOKIE)
-    except CookieError:
-        return None
-    return None if morsel is None else morsel.value
+    for pair in headers.get("cookie", "").split(";"):  # http.cookies takes the square of the length in some versions
+        name, equals, value = pair.partition("=")
+        if equals and name.strip() == SESSION_COOKIE:
+            return value.strip().strip('"')
+    return None

@@ -58,6 +58,8 @@ logger = logging.getLogger("geoswarm.api")
 _METHODS = ("DELETE", "GET", "HEAD", "PATCH", "POST", "PUT")
 MEDIA_TYPE = "application/problem+json"
 TYPE_PREFIX = "urn:geoswarm:error:"
+MOST_ISSUES = 100
+"""Mistakes that an answer lists; how many more there are is said."""
 
 
 class ApiError(Exception):
@@ -160,7 +162,10 @@ def translate(error: Exception) -> DetailError:
         case InfeasibleSpaceError():
             return invalid_problem([Issue("constraints", str(error))])
         case RequestValidationError():
-            issues = [Issue(".".join(str(part) for part in item["loc"]), item["msg"]) for item in error.errors()]
+            faults = error.errors()
+            issues = [Issue(".".join(str(part) for part in item["loc"]), item["msg"]) for item in faults[:MOST_ISSUES]]
+            if len(faults) > MOST_ISSUES:
+                issues.append(Issue("", f"{len(faults) - MOST_ISSUES} more mistakes"))
             return DetailError(
                 422, "; ".join(map(str, issues)), kind="invalid-request", title="Invalid request", issues=issues
             )

@@ -18,6 +18,8 @@ disable_created_metrics()  # type: ignore[no-untyped-call]  # untyped library; d
 logger = logging.getLogger("geoswarm.access")
 
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
+MOST_OF_PATH = 500
+"""Characters of a path that logs and traces show."""
 BUCKETS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0, 3.0, 10.0)
 
 
@@ -60,7 +62,7 @@ class Observer:
                 self._note(scope, method, message["status"], time.monotonic() - began)
             await send(message)
 
-        with span(f"HTTP {method}", method=method, path=scope["path"]):
+        with span(f"HTTP {method}", method=method, path=scope["path"][:MOST_OF_PATH]):
             await self._app(scope, receive, watch)
 
     def _note(self, scope: Scope, method: str, status: int, seconds: float) -> None:
@@ -77,7 +79,7 @@ class Observer:
             status,
             extra={
                 "method": method,
-                "path": scope["path"],
+                "path": scope["path"][:MOST_OF_PATH],
                 "status": status,
                 "seconds": round(seconds, 6),
                 "key": principal.key_id if principal else None,

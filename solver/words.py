@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from itertools import islice
 
 __all__ = [
     "REASONS",
@@ -44,6 +45,7 @@ REASONS = {
 """Stop reason -> words."""
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LONGEST_NAME, _MOST_NAMES = 50, 200
 _MISSING = "–"
 _PLAIN_MISSING = "-"
 
@@ -72,8 +74,14 @@ def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return ``; did you mean lambda_star?``, or nothing when no known name is near."""
-    close = get_close_matches(name, list(known), n=1)
+    """Return ``; did you mean lambda_star?``, or nothing when no known name is near.
+
+    Names of more than 50 characters have no near ones, and only the first 200 known ones are compared: the comparison
+    takes the product of both lengths.
+    """
+    if len(name) > _LONGEST_NAME:
+        return ""
+    close = get_close_matches(name, [one for one in islice(known, _MOST_NAMES) if len(one) <= _LONGEST_NAME], n=1)
     return f"; did you mean {close[0]}?" if close else ""
 
 

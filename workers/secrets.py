@@ -48,7 +48,7 @@ DIFFERENT_CHARACTERS = 5
 
 _SECRETS = (
     (re.compile(r"gsw_([0-9a-f]{12})_[A-Za-z0-9_-]{43}"), r"gsw_\1_***"),
-    (re.compile(r"([a-z][a-z0-9+.-]*://[^\s:/@]*):[^\s/@]+@"), r"\1:***@"),
+    (re.compile(r"(://[^\s:/@]*):[^\s/@]+@"), r"\1:***@"),  # without the scheme: linear in the text
     (
         re.compile(r"(?i)\b(authorization|x-api-key|cookie)(['\"]?\s*[:=]\s*['\"]?)((?:bearer|basic)\s+)?[^\s'\",]+"),
         r"\1\2***",

@@ -35,7 +35,7 @@ class CombinedSpec(ForwardModelSpec):
 
     kind: Literal["combined"] = "combined"
     parts: dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)], AnyForwardModelSpec] = (
-        Field(min_length=1, description="forward models by a name of your choice")
+        Field(min_length=1, max_length=100, description="forward models by a name of your choice")
     )
 
     @field_validator("parts")

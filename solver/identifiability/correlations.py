@@ -138,12 +138,19 @@ def correlate(
     values = used.parameters if coordinates == "linear" else used.coordinates
     if method == "spearman":
         values = _ranks(values)
+    values = _of_ordinary_size(values)
     random = np.random.default_rng(seed)
     pairs = tuple(
         _pair(used.names[i], used.names[j], values[:, i], values[:, j], method, level, random)
         for i, j in combinations(range(used.dimension), 2)
     )
     return Correlations(used.names, pairs, method, coordinates, level, bool((~used.unbiased).any()))
+
+
+def _of_ordinary_size(values: FloatArray) -> FloatArray:
+    """Columns by powers of two, which changes no correlation, so that their squares are ordinary numbers; (n, d)."""
+    sizes = np.abs(values).max(axis=0, initial=0.0)
+    return np.asarray(np.ldexp(values, -np.frexp(sizes)[1]))
 
 
 def _ranks(values: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -11,6 +12,9 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.problem import Problem
+
+SMALLEST, LARGEST = 1e-150, 1e150
+"""Standard deviations whose squares are ordinary numbers."""
 
 __all__ = ["Noise", "estimate_noise", "known_noise", "noise_objective", "problem_noise"]
 
@@ -43,7 +47,7 @@ def known_noise(problem: Problem, deviations: Mapping[str, float] | float) -> No
     Raises
     ------
     StatisticsError
-        When a series is missing or unknown, or a deviation is not above 0.
+        When a series is missing or unknown, or a deviation is not above 0 or its square no ordinary number.
     """
     names = [o.series for o in problem.observations]
     values = dict.fromkeys(names, deviations) if isinstance(deviations, int | float) else dict(deviations)
@@ -52,15 +56,30 @@ def known_noise(problem: Problem, deviations: Mapping[str, float] | float) -> No
     wrong = [f"{name}: {value:g}" for name, value in values.items() if not (np.isfinite(value) and value > 0)]
     if wrong:
         raise StatisticsError(f"the standard deviation of noise must be above 0, not {', '.join(wrong)}")
-    return Noise({name: float(values[name]) for name in names}, "known", np.inf)
+    return _judged({name: float(values[name]) for name in names})
 
 
 def problem_noise(problem: Problem) -> Noise | None:
-    """The noise that the problem file states (``error`` of every observation that counts), or None."""
+    """The noise that the problem file states (``error`` of every observation that counts), or None.
+
+    Raises
+    ------
+    StatisticsError
+        When the square of a deviation is no ordinary number.
+    """
     errors = {o.series: o.error for o in problem.observations}
     if any(o.error is None and o.weight > 0 for o in problem.observations):
         return None
-    return Noise({series: error or 1.0 for series, error in errors.items()}, "known", np.inf)
+    return _judged({series: error or 1.0 for series, error in errors.items()})
+
+
+def _judged(deviations: dict[str, float]) -> Noise:
+    beyond = [f"{name}: {value:g}" for name, value in deviations.items() if not SMALLEST <= value <= LARGEST]
+    if beyond:
+        raise StatisticsError(
+            f"the standard deviation of noise must be from {SMALLEST:g} to {LARGEST:g}, not {', '.join(beyond)}"
+        )
+    return Noise(deviations, "known", np.inf)
 
 
 def estimate_noise(
@@ -101,7 +120,20 @@ def estimate_noise(
 
 
 def noise_objective(problem: Problem, noise: Noise) -> float:
-    """Objective f that this noise alone leaves on average at the true parameters: sum_g w_g sigma_g^2."""
-    return sum(
+    """Objective f that this noise alone leaves on average at the true parameters: sum_g w_g sigma_g^2.
+
+    Raises
+    ------
+    StatisticsError
+        When it is too large or too small a number.
+    """
+    found = sum(
         o.weight * noise.deviations[o.series] ** 2 * float((o.point_weights > 0).mean()) for o in problem.observations
     )
+    if not sys.float_info.min <= found < np.inf:
+        given = ", ".join(f"{o.series}: {noise.deviations[o.series]:g}" for o in problem.observations)
+        raise StatisticsError(
+            f"this noise ({given}), squared and weighted, is {found:g}, which cannot be calculated with; noise and "
+            "weights nearer to 1 are accepted"
+        )
+    return found

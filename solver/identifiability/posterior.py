@@ -18,7 +18,7 @@ from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.identifiability.errors import StatisticsError
-from geoswarm.solver.identifiability.noise import Noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.noise import Noise, known_noise, noise_objective, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.surface import ResponseSurface, fit_surface
@@ -141,6 +141,8 @@ def sample_posterior(
     space = calibration.space
     low, span = space.search_lower, space.search_upper - space.search_lower
     known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
+    if known is not None:
+        noise_objective(calibration.problem, known)  # refuses what cannot be calculated with
     log_likelihood = _likelihood(calibration, known)
 
     def log_probability(unit: FloatArray) -> FloatArray:
@@ -148,17 +150,24 @@ def sample_posterior(
         inside = np.flatnonzero(surface.inside(unit))
         allowed = [i for i in inside if space.feasible(space.to_natural(low + unit[i] * span))]
         if allowed:
-            value[allowed] = log_likelihood(surface.residuals(unit[allowed]))
+            with np.errstate(over="ignore", divide="ignore"):
+                value[allowed] = log_likelihood(surface.residuals(unit[allowed]))
         return value
 
     walkers = max(walkers, 2 * space.dimension + 2)
     start = _start(samples, surface, walkers)
+    if not np.isfinite(log_probability(start)).all():
+        raise StatisticsError(
+            f"the likelihood of stored evaluations is no number: objectives from {samples.objectives[samples.best]:g} "
+            "are too large, or too small, to be compared with the noise; units in which they are nearer to 1 are needed"
+        )
     random = np.random.RandomState(seed)
     sampler = emcee.EnsembleSampler(walkers, space.dimension, log_probability, vectorize=True)
     state = emcee.State(start, random_state=random.get_state())
     run, time = 0, np.inf
     while run < steps and 3 * run < 4 * _LONG_ENOUGH * time:
-        state = sampler.run_mcmc(state, min(_CHUNK, steps - run), skip_initial_state_check=True)
+        with np.errstate(invalid="ignore"):  # of two points without likelihood
+            state = sampler.run_mcmc(state, min(_CHUNK, steps - run), skip_initial_state_check=True)
         run += min(_CHUNK, steps - run)
         chain = sampler.get_chain(discard=run // 4)
         moved = bool((np.ptp(chain, axis=0) > 0).all())
@@ -177,7 +186,7 @@ def sample_posterior(
         parameters=natural,
         level=level,
         intervals=intervals,
-        correlation=np.atleast_2d(np.corrcoef(low + unit * span, rowvar=False)),
+        correlation=np.atleast_2d(np.corrcoef(unit, rowvar=False)),
         acceptance=float(np.mean(sampler.acceptance_fraction)),
         autocorrelation=time,
         effective=int(len(unit) / max(time, 1.0)),

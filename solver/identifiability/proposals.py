@@ -23,6 +23,8 @@ ProposalKind: TypeAlias = Literal["fix", "link", "widen", "add_test"]
 
 _FEWEST_FOR_LINE = 5
 
+_LARGEST_LOGARITHM = 700.0
+
 
 @dataclass(frozen=True, slots=True)
 class FittedLine:
@@ -60,6 +62,11 @@ class FittedLine:
     residual: float
     correlation: float
     count: int
+
+    @property
+    def can_be_written(self) -> bool:
+        """Whether the factor of a line on a log scale is a number; it lies at a partner of 1, far from the fits."""
+        return self.scale != "log" or abs(self.intercept) < _LARGEST_LOGARITHM
 
     @property
     def expression(self) -> str:
@@ -180,7 +187,7 @@ def propose(
     if verdict == "in_combination":
         partner = partners[0][0]
         lines = (fit_line(fair, parameter, name) for name, r in partners if r is not None)
-        proposals += [_link(line) for line in lines if line is not None]
+        proposals += [_link(line) for line in lines if line is not None and line.can_be_written]
         proposals.append(_fix(parameter, projection, f"it cannot be told apart from {partner}"))
         proposals.append(_add_test(parameter, f"in which {parameter} and {partner} act differently"))
     elif verdict == "not_identified":

@@ -12,6 +12,7 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import NotFiniteError
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
@@ -227,7 +228,10 @@ def reweight(
         rows = (
             dict(zip(series, row, strict=True)) for row in zip(*(samples.responses[s] for s in series), strict=True)
         )
-        misfits = [objective.misfits(row) for row in rows]
+        try:
+            misfits = [objective.misfits(row) for row in rows]
+        except NotFiniteError as error:
+            raise StatisticsError(f"{error}; smaller weights are accepted") from None
     elif point_weights is None and samples.misfits:
         misfits = [{s: float(samples.misfits[s][i]) for s in series} for i in range(samples.size)]
     else:
@@ -237,6 +241,8 @@ def reweight(
         objectives=np.array([objective.value(m) for m in misfits], dtype=np.float64),
         misfits={s: np.array([m[s] for m in misfits]) for s in series},
     )
+    if not np.isfinite(after.objectives).all():
+        raise StatisticsError("objectives under these weights are too large for a number; smaller weights are accepted")
     best = after.best
     return Reweighted(
         changed, after, shares(changed, misfits[best]), samples.best, best, _moved_outside(samples, after)

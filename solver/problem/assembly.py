@@ -44,6 +44,7 @@ from geoswarm.solver.problem.sections import (
     Stopping,
     WarmStart,
 )
+from geoswarm.solver.problem.sizes import point_issues, size_issues
 from geoswarm.solver.problem.weighting import scheme_factors
 from geoswarm.solver.words import did_you_mean
 
@@ -53,6 +54,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 _MOST_PARAMETERS = 100
 _MOST_OBSERVATIONS = 1000
+_MOST_ISSUES = 100
 _FORMS = "must be exactly one of free (lower, upper, scale, initial, integer), fixed (value) or linked (expression)"
 _SETTINGS = tuple(Settings.model_fields)
 
@@ -134,7 +136,12 @@ class _Assembly:
             warm_start=warm_start,
             priority=settings.priority,
         )
-        unsatisfiable = infeasibility(problem) or estimates_in_conflict(problem) or follow_up_issues(problem)
+        unsatisfiable = (
+            size_issues(problem)
+            or infeasibility(problem)
+            or estimates_in_conflict(problem)
+            or follow_up_issues(problem)
+        )
         if unsatisfiable:
             raise ProblemError(unsatisfiable)
         return problem
@@ -143,13 +150,14 @@ class _Assembly:
         self.issues.append(Issue(path, message))
 
     def _sorted_issues(self) -> list[Issue]:
-        order = list(self.document)
+        order = {section: place for place, section in enumerate(self.document)}
 
         def place(issue: Issue) -> int:
-            section = issue.path.partition(".")[0].partition("[")[0]
-            return order.index(section) if section in order else len(order)
+            return order.get(issue.path.partition(".")[0].partition("[")[0], len(order))
 
-        return sorted(dict.fromkeys(self.issues), key=place)
+        issues = sorted(dict.fromkeys(self.issues), key=place)
+        more = len(issues) - _MOST_ISSUES
+        return [*issues[:_MOST_ISSUES], Issue("", f"{more} more mistakes")] if more > 0 else issues
 
     def _validated(self, model: type[Model], section: Any, path: str) -> Model | None:
         built, found = validated(model, section, path)
@@ -158,9 +166,11 @@ class _Assembly:
 
     def _unknown_sections(self) -> None:
         known = ProblemFile.model_fields
-        for key in self.document:
-            if key not in known:
-                self._report(key, f"unknown key{did_you_mean(key, known)}; accepted: {', '.join(known)}")
+        unknown = [key for key in self.document if key not in known]
+        for key in unknown[:_MOST_ISSUES]:
+            self._report(key, f"unknown key{did_you_mean(key, known)}; accepted: {', '.join(known)}")
+        if len(unknown) > _MOST_ISSUES:
+            self._report("", f"{len(unknown) - _MOST_ISSUES} more unknown keys")
         for key, info in known.items():
             if info.is_required() and key not in self.document:
                 self._report(key, "is missing")
@@ -262,6 +272,8 @@ class _Assembly:
             return ()
         complete: list[tuple[str, ObservationSection, Points]] = []
         for index, section in enumerate(sections):
+            if len(self.issues) > _MOST_ISSUES:  # nobody reads more, and each takes time to put into words
+                break
             path = f"observations[{index}]"
             checked = self._validated(ObservationSection, section, path)
             if checked is None:
@@ -270,7 +282,9 @@ class _Assembly:
             self.issues += found
             if points is not None and not found:
                 complete.append((path, checked, points))
-        if model is None or spec is None:
+        too_many = point_issues(len(points.x) for _, _, points in complete)
+        self.issues += too_many
+        if model is None or spec is None or too_many:
             return ()
         observations, found = build_observations(complete, model, spec)
         self.issues += found or _preparation_issues(model, observations)

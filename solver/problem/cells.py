@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +12,10 @@ from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, TableError, cell_num
 from geoswarm.solver.problem.workbooks import Cell, read_workbook
 
 __all__ = ["Sheet", "file_content", "moment_in", "number_in", "read_cells"]
+
+# 31.12.2024, with 13:45 or 13:45:10 behind it, and 31/12/2024 13:45:10. A large file has millions of cells that may be
+# dates: strptime takes ten times as long.
+_EUROPEAN = re.compile(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:\s+(\d{1,2}):(\d{1,2})(?::(\d{1,2}))?)?", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,9 +132,11 @@ def moment_in(cell: Cell) -> datetime | None:
         pass
     else:
         return moment if moment.tzinfo is None else moment.astimezone(UTC).replace(tzinfo=None)
-    for form in ("%d.%m.%Y", "%d.%m.%Y %H:%M", "%d.%m.%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S"):
-        try:
-            return datetime.strptime(cell, form)
-        except ValueError:
-            continue
-    return None
+    found = _EUROPEAN.fullmatch(cell)
+    if found is None or (found[2] == "/" and found[7] is None):
+        return None
+    day, month, year, hour, minute, second = (int(part or 0) for part in found.group(1, 3, 4, 5, 6, 7))
+    try:
+        return datetime(year, month, day, hour, minute, second)
+    except ValueError:
+        return None

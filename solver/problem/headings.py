@@ -46,7 +46,7 @@ ALIASES = {
 
 _BRACKETS = re.compile(r"^(?P<label>.*?)\s*[\[({](?P<unit>[^\])}]{0,20})[\])}]\s*$")
 _BEHIND = re.compile(r"^(?P<label>.+?)(?:\s+in\s+|\s*/\s*|\s*,\s*|_)(?P<unit>[^\s,]{1,20})$", re.IGNORECASE)
-_COMMENT = re.compile(r"([\w.]+) in ([^\s,;]+)")
+_COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of a word only: linear in the text
 
 
 def guess_unit(heading: str) -> tuple[str, str | None, str | None]:

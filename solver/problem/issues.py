@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
+from itertools import islice
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -64,15 +65,15 @@ def issues_of(error: ValidationError, section: Any, path: str, schema: Callable[
         Function that gives the JSON schema of the section; called for unknown keys only, to list the known ones.
     """
     found: dict[Issue, None] = {}
-    for detail in error.errors(include_url=False):
+    schema = cache(schema)
+    details = error.errors(include_url=False)
+    for place, detail in enumerate(details):
+        if len(found) == _MOST_ISSUES:
+            return [*found, Issue(path, f"{len(details) - place} more mistakes like these")]
         steps = _steps(detail, section)
         message = _message(detail, partial(_accepted_keys, schema, section, steps[:-1]))
         found[Issue(join_path(path, steps), message)] = None
-    issues = list(found)
-    if len(issues) > _MOST_ISSUES:
-        more = Issue(path, f"{len(issues) - _MOST_ISSUES} more mistakes like these")
-        issues = [*issues[:_MOST_ISSUES], more]
-    return issues
+    return list(found)
 
 
 def join_path(path: str, steps: Iterable[str | int]) -> str:
@@ -101,7 +102,8 @@ def describe(value: Any) -> str:
         case str():
             return f"text '{value[:60]}{'...' if len(value) > 60 else ''}'"
         case Mapping():
-            return f"a mapping with the keys {', '.join(map(str, list(value)[:10]))}" if value else "an empty mapping"
+            keys = ", ".join(str(key)[:60] for key in islice(value, 10))
+            return f"a mapping with the keys {keys}" if value else "an empty mapping"
         case Sequence():
             return f"a list of {len(value)}" if value else "an empty list"
         case _:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import chain, pairwise
 
 __all__ = ["duplicate_place"]
 
-_PIECE = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]:,]')
+# A string that does not end reaches to the end of the text, so that each character is looked at once.
+_PIECE = re.compile(r'"(?:[^"\\]|\\.)*+"?|[{}\[\]:,]', re.DOTALL)
 
 
 def duplicate_place(text: str) -> str:
@@ -16,11 +18,11 @@ def duplicate_place(text: str) -> str:
     Parameters
     ----------
     text
-        Valid JSON.
+        JSON, valid up to that place.
     """
     open_ones: list[set[str] | None] = []  # keys of the mappings around a place, None for lists
-    pieces = list(_PIECE.finditer(text))
-    for piece, following in zip(pieces, [*pieces[1:], None], strict=True):
+    for piece, following in pairwise(chain(_PIECE.finditer(text), [None])):
+        assert piece is not None  # only the last one is
         sign = piece.group()
         if sign in "{[":
             open_ones.append(set() if sign == "{" else None)

@@ -14,10 +14,10 @@ def lines_of(text: str) -> dict[str, int]:
 
     The text has been read before, so it is known to be sound.
     """
-    from ruamel.yaml import YAML
+    from geoswarm.solver.problem.yaml_nodes import reader
 
     lines: dict[str, int] = {}
-    node = YAML(typ="safe", pure=True).compose(text)
+    node = reader().compose(text)
     if node is not None:
         _walk(node, "", lines, 0)
     return lines
@@ -33,14 +33,15 @@ def line_of(path: str, lines: dict[str, int]) -> int | None:
 
 
 _MOST_DEPTH = 30
+_LONGEST_PATH = 200  # issues shorten theirs: longer ones are not looked for
 
 
 def _walk(node: Any, path: str, lines: dict[str, int], depth: int) -> None:
-    if depth > _MOST_DEPTH:
+    if depth > _MOST_DEPTH or len(path) > _LONGEST_PATH:
         return
     if node.id == "mapping":
         for key, value in node.value:
-            inner = join_path(path, [str(key.value)])
+            inner = join_path(path, [str(key.value)[:_LONGEST_PATH]])
             lines.setdefault(inner, key.start_mark.line + 1)
             _walk(value, inner, lines, depth + 1)
     elif node.id == "sequence":

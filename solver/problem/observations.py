@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,8 @@ from geoswarm.solver.words import did_you_mean
 __all__ = ["Observation", "Points", "build_observations", "read_points"]
 
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
+_MOST_ISSUES = 100
+_MOST_NAMES = 50  # known series that a message lists
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,12 +199,13 @@ def build_observations(
     observations: list[Observation] = []
     issues: list[Issue] = []
     seen: dict[str, str] = {}
+    known = ", ".join(islice(infos, _MOST_NAMES)) + (", ..." if len(infos) > _MOST_NAMES else "")
     for path, section, points in sections:
+        if len(issues) > _MOST_ISSUES:
+            break
         name = section.series
         if name not in infos:
-            message = (
-                f"unknown series '{name}' of forward model {kind}{did_you_mean(name, infos)}; known: {', '.join(infos)}"
-            )
+            message = f"unknown series '{name[:60]}' of forward model {kind}{did_you_mean(name, infos)}; known: {known}"
             issues.append(Issue(f"{path}.series", message))
             continue
         if name in seen:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -10,18 +11,23 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem.issues import join_path
 from geoswarm.solver.problem.json_places import duplicate_place
 
-__all__ = ["MAX_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
+__all__ = ["MAX_BYTES", "MAX_DEPTH", "Form", "plain_document", "read_document", "read_problem_file", "too_deep"]
 
-_MAX_DEPTH = 30
+MAX_DEPTH = 30
+"""Levels of nesting that a problem may have."""
+
 _MAX_VALUES = 4_000_000
+_MAX_KEYS = 10_000
 
 Form: TypeAlias = Literal["yaml", "json"]
 
 MAX_BYTES: dict[Form, int] = {"yaml": 4 * 2**20, "json": 32 * 2**20}
 """Largest problem file. YAML is read slowly; JSON also carries the measured data that a client has put in."""
 
+_HALF = re.compile("[\ud800-\udfff]")
 _FORMS: dict[str, Form] = {".json": "json", ".yaml": "yaml", ".yml": "yaml"}
 
 # What the YAML reader raises for text that it cannot make sense of, beside its own YAMLError: impossible dates
@@ -79,7 +85,7 @@ def read_document(text: str, form: Form) -> dict[str, Any]:
     try:
         document = _from_json(text) if form == "json" else _from_yaml(text)
     except RecursionError:
-        raise _too_deep("") from None
+        raise too_deep("") from None
     return plain_document(document)
 
 
@@ -109,13 +115,13 @@ def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _from_yaml(text: str) -> Any:
-    from ruamel.yaml import YAML
     from ruamel.yaml.constructor import DuplicateKeyError
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-    yaml = YAML(typ="safe", pure=True)
+    from geoswarm.solver.problem.yaml_nodes import reader
+
     try:
-        return yaml.load(text)
+        return reader().load(text)
     except DuplicateKeyError as error:
         key = str(error.problem).partition('"')[2].partition('"')[0]
         raise _error(f"key '{_short(key)}' is given twice, again{_place(error.problem_mark)}") from None
@@ -153,50 +159,63 @@ def plain_document(document: Any) -> dict[str, Any]:
     if not isinstance(document, Mapping):
         given = "empty" if document is None else f"a {_kind(document)}"
         raise _error(f"a problem is a mapping (name, forward_model, parameters, ...), but this is {given}")
-    mapping: dict[str, Any] = _Plain().copy(document, "", 0)
+    mapping: dict[str, Any] = _Plain().copy(document, 0)
     return mapping
 
 
 class _Plain:
     def __init__(self) -> None:
         self._values = 0
+        self._steps: list[str | int] = []  # to the present value; a path for each would copy long keys again and again
 
-    def copy(self, value: Any, path: str, depth: int) -> Any:
+    def copy(self, value: Any, depth: int) -> Any:
         self._values += 1
-        if depth > _MAX_DEPTH:
-            raise _too_deep(path)
-        if self._values > _MAX_VALUES:  # aliases let a short YAML text stand for a huge document
-            raise ProblemError([Issue(path, f"the problem has more than {_MAX_VALUES} values")])
+        if depth > MAX_DEPTH:
+            raise too_deep(self._path)
+        if self._values > _MAX_VALUES:
+            raise self._wrong(f"the problem has more than {_MAX_VALUES} values")
         if isinstance(value, np.ndarray | np.generic):
-            return self.copy(value.tolist(), path, depth)
+            return self.copy(value.tolist(), depth)
         if value is None or isinstance(value, str | bool | int | float):
-            return self._scalar(value, path)
+            return self._scalar(value)
         if isinstance(value, Mapping):
-            return self._mapping(value, path, depth)
+            return self._mapping(value, depth)
         if isinstance(value, list) and set(map(type, value)) == {float} and self._values + len(value) <= _MAX_VALUES:
             self._values += len(value)  # long series of numbers, the quick way
             return list(value)
         if isinstance(value, list | tuple):
-            return [self.copy(item, f"{path}[{index}]", depth + 1) for index, item in enumerate(value)]
-        raise ProblemError(
-            [Issue(path, f"{_short(str(value))} is a {_kind(value)}; if text is meant, write it in quotes")]
-        )
+            return [self._inner(item, index, depth) for index, item in enumerate(value)]
+        raise self._wrong(f"{_short(str(value))} is a {_kind(value)}; if text is meant, write it in quotes")
 
-    def _mapping(self, mapping: Mapping[Any, Any], path: str, depth: int) -> dict[str, Any]:
+    def _inner(self, value: Any, step: str | int, depth: int) -> Any:
+        self._steps.append(step)
+        copied = self.copy(value, depth + 1)
+        self._steps.pop()
+        return copied
+
+    def _mapping(self, mapping: Mapping[Any, Any], depth: int) -> dict[str, Any]:
+        if len(mapping) > _MAX_KEYS:
+            raise self._wrong(f"has {len(mapping)} keys; at most {_MAX_KEYS} are accepted")
         copied = {}
         for key, value in mapping.items():
             if not isinstance(key, str):
-                raise ProblemError([Issue(path, f"key {_short(str(key))} is a {_kind(key)}; write it in quotes")])
-            copied[key] = self.copy(value, f"{path}.{key}" if path else key, depth + 1)
+                raise self._wrong(f"key {_short(str(key))} is a {_kind(key)}; write it in quotes")
+            copied[key] = self._inner(value, key, depth)
         return copied
 
-    @staticmethod
-    def _scalar(value: Any, path: str) -> Any:
+    def _scalar(self, value: Any) -> Any:
         if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 2**1024:
-            raise ProblemError([Issue(path, "number is too large; the largest is 1.79e308")])
-        if isinstance(value, str) and any("\ud800" <= character <= "\udfff" for character in value):
-            raise ProblemError([Issue(path, "text holds half a Unicode character")])
+            raise self._wrong("number is too large; the largest is 1.79e308")
+        if isinstance(value, str) and not value.isascii() and _HALF.search(value):
+            raise self._wrong("text holds half a Unicode character")
         return value
+
+    @property
+    def _path(self) -> str:
+        return join_path("", self._steps)
+
+    def _wrong(self, message: str) -> ProblemError:
+        return ProblemError([Issue(self._path, message)])
 
 
 def _kind(value: Any) -> str:
@@ -216,5 +235,6 @@ def _too_large(most: int) -> ProblemError:
     return _error(f"problem is larger than {most} bytes; put long series into CSV files (file: ...), or write JSON")
 
 
-def _too_deep(path: str) -> ProblemError:
-    return ProblemError([Issue(path[:100], f"nested more than {_MAX_DEPTH} levels deep")])
+def too_deep(path: str) -> ProblemError:
+    """Return the error for a value at a path that is nested too deeply."""
+    return ProblemError([Issue(path[:100], f"nested more than {MAX_DEPTH} levels deep")])

@@ -5,13 +5,28 @@ from __future__ import annotations
 import csv
 import re
 
-__all__ = ["MAX_TABLE_BYTES", "TableError", "cell_number", "decoded", "table_rows"]
+__all__ = [
+    "MAX_CELL_CHARACTERS",
+    "MAX_LINE_CHARACTERS",
+    "MAX_TABLE_BYTES",
+    "TableError",
+    "cell_number",
+    "decoded",
+    "table_rows",
+]
 
 MAX_TABLE_BYTES = 32 * 2**20
 """Largest file of measurements."""
 
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
-_NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+MAX_LINE_CHARACTERS = 100_000
+"""Longest line of a CSV file."""
+
+MAX_CELL_CHARACTERS = 32_767
+"""Longest text in a cell, as in spreadsheet programs."""
+
+_MOST_DIGITS = 1100  # a float written out in full has 1075 at most
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 class TableError(Exception):
@@ -38,9 +53,16 @@ def table_rows(text: str, name: str) -> list[tuple[int, list[str]]]:
     Raises
     ------
     TableError
-        Quotes are not closed or the like, or a row has more cells than the first one.
+        Quotes are not closed or the like, a line or a cell is too long, or a row has more cells than the first one.
     """
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if _counts(line)]
+    lines = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if len(line) > MAX_LINE_CHARACTERS:
+            raise TableError(
+                f"{name} line {number} has {len(line)} characters; at most {MAX_LINE_CHARACTERS} are accepted"
+            )
+        if _counts(line):
+            lines.append((number, line))
     if not lines:
         return []
     header = lines[0][1]
@@ -49,6 +71,10 @@ def table_rows(text: str, name: str) -> list[tuple[int, list[str]]]:
     rows: list[tuple[int, list[str]]] = []
     try:
         for (number, _), cells in zip(lines, reader, strict=False):
+            longest = max(map(len, cells), default=0)
+            if longest > MAX_CELL_CHARACTERS:
+                what = f"a cell of {longest} characters; at most {MAX_CELL_CHARACTERS} are accepted"
+                raise TableError(f"{name} line {number} has {what}")
             rows.append((number, [cell.strip() for cell in cells]))
     except csv.Error as error:
         raise TableError(f"{name} line {lines[min(len(rows), len(lines) - 1)][0]}: {error}") from None
@@ -82,6 +108,8 @@ def _counts(line: str) -> bool:
 
 def cell_number(cell: str) -> float | None:
     """The finite number that a cell shows, with a decimal point or comma; None for anything else."""
+    if len(cell) > _MOST_DIGITS:
+        return None
     if _NUMBER.fullmatch(cell):
         value = float(cell)
     elif _NUMBER_WITH_COMMA.fullmatch(cell):

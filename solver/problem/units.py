@@ -14,6 +14,7 @@ from geoswarm.solver.arrays import FloatArray
 __all__ = ["UnitError", "convert", "same_unit"]
 
 _MAX_LENGTH = 50
+_MOST_DIGITS = 100  # of a factor to root units; whole numbers of a million digits take a third of a second
 _DIMENSIONLESS = frozenset({"", "1", "-", "dimensionless"})
 _EXAMPLES = {
     "day": "s, min, h, day, week",
@@ -99,6 +100,7 @@ def _registry() -> Any:
 
 def _root(unit: str, examples: str) -> tuple[Fraction, str]:
     """Factor to root units (second, meter, gram, radian ...) and the root units' name."""
+    from decimal import Decimal
     from tokenize import TokenError
 
     from pint.errors import PintError
@@ -111,6 +113,8 @@ def _root(unit: str, examples: str) -> tuple[Fraction, str]:
         parsed = registry.parse_units(unit)
         offset = registry.Quantity(0, parsed).to_root_units().magnitude
         factor, root = registry.get_root_units(parsed)
+        if factor and abs(Decimal(factor).adjusted()) > _MOST_DIGITS:
+            raise unknown
         exact = Fraction(factor)
     except (PintError, TokenError, SyntaxError, ValueError, TypeError, AssertionError, LookupError, ArithmeticError):
         # The parser of units answers nonsense with whatever its internals raise.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
@@ -38,14 +40,25 @@ def scheme_factors(
         Standard deviation sigma_g of a reading of each series, base units; only ``by_error`` looks at them.
     """
     if weighting == "by_error":
-        weights = {series: y.size / errors[series] ** 2 for series, y in readings.items()}
+        scaled = _scaled({series: errors[series] for series in readings})
+        weights = {series: y.size / scaled[series] ** 2 for series, y in readings.items()}
     elif weighting == "by_count":
         weights = {series: float(y.size) for series, y in readings.items()}
     else:
-        weights = {series: 1.0 / _extent(y) ** 2 for series, y in readings.items()}
+        weights = {series: 1.0 / extent**2 for series, extent in _scaled(_extents(readings)).items()}
     largest = max(weights.values())
     return {series: weight / largest for series, weight in weights.items()}
 
 
-def _extent(y: FloatArray) -> float:
-    return float(np.ptp(y)) or float(np.abs(y).max()) or 1.0
+def _extents(readings: Mapping[str, FloatArray]) -> dict[str, float]:
+    with np.errstate(over="ignore"):
+        found = {series: float(np.ptp(y)) or float(np.abs(y).max()) or 1.0 for series, y in readings.items()}
+    return {series: min(extent, sys.float_info.max) for series, extent in found.items()}
+
+
+def _scaled(sizes: Mapping[str, float]) -> dict[str, float]:
+    """Sizes by a common power of two, which is exact, so that the smallest is about 1 and has a square."""
+    power = -math.frexp(min(sizes.values()))[1]
+    largest = math.sqrt(sys.float_info.max) / 2.0  # what is that much larger counts for nothing
+    with np.errstate(over="ignore"):
+        return {series: min(float(np.ldexp(size, power)), largest) for series, size in sizes.items()}

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from geoswarm.solver.problem.tables import TableError
+from geoswarm.solver.problem.tables import MAX_CELL_CHARACTERS, TableError
 
 __all__ = ["Cell", "read_workbook"]
 
@@ -17,13 +17,14 @@ Cell = str | float
 """Text or a number; a date is text in ISO 8601."""
 
 MAX_PART_BYTES = 32 * 2**20
+MAX_UNPACKED_BYTES = 4 * MAX_PART_BYTES
 MAX_CELLS = 2_000_000
 MAX_COLUMNS = 500
 
 _MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 _RELATION = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
 _DATE_FORMATS = frozenset({*range(14, 23), *range(45, 48)})  # numbers of the formats that every program has built in
-_QUOTED = re.compile(r'"[^"]*"|\[[^\]]*\]|\\.')
+_QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches to the end: linear in the text
 _SECONDS_A_DAY = 86400
 
 
@@ -62,6 +63,7 @@ class _Workbook:
     def __init__(self, archive: zipfile.ZipFile, name: str) -> None:
         self._archive = archive
         self._name = name
+        self._left = MAX_UNPACKED_BYTES
 
     def read(self, wanted: str | None) -> tuple[list[str], str, list[list[Cell]]]:
         book = self._part("xl/workbook.xml")
@@ -77,7 +79,7 @@ class _Workbook:
             raise TableError(f"{self._name} has no sheet '{wanted}'; its sheets: {', '.join(sheets)}")
         settings = book.find(f"{_MAIN}workbookPr")
         since_1904 = settings is not None and settings.get("date1904") in ("1", "true")
-        texts = [_text(one) for one in self._part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
+        texts = [self._text(one) for one in self._part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
         dates = _date_styles(self._part("xl/styles.xml", optional=True))
         chosen, rows = "", []
         for chosen in [wanted] if wanted is not None else sheets:  # the one at which it ends
@@ -89,8 +91,12 @@ class _Workbook:
     def _part(self, place: str, optional: bool = False) -> ElementTree.Element:
         if optional and place not in self._archive.namelist():
             return ElementTree.Element("none")
-        if self._archive.getinfo(place).file_size > MAX_PART_BYTES:
+        size = self._archive.getinfo(place).file_size
+        if size > MAX_PART_BYTES:
             raise TableError(f"{self._name}: {place} is larger than {MAX_PART_BYTES} bytes")
+        self._left -= size  # many sheets may be one and the same large part
+        if self._left < 0:
+            raise TableError(f"{self._name} unpacks to more than {MAX_UNPACKED_BYTES} bytes before its first cell")
         content = self._archive.read(place)
         _refuse_definitions(content, self._name)
         return ElementTree.fromstring(content)
@@ -110,11 +116,39 @@ class _Workbook:
                 if column >= MAX_COLUMNS:
                     break
                 cells += [""] * (column - len(cells))
-                cells.append(_value(cell, texts, dates, since_1904))
+                cells.append(self._value(cell, texts, dates, since_1904))
             left -= len(cells)
             if left < 0:
                 raise TableError(f"{self._name} has more than {MAX_CELLS} cells")
             yield cells
+
+    def _value(self, cell: ElementTree.Element, texts: list[str], dates: set[int], since_1904: bool) -> Cell:
+        kind = cell.get("t", "n")
+        if kind == "inlineStr":
+            holder = cell.find(f"{_MAIN}is")
+            return "" if holder is None else self._text(holder)
+        stored = cell.findtext(f"{_MAIN}v")
+        if stored is None:
+            return ""
+        if kind == "s":
+            return texts[int(stored)]
+        if kind != "n":  # a formula's text, an error, true or false, a date in ISO 8601
+            return self._short(stored.strip())
+        value = float(stored)
+        return _date(value, since_1904) if int(cell.get("s", "0")) in dates else value
+
+    def _text(self, holder: ElementTree.Element) -> str:
+        """Text of all runs; phonetic hints beside them are left out."""
+        runs = [holder, *holder.findall(f"{_MAIN}r")]
+        return self._short("".join(part.text or "" for run in runs for part in run.findall(f"{_MAIN}t")).strip())
+
+    def _short(self, text: str) -> str:
+        """Refuse long texts: any number of cells may show one."""
+        if len(text) > MAX_CELL_CHARACTERS:
+            raise TableError(
+                f"{self._name} has a cell of {len(text)} characters; at most {MAX_CELL_CHARACTERS} are accepted"
+            )
+        return text
 
 
 def _refuse_definitions(content: bytes, name: str) -> None:
@@ -143,42 +177,18 @@ def _column(reference: str | None, following: int) -> int:
     return max(number - 1, following)
 
 
-def _text(holder: ElementTree.Element) -> str:
-    """Text of all runs; phonetic hints beside them are left out."""
-    runs = [holder, *holder.findall(f"{_MAIN}r")]
-    return "".join(part.text or "" for run in runs for part in run.findall(f"{_MAIN}t"))
-
-
 def _date_styles(styles: ElementTree.Element) -> set[int]:
     """Numbers of the cell styles that show a number as a date or time."""
-    own = {int(one.get("numFmtId", "0")): one.get("formatCode", "") for one in styles.iter(f"{_MAIN}numFmt")}
-    formats = styles.find(f"{_MAIN}cellXfs")
-    return {
-        number
-        for number, style in enumerate(formats if formats is not None else ())
-        if _is_date(int(style.get("numFmtId", "0")), own)
+    own = {
+        int(one.get("numFmtId", "0")): _shows_date(one.get("formatCode", "")) for one in styles.iter(f"{_MAIN}numFmt")
     }
+    formats = styles.find(f"{_MAIN}cellXfs")
+    numbers = [int(style.get("numFmtId", "0")) for style in (formats if formats is not None else ())]
+    return {place for place, number in enumerate(numbers) if own.get(number, number in _DATE_FORMATS)}
 
 
-def _is_date(number: int, own: dict[int, str]) -> bool:
-    code = _QUOTED.sub("", own[number]) if number in own else ""
-    return bool(re.search(r"[ymdhs]", code, re.IGNORECASE)) if number in own else number in _DATE_FORMATS
-
-
-def _value(cell: ElementTree.Element, texts: list[str], dates: set[int], since_1904: bool) -> Cell:
-    kind = cell.get("t", "n")
-    if kind == "inlineStr":
-        holder = cell.find(f"{_MAIN}is")
-        return "" if holder is None else _text(holder).strip()
-    stored = cell.findtext(f"{_MAIN}v")
-    if stored is None:
-        return ""
-    if kind == "s":
-        return texts[int(stored)].strip()
-    if kind != "n":  # a formula's text, an error, true or false, a date in ISO 8601
-        return stored.strip()
-    value = float(stored)
-    return _date(value, since_1904) if int(cell.get("s", "0")) in dates else value
+def _shows_date(code: str) -> bool:
+    return re.search(r"[ymdhs]", _QUOTED.sub("", code), re.IGNORECASE) is not None
 
 
 def _date(serial: float, since_1904: bool) -> str:

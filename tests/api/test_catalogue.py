@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from jsonschema_rs import meta
 from pydantic import TypeAdapter
 
 from geoswarm.api import create_app
@@ -119,6 +120,20 @@ def test_openapi_is_3_1_and_every_reference_resolves(document: dict[str, Any]) -
         for part in reference.removeprefix("#/").split("/"):
             place = place[part]
         assert isinstance(place, dict), reference
+
+
+def test_openapi_schemas_are_json_schemas_of_3_1(document: dict[str, Any]) -> None:
+    def schemas(value: Any) -> list[Any]:
+        if isinstance(value, dict):
+            own = [value["schema"]] if isinstance(value.get("schema"), dict) else []
+            return own + [found for inner in value.values() for found in schemas(inner)]
+        return [found for inner in value for found in schemas(inner)] if isinstance(value, list) else []
+
+    found = [*document["components"]["schemas"].values(), *schemas(document["paths"])]
+    assert len(found) > 100
+    for schema in found:
+        # refuses a list as items, for one
+        meta.validate({"$schema": "https://json-schema.org/draft/2020-12/schema", **schema})
 
 
 def test_openapi_describes_every_answer(document: dict[str, Any]) -> None:

@@ -1,0 +1,1 @@
+"""What one client could do to the others."""

@@ -7,6 +7,7 @@ geometry, but not pass one another.
 
 from __future__ import annotations
 
+from bisect import bisect
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
@@ -17,10 +18,13 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import MeshError
 from geoswarm.solver.fem.mesh.section import Cut, Profile, SectionGeometry
 
-__all__ = ["ColumnPlan", "Mark", "boundary_heights", "cut_positions", "mark_positions", "plan_columns"]
+__all__ = ["MAX_ELEMENTS", "ColumnPlan", "Mark", "boundary_heights", "cut_positions", "mark_positions", "plan_columns"]
 
 Mark: TypeAlias = tuple[str, str, int]
 """Kind, name and number of a mark; for words: ``("cut", "crack", 0)``."""
+
+MAX_ELEMENTS = 100_000
+"""Triangles that a section may have."""
 
 _MERGED = 1.0e-7
 """Marks closer than this, in lengths of the section, are one."""
@@ -156,7 +160,7 @@ def plan_columns(geometry: SectionGeometry, element_length: Profile) -> ColumnPl
     Raises
     ------
     MeshError
-        A mark lies beyond the ends of the surface.
+        A mark lies beyond the ends of the surface, or there would be too many elements.
     """
     positions = mark_positions(geometry)
     low, high = positions["end", "", 0], positions["end", "", 1]
@@ -164,29 +168,47 @@ def plan_columns(geometry: SectionGeometry, element_length: Profile) -> ColumnPl
     for mark, x in positions.items():
         if not low - merged <= x <= high + merged:
             raise MeshError(f"{_words(mark)} at x = {x:g} m lies outside the surface, from {low:g} to {high:g} m")
-    chosen: dict[Mark, float] = {}
+    chosen: list[tuple[float, int, Mark]] = []  # in the order of x; the number tells which came first
     alias: dict[Mark, Mark] = {}
-    for mark, x in positions.items():
-        nearest = min(chosen, key=lambda other: abs(chosen[other] - x), default=None)
-        if nearest is None:
-            chosen[mark] = x
+    for number, (mark, x) in enumerate(positions.items()):
+        place = bisect(chosen, (x, number, mark))
+        if not chosen:
+            chosen.append((x, number, mark))
             continue
-        apart = abs(chosen[nearest] - x)
+        _, _, nearest = min(
+            (abs(other - x), order, name) for other, order, name in chosen[max(place - 1, 0) : place + 1]
+        )
+        apart = abs(positions[nearest] - x)
         crowded = mark[0] == "layer" and apart < _CROWDED * float(element_length.at(np.array([x]))[0])
         if apart <= merged:
             alias[mark] = nearest
         elif not crowded:
-            chosen[mark] = x
-    marks = tuple(sorted(chosen, key=lambda mark: chosen[mark]))
+            chosen.insert(place, (x, number, mark))
+    marks = tuple(mark for _, _, mark in chosen)
+    counts = _counts(geometry, element_length, np.array([x for x, _, _ in chosen]))
     blocks, column = [np.zeros(1)], {marks[0]: 0}
-    for number, (left, right) in enumerate(pairwise(marks)):
-        sample = chosen[left] + (np.arange(32, dtype=np.float64) + 0.5) / 32.0 * (chosen[right] - chosen[left])
-        wanted = float(np.mean(1.0 / element_length.at(sample))) * (chosen[right] - chosen[left])
-        count = max(1, round(wanted))
+    for number, ((left, right), count) in enumerate(zip(pairwise(marks), counts, strict=True)):
         blocks.append(number + np.arange(1, count + 1) / count)
         column[right] = column[left] + count
     column |= {mark: column[other] for mark, other in alias.items()}
     return ColumnPlan(marks, column, tuple(alias.items()), np.concatenate(blocks))
+
+
+def _counts(geometry: SectionGeometry, element_length: Profile, marks: FloatArray) -> list[int]:
+    """Columns between each mark and the next one; marks (k,), result k - 1 numbers."""
+    wanted = []
+    for left, right in pairwise(marks.tolist()):
+        sample = left + (np.arange(32, dtype=np.float64) + 0.5) / 32.0 * (right - left)
+        with np.errstate(over="ignore"):
+            wanted.append(max(1.0, float(np.mean(1.0 / element_length.at(sample))) * (right - left)))
+    elements = 2.0 * sum(wanted) * sum(layer.rows for layer in geometry.layers)
+    if not elements <= MAX_ELEMENTS:
+        shortest = float(element_length.y.min())
+        raise MeshError(
+            f"element_length, {shortest:g} m at its shortest, and the rows of the layers give {elements:.3g} elements; "
+            f"at most {MAX_ELEMENTS} are accepted"
+        )
+    return [round(count) for count in wanted]
 
 
 def cut_positions(geometry: SectionGeometry, cut: Cut, x_top: float, x_bottom: float) -> list[float]:

@@ -25,6 +25,7 @@ __all__ = ["BodyModel", "BodyRun"]
 
 _SAME_TIME = 1.0e-9
 _CURVE_POINTS = 60
+_MOST_RECORDED = 10_000_000
 _COMPONENTS = (("ux", "Horizontal displacement, positive to the right"), ("uy", "Displacement upwards"))
 
 
@@ -287,6 +288,17 @@ class _Wanted:
         self._points = dict(points)
         self.observed = tuple(dict.fromkeys(names))
         self._times = np.unique(np.concatenate(moments)) if moments else np.zeros(0)
+        recorded = len(self._times) * len(self.observed)
+        if recorded > _MOST_RECORDED:
+            raise ProblemError(
+                [
+                    Issue(
+                        "observations",
+                        f"{len(self._times)} different times of {len(self.observed)} points are {recorded} "
+                        f"displacements to record; at most {_MOST_RECORDED} are accepted",
+                    )
+                ]
+            )
         durations = np.array(list(model._durations.values()))
         ends = np.cumsum(durations)
         self._phase_names = list(model._durations)

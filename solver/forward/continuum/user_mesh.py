@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.errors import Issue, MeshError, ProblemError
+from geoswarm.solver.fem.mesh.columns import MAX_ELEMENTS
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.mesh.reading import mesh_of_tables, read_mesh
 from geoswarm.solver.forward.continuum.geometry import Name
@@ -28,8 +29,12 @@ class MeshSection(BaseModel):
     )
     scale: float = Field(1.0, gt=0.0, description="Length of the file's unit, m.")
     interfaces: list[Name] = Field(default=[], max_length=50, description="Lines along which the body is opened.")
-    nodes: list[tuple[float, float]] | None = Field(None, description="x and y of each node, m.")
-    triangles: list[list[int]] | None = Field(None, description="3 or 6 nodes of each triangle, counted from 0.")
+    nodes: list[tuple[float, float]] | None = Field(
+        None, max_length=3 * MAX_ELEMENTS, description="x and y of each node, m."
+    )
+    triangles: list[list[int]] | None = Field(
+        None, max_length=MAX_ELEMENTS, description="3 or 6 nodes of each triangle, counted from 0."
+    )
     regions: dict[Name, list[int]] | None = Field(None, description="Triangles of each region, counted from 0.")
     lines: dict[Name, list[Annotated[list[int], Field(min_length=2, max_length=2)]]] = Field(
         default={}, description="Edges of each boundary and interface: two corners."

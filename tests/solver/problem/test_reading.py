@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +47,9 @@ def test_anchors_are_resolved() -> None:
         ("a: {b: {3: 1}}", "a.b: key 3 is a number"),
         ("- 1", "a problem is a mapping .*, but this is a list"),
         ("", "a problem is a mapping .*, but this is empty"),
-        ("a: &x [*x]", "nested more than 30 levels deep"),
+        ("a: &x [*x]", r"what begins in line 1, column 4 contains itself by an alias \(\*\)"),
+        ("a: &x {b: {<<: *x}}", "what begins in line 1, column 4 contains itself"),
+        ("a: " + ("[" * 200 + "]" * 200 + "\n") * 500, "nested more than 30 levels deep"),
         ("[" * 5000, "nested more than 30 levels deep"),
         ("a: 1" + "0" * 400, "a: number is too large"),
         ('a: "\\ud800"', "a: text holds half a Unicode character"),
@@ -78,11 +81,28 @@ def test_json_that_cannot_be_used(text: str, message: str) -> None:
         read_document(text, "json")
 
 
-def test_many_aliases_do_not_fill_the_memory() -> None:
-    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
-    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 9)]
-    with pytest.raises(ProblemError, match="more than 4000000 values"):
+@pytest.mark.parametrize(
+    ("first", "level"),
+    [("[1, 1, 1, 1, 1, 1, 1, 1, 1, 1]", "[{}]"), ("{k: 1}", "{{<<: [{}]}}"), ("[1, 1]", "[{{a: [{}]}}]")],
+)
+def test_what_aliases_repeat_is_counted_before_it_is_built(first: str, level: str) -> None:
+    lines = [f"a0: &a0 {first}"]
+    lines += [f"a{i}: &a{i} {level.format(', '.join([f'*a{i - 1}'] * 10))}" for i in range(1, 21)]
+    began = time.process_time()
+    with pytest.raises(ProblemError, match=r"aliases and merge keys \(\*name, <<\) repeat more than 100000 values"):
         read_document("\n".join(lines), "yaml")
+    assert time.process_time() - began < 2.0
+
+
+def test_merge_keys_are_resolved() -> None:
+    text = "a: &a {b: 1, c: 2}\nd: {<<: *a, c: 3}\ne: [*a, *a]\n"
+    repeated = {"b": 1, "c": 2}
+    assert read_document(text, "yaml") == {"a": repeated, "d": {"b": 1, "c": 3}, "e": [repeated, repeated]}
+
+
+def test_keys_of_a_mapping_are_limited() -> None:
+    with pytest.raises(ProblemError, match=r"^a\[0\].b: has 10001 keys; at most 10000 are accepted"):
+        plain_document({"a": [{"b": dict.fromkeys(map(str, range(10_001)))}]})
 
 
 def test_size_is_limited(tmp_path: Path) -> None:

@@ -1,0 +1,53 @@
+"""How large a problem may be, counted before anything of that size is made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.problem.problem import Problem
+from geoswarm.solver.problem.sections import MonteCarloMethod
+
+__all__ = ["MAX_DESIGN_VALUES", "MAX_POINTS", "MAX_VALUES", "point_issues", "size_issues"]
+
+MAX_POINTS = 200_000
+"""Measured points of all observations of a problem."""
+
+MAX_DESIGN_VALUES = 20_000_000
+"""Samples times free parameters of a design that is drawn as a whole."""
+
+MAX_VALUES = 1_000_000_000
+"""Planned evaluations times measured points: so many calculated values are stored."""
+
+
+def point_issues(counts: Iterable[int]) -> list[Issue]:
+    """What is wrong with the numbers of points of all observations."""
+    total = sum(counts)
+    if total <= MAX_POINTS:
+        return []
+    remedy = "resample: {per_decade: 20} takes means of neighbouring readings"
+    return [Issue("observations", f"have {total} points; at most {MAX_POINTS} are accepted; {remedy}")]
+
+
+def size_issues(problem: Problem) -> list[Issue]:
+    """What is wrong with the size of a sound problem."""
+    method, free = problem.method, len(problem.free)
+    if isinstance(method, MonteCarloMethod) and method.sampling != "random":
+        values = method.samples * free
+        if values > MAX_DESIGN_VALUES:
+            message = (
+                f"{method.samples} samples of {free} free parameters are {values} values, which sampling "
+                f"{method.sampling} draws as a whole; at most {MAX_DESIGN_VALUES} are accepted; sampling: random has "
+                "no such limit"
+            )
+            return [Issue("method.samples", message)]
+    planned = problem.planned_evaluations
+    points = sum(observation.x.size for observation in problem.observations)
+    if planned is not None and planned * points > MAX_VALUES:
+        path = "method" if problem.stopping.max_evaluations != planned else "stopping.max_evaluations"
+        message = (
+            f"{planned} evaluations of {points} points are {planned * points} values to be stored; "
+            f"at most {MAX_VALUES} are accepted"
+        )
+        return [Issue(path, message)]
+    return []

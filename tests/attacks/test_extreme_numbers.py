@@ -1,0 +1,98 @@
+"""Extreme numbers, in jobs and in what is asked about them, are answered in words: never by 500."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from geoswarm.workers.engine import Engine, open_engine
+from geoswarm.workers.settings import Settings
+from tests.api.conftest import API, App, line_problem, wait_for_end
+
+X = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
+
+
+def job(scale: float, **changes: Any) -> dict[str, Any]:
+    """A line whose y and parameters are of a scale."""
+    y = [scale * (1.0 + 2.0 * x + 0.1 * (-1) ** int(x)) for x in X]
+    return line_problem(
+        parameters={"a": {"lower": 0.0, "upper": 3.0 * scale}, "b": {"lower": 0.0, "upper": 4.0 * scale}},
+        observations=[{"series": "y", "points": {"x": X, "y": y}, **changes}],
+        method={"kind": "monte_carlo", "samples": 60},
+        stopping={},
+    )
+
+
+JOBS = {
+    "ordinary": job(1.0),
+    "large": job(1e150),
+    "larger": job(1e160),
+    "small": job(1e-200),
+    "smaller": job(1e-310),
+    "precise": job(1.0, error=1e-200),
+    "imprecise": job(1.0, error=1e200),
+    "heavy": job(1.0, weight=1e300),
+    "light": job(1.0, weight=1e-300),
+    "wide": line_problem(
+        parameters={"a": {"lower": -1e300, "upper": 5e299}, "b": {"lower": 1e-300, "upper": 1e300, "scale": "log"}},
+        method={"kind": "monte_carlo", "samples": 60},
+        stopping={},
+    ),
+}
+NUMBERS = (5e-324, 1e-300, 1e-150, 1.0, 1e150, 1e300, 1.7e308)
+GETS = ("", "/evaluations", "/statistics", "/uncertainty", "/posterior", "/figures", "/fit", "/points")
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
+    folder = tmp_path_factory.mktemp("extreme")
+    with open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1)) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def app(engine: Engine) -> App:
+    return App(engine.service)
+
+
+@pytest.fixture(scope="module", params=JOBS)
+def path(request: pytest.FixtureRequest, app: App, engine: Engine) -> str:
+    answer = app.post(f"{API}/jobs", json=JOBS[request.param])
+    assert answer.status_code in (201, 422), answer.text
+    if answer.status_code == 422:
+        pytest.skip("refused in words")
+    found = answer.json()["id"]
+    wait_for_end(engine.service, found, 300.0)
+    return f"{API}/jobs/{found}"
+
+
+@pytest.mark.parametrize("what", GETS)
+def test_what_is_asked_without_numbers(app: App, path: str, what: str) -> None:
+    answer = app.get(f"{path}{what}")
+    assert answer.status_code in (200, 404, 409, 422), answer.text
+
+
+@pytest.mark.parametrize(
+    ("what", "name"),
+    list(itertools.product(("/statistics", "/uncertainty", "/posterior"), ("noise", "threshold"))),
+)
+def test_numbers_in_queries(app: App, path: str, what: str, name: str) -> None:
+    for number in NUMBERS:
+        answer = app.get(f"{path}{what}", params={name: number})
+        assert answer.status_code in (200, 404, 409, 422), (number, answer.text)
+
+
+@pytest.mark.parametrize("name", ["weights", "noise", "point_weights", "weighting"])
+def test_numbers_of_other_weights(app: App, path: str, name: str) -> None:
+    for number in NUMBERS:
+        given: dict[str, Any] = {
+            "weights": {"weights": {"y": number}},
+            "noise": {"weighting": "by_error", "noise": number},
+            "point_weights": {"point_weights": {"y": [number] * 6}},
+            "weighting": {"weighting": "by_spread"},
+        }[name]
+        answer = app.post(f"{path}/reweight", json=given)
+        assert answer.status_code in (200, 404, 409, 422), (number, answer.text)
