@@ -14,6 +14,7 @@ from geoswarm.api.authentication import SESSION_COOKIE, Authenticator
 from geoswarm.api.errors import ProblemDetail, install_error_handlers
 from geoswarm.api.feed import EventFeed
 from geoswarm.api.gate import SIGN_IN, Gate
+from geoswarm.api.intake import Intake
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
@@ -65,6 +66,7 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
     app.state.assets = Assets()
     app.mount("/static", app.state.assets, name="static")
     app.state.authenticator = Authenticator(settings, service)
+    app.add_middleware(Intake, settings=settings)  # inside the gate, which tells whose bytes they are
     app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)
     app.state.requests = RequestMetrics()
     app.add_middleware(Observer, metrics=app.state.requests)

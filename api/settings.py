@@ -20,6 +20,8 @@ VARIABLES: dict[str, str] = {
     "api_key": "GEOSWARM_API_KEY",
     "allowed_hosts": "GEOSWARM_ALLOWED_HOSTS",
     "max_body_bytes": "GEOSWARM_MAX_BODY_BYTES",
+    "body_bytes_per_key": "GEOSWARM_BODY_BYTES_PER_KEY",
+    "body_bytes": "GEOSWARM_BODY_BYTES",
     "requests_per_second": "GEOSWARM_REQUESTS_PER_SECOND",
     "request_burst": "GEOSWARM_REQUEST_BURST",
 }
@@ -39,7 +41,9 @@ class ApiSettings(BaseModel):
         Further names in the ``Host`` header to answer to (without port) when no API key is set; loopback names are
         always allowed. This keeps a web page in the user's browser from reaching the service by DNS rebinding.
     max_body_bytes
-        Largest request body that is read.
+        Largest request body that is read, of those that carry a problem or measurements.
+    body_bytes_per_key, body_bytes
+        What the bodies of unanswered requests of one key, and of all of them, may add up to; one body always fits.
     body_seconds
         Time in which a request body must have arrived [s].
     requests_per_second, request_burst
@@ -56,6 +60,8 @@ class ApiSettings(BaseModel):
     require_key: bool = False
     allowed_hosts: frozenset[str] = frozenset()
     max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
+    body_bytes_per_key: int = Field(default=64 * 2**20, ge=1_000)
+    body_bytes: int = Field(default=256 * 2**20, ge=1_000)
     body_seconds: float = Field(default=30.0, gt=0.0)
     requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
     request_burst: int = Field(default=500, ge=1)

@@ -22,7 +22,7 @@ router = APIRouter(prefix="/session", tags=["session"])
 CHALLENGE = 'Bearer realm="geoswarm"'
 
 
-@router.post("", status_code=201, responses=problems_of(422))
+@router.post("", status_code=201, responses=problems_of(408, 413, 422))
 async def sign_in(given: Annotated[SignIn, Body()], request: Request, response: Response) -> Session:
     """Begin a session: the answer sets an http-only cookie that stands for the key for twelve hours.
 
