@@ -15,6 +15,7 @@ from geoswarm.api.errors import ProblemDetail, install_error_handlers
 from geoswarm.api.feed import EventFeed
 from geoswarm.api.gate import SIGN_IN, Gate
 from geoswarm.api.intake import Intake
+from geoswarm.api.limits import Shares
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
@@ -58,6 +59,7 @@ def create_app(service: JobService, settings: ApiSettings | None = None) -> Fast
     app.state.feed = EventFeed(
         service, poll_seconds=settings.poll_seconds, heartbeat_seconds=settings.heartbeat_seconds
     )
+    app.state.streams = Shares(settings.event_streams, settings.event_streams_per_key)
     app.include_router(health_router)
     app.include_router(metrics_router)
     app.include_router(api_router)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import signal
 import socket
@@ -14,6 +15,7 @@ import uvicorn
 
 from geoswarm.api.app import create_app
 from geoswarm.api.assets import Assets
+from geoswarm.api.connections import Config, Connection, Connections, most_connections, raise_descriptors
 from geoswarm.api.errors import PortInUseError
 from geoswarm.api.feed import EventFeed
 from geoswarm.api.settings import ApiSettings
@@ -60,11 +62,13 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 class Server(uvicorn.Server):
-    """uvicorn that ends event streams first when it stops, and returns to its caller after a signal."""
+    """uvicorn that watches its connections, ends event streams first when it stops, and returns after a signal."""
+
+    config: Config
 
     def __init__(
         self,
-        config: uvicorn.Config,
+        config: Config,
         feed: EventFeed,
         assets: Assets,
         on_started: Callable[[], None] | None = None,
@@ -75,14 +79,19 @@ class Server(uvicorn.Server):
         self._on_started = on_started
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
+        await super().startup([])
+        self.config.connections.start(sockets or [], self._connection)
         if self.started and self._on_started is not None:
             self._on_started()
         threading.Thread(target=self._assets.prepare, name="prepare assets", daemon=True).start()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self.config.connections.close()
         self._feed.close()
         await super().shutdown(sockets)
+
+    def _connection(self) -> asyncio.Protocol:
+        return Connection(self.config, self.server_state, self.lifespan.state)
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -146,9 +155,13 @@ def build_server(
     on_started: Callable[[str], None] | None = None,
 ) -> Server:
     """Put application and uvicorn together for a listening socket."""
+    settings = settings or ApiSettings()
     app = create_app(service, settings)
-    config = uvicorn.Config(
+    most = most_connections(settings.max_connections, raise_descriptors())
+    app.state.streams.in_all = min(settings.event_streams, most // 2)  # there is always room for other requests
+    config = Config(
         app,
+        Connections(most, settings.head_seconds),
         log_config=None,
         log_level="warning",
         access_log=False,

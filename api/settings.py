@@ -22,6 +22,10 @@ VARIABLES: dict[str, str] = {
     "max_body_bytes": "GEOSWARM_MAX_BODY_BYTES",
     "body_bytes_per_key": "GEOSWARM_BODY_BYTES_PER_KEY",
     "body_bytes": "GEOSWARM_BODY_BYTES",
+    "max_connections": "GEOSWARM_MAX_CONNECTIONS",
+    "event_streams_per_key": "GEOSWARM_EVENT_STREAMS_PER_KEY",
+    "event_streams": "GEOSWARM_EVENT_STREAMS",
+    "requests_at_once": "GEOSWARM_REQUESTS_AT_ONCE",
     "requests_per_second": "GEOSWARM_REQUESTS_PER_SECOND",
     "request_burst": "GEOSWARM_REQUEST_BURST",
 }
@@ -44,8 +48,16 @@ class ApiSettings(BaseModel):
         Largest request body that is read, of those that carry a problem or measurements.
     body_bytes_per_key, body_bytes
         What the bodies of unanswered requests of one key, and of all of them, may add up to; one body always fits.
+    head_seconds
+        Time in which the head of a request must have arrived [s].
     body_seconds
         Time in which a request body must have arrived [s].
+    max_connections
+        Open connections of this process, fewer where the system allows fewer open files.
+    event_streams_per_key, event_streams
+        Open event streams of one key and in all, of this process; at most half of the connections.
+    requests_at_once
+        Unanswered requests of one key, event streams among them.
     requests_per_second, request_burst
         What one API key may ask for in the long run [1/s] (0: anything) and at once, in each process of the service.
     heartbeat_seconds
@@ -62,7 +74,12 @@ class ApiSettings(BaseModel):
     max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
     body_bytes_per_key: int = Field(default=64 * 2**20, ge=1_000)
     body_bytes: int = Field(default=256 * 2**20, ge=1_000)
+    head_seconds: float = Field(default=10.0, gt=0.0)
     body_seconds: float = Field(default=30.0, gt=0.0)
+    max_connections: int = Field(default=1000, ge=16)
+    event_streams_per_key: int = Field(default=250, ge=1)
+    event_streams: int = Field(default=500, ge=1)
+    requests_at_once: int = Field(default=300, ge=1)
     requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
     request_burst: int = Field(default=500, ge=1)
     heartbeat_seconds: float = Field(default=10.0, gt=0.0, le=20.0)
