@@ -40,12 +40,22 @@ class RateLimiter:
         self._buckets.move_to_end(client)
         if len(self._buckets) > MOST_CLIENTS:  # the longest silent has a full bucket by now, or nearly so
             self._buckets.popitem(last=False)
-        return None if granted else max(1, math.ceil((1.0 - tokens) / self.rate))
+        return None if granted else self._seconds(tokens)
+
+    def wait(self, client: str) -> int | None:
+        """Return the whole seconds until there is a token; None when there is one. Takes none."""
+        if self.rate <= 0:
+            return None
+        tokens = self.tokens(client)
+        return None if tokens >= 1.0 else self._seconds(tokens)
 
     def tokens(self, client: str) -> float:
         """Return how many tokens a client has now."""
         tokens, at = self._buckets.get(client, (float(self.burst), self._clock()))
         return min(self.burst, tokens + (self._clock() - at) * self.rate)
+
+    def _seconds(self, tokens: float) -> int:
+        return max(1, math.ceil((1.0 - tokens) / self.rate))
 
 
 class Shares:

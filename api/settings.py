@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -19,6 +20,7 @@ LOOPBACK_HOSTS: frozenset[str] = frozenset({"localhost", "127.0.0.1", "[::1]"})
 VARIABLES: dict[str, str] = {
     "api_key": "GEOSWARM_API_KEY",
     "allowed_hosts": "GEOSWARM_ALLOWED_HOSTS",
+    "trusted_proxies": "GEOSWARM_TRUSTED_PROXIES",
     "max_body_bytes": "GEOSWARM_MAX_BODY_BYTES",
     "body_bytes_per_key": "GEOSWARM_BODY_BYTES_PER_KEY",
     "body_bytes": "GEOSWARM_BODY_BYTES",
@@ -44,6 +46,8 @@ class ApiSettings(BaseModel):
     allowed_hosts
         Further names in the ``Host`` header to answer to (without port) when no API key is set; loopback names are
         always allowed. This keeps a web page in the user's browser from reaching the service by DNS rebinding.
+    trusted_proxies
+        Addresses and networks of proxies in front, whose X-Forwarded-For and X-Forwarded-Proto are believed.
     max_body_bytes
         Largest request body that is read, of those that carry a problem or measurements.
     body_bytes_per_key, body_bytes
@@ -71,6 +75,7 @@ class ApiSettings(BaseModel):
     api_key: SecretStr | None = None
     require_key: bool = False
     allowed_hosts: frozenset[str] = frozenset()
+    trusted_proxies: tuple[str, ...] = ()
     max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
     body_bytes_per_key: int = Field(default=64 * 2**20, ge=1_000)
     body_bytes: int = Field(default=256 * 2**20, ge=1_000)
@@ -94,6 +99,18 @@ class ApiSettings(BaseModel):
                 raise ValueError("an API key needs at least 8 printable ASCII characters without spaces")
         return key
 
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _proxies_are_addresses(cls, proxies: tuple[str, ...]) -> tuple[str, ...]:
+        for proxy in proxies:
+            try:
+                ipaddress.ip_network(proxy)
+            except ValueError:
+                raise ValueError(
+                    f"{proxy!r} is no address or network; accepted: 192.0.2.7, 10.0.0.0/8, 2001:db8::/32"
+                ) from None
+        return proxies
+
     @property
     def needs_key(self) -> bool:
         """Whether requests are asked for an API key."""
@@ -101,7 +118,7 @@ class ApiSettings(BaseModel):
 
     @classmethod
     def from_environment(cls, **overrides: Any) -> ApiSettings:
-        """Read the environment variables of :data:`VARIABLES`; GEOSWARM_ALLOWED_HOSTS is comma-separated.
+        """Read the environment variables of :data:`VARIABLES`; hosts and proxies have commas between them.
 
         The key may also stand in the file that GEOSWARM_API_KEY_FILE names.
 
@@ -124,10 +141,9 @@ class ApiSettings(BaseModel):
                 values |= {"api_key": secret(VARIABLES["api_key"], environment)}
             except SecretFileError as error:
                 raise ApiSettingsError(str(error)) from None
-        if "allowed_hosts" in values:
-            values["allowed_hosts"] = [
-                host.strip().lower() for host in values["allowed_hosts"].split(",") if host.strip()
-            ]
+        for field in ("allowed_hosts", "trusted_proxies"):
+            if field in values:
+                values[field] = [part.strip().lower() for part in values[field].split(",") if part.strip()]
         values |= {field: value for field, value in overrides.items() if value is not None}
         try:
             return cls.model_validate(values)

@@ -8,6 +8,7 @@ Records about a job carry ``job``, and where it applies ``generation``, ``evalua
 
 from __future__ import annotations
 
+import asyncio
 import json
 import logging
 import os
@@ -90,8 +91,9 @@ def _context(record: logging.LogRecord) -> list[tuple[str, object]]:
 class KnownEvents(logging.Filter):
     """Leaves out what others log about events that are handled: it would look like a fault of ours.
 
-    That a reader of events has gone (asyncio warns with every write until it notices), and the traceback of a pool
-    process that was killed (Celery's, without a line of what was killed); the line that says so stays.
+    That a reader of events has gone (asyncio warns with every write until it notices), that a stopping service gave up
+    a request (the server has a line for all of them), and the traceback of a pool process that was killed (Celery's,
+    without a line of what was killed); the line that says so stays.
     """
 
     def filter(self, record: logging.LogRecord) -> bool:
@@ -99,6 +101,8 @@ class KnownEvents(logging.Filter):
         if record.name == "asyncio" and record.getMessage().startswith("socket.send() raised exception"):
             return False
         kind = record.exc_info[0] if isinstance(record.exc_info, tuple) else None
+        if record.name == "uvicorn.error" and kind is asyncio.CancelledError:
+            return False
         if record.name.startswith(("celery", "billiard")) and kind is not None and kind.__name__ == "WorkerLostError":
             record.exc_info = record.exc_text = None
         return True
