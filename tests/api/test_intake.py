@@ -125,7 +125,7 @@ def test_who_hangs_up_holds_nothing(service: JobService) -> None:
         for _ in range(20):
             with unfinished(server, f"{API}/jobs", 90_000, b" "):
                 pass
-        answers(server, f"{API}/jobs", 400, "", 90_000)
+        assert answers(server, f"{API}/jobs", 400, "", 90_000).json()["type"].endswith("malformed-body")
 
 
 def memory() -> int:
