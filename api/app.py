@@ -17,6 +17,8 @@ from geoswarm.api.gate import SIGN_IN, Gate
 from geoswarm.api.heavy.middleware import HeavyWork
 from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.api.heavy.program import Trusting
+from geoswarm.api.intake import Intake
+from geoswarm.api.limits import Shares
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
@@ -70,6 +72,7 @@ def create_app(
     app.state.feed = EventFeed(
         service, poll_seconds=settings.poll_seconds, heartbeat_seconds=settings.heartbeat_seconds
     )
+    app.state.streams = Shares(settings.event_streams, settings.event_streams_per_key)
     app.include_router(health_router)
     app.include_router(metrics_router)
     app.include_router(api_router)
@@ -83,6 +86,7 @@ def create_app(
     if pool is not None:
         app.add_middleware(HeavyWork, pool=pool, settings=settings)
     if inner is None:
+        app.add_middleware(Intake, settings=settings)  # inside the gate, which tells whose bytes they are
         app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)
         app.add_middleware(Observer, metrics=app.state.requests)
     else:

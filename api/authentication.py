@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import binascii
+import hashlib
 import hmac
+from collections import OrderedDict
 from dataclasses import dataclass
 
 import anyio.to_thread
@@ -27,6 +29,10 @@ BOOTSTRAP = Principal(None, "admin", "environment")
 
 FAILURES_PER_SECOND = 0.5
 FAILURE_BURST = 20
+SIGN_INS_PER_SECOND = 0.1
+SIGN_IN_BURST = 30
+TRUSTED_KEYS = 10_000
+LONG_KEY = 32  # characters; whoever guesses has no chance with more
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +60,8 @@ class Authenticator:
         self._service = service
         self._requests = RateLimiter(settings.requests_per_second, settings.request_burst)
         self._failures = RateLimiter(FAILURES_PER_SECOND, FAILURE_BURST)
+        self._sign_ins = RateLimiter(SIGN_INS_PER_SECOND, SIGN_IN_BURST)
+        self._seen: OrderedDict[bytes, None] = OrderedDict()  # hashes of long keys that were valid here
 
     async def asks(self) -> bool:
         """Whether a key is needed now; from the moment when the first one is made, by whatever process.
@@ -103,17 +111,41 @@ class Authenticator:
     async def holder(self, key: bytes, address: str, challenge: str) -> Principal:
         """Return whose key it is; who guesses is slowed down.
 
+        From an address with too many wrong keys no key is judged any more, unless it is a long one that was valid here
+        before: neighbours behind the same address go on.
+
         Raises
         ------
         DetailError, StoreUnavailableError
         """
+        fingerprint = hashlib.sha256(key).digest()
+        if fingerprint not in self._seen and (wait := self._failures.wait(address)) is not None:
+            raise _too_many(wait)
         found = await self._find(key)
         if found is None:
-            wait = self._failures.take(address)
-            raise (
-                unauthorized("This API key is not valid, or no longer.", challenge) if wait is None else _too_many(wait)
-            )
+            self._seen.pop(fingerprint, None)
+            self._failures.take(address)
+            raise unauthorized("This API key is not valid, or no longer.", challenge)
+        if len(key) >= LONG_KEY:
+            self._seen[fingerprint] = None
+            self._seen.move_to_end(fingerprint)
+            if len(self._seen) > TRUSTED_KEYS:
+                self._seen.popitem(last=False)
         return found
+
+    async def sign_in(self, key: bytes, address: str, challenge: str) -> Principal:
+        """Do what :meth:`holder` does, for who begins a session: not too often, as each is a row in the database.
+
+        Raises
+        ------
+        DetailError, StoreUnavailableError
+        """
+        principal = await self.holder(key, address, challenge)
+        self._meter(principal)
+        wait = self._sign_ins.take(principal.key_id or "")
+        if wait is not None:
+            raise _too_many(wait)
+        return principal
 
     def _meter(self, principal: Principal) -> None:
         wait = self._requests.take(principal.key_id or "")

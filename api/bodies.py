@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import Annotated, Any
 
+import anyio.to_thread
 from fastapi import Depends, Request
-from starlette.requests import ClientDisconnect
 
 from geoswarm.api.errors import DetailError
-from geoswarm.api.settings import ApiSettings
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import read_document
 from geoswarm.solver.problem.reading import Form
@@ -44,34 +42,13 @@ async def _problem_text(request: Request) -> tuple[str, Form]:
 async def _problem_document(given: Annotated[tuple[str, Form], Depends(_problem_text)]) -> dict[str, Any]:
     text, form = given
     try:
-        return await asyncio.to_thread(read_document, text, form)
+        return await anyio.to_thread.run_sync(read_document, text, form)
     except ProblemError as error:
         raise DetailError(400, str(error), kind="malformed-body", title="Malformed body", issues=error.issues) from None
 
 
 async def _file_content(request: Request) -> bytes:
-    settings: ApiSettings = request.app.state.settings
-    try:
-        async with asyncio.timeout(settings.body_seconds):
-            return await _read(request, settings.max_body_bytes)
-    except TimeoutError:
-        raise DetailError(408, f"The body did not arrive within {settings.body_seconds:g} s.") from None
-    except ClientDisconnect:  # nobody hears this; pages give up a request when the user types on
-        raise DetailError(400, "The connection broke before the body was there.") from None
-
-
-async def _read(request: Request, limit: int) -> bytes:
-    """Read the body, never more than ``limit`` bytes of it."""
-    too_large = DetailError(413, f"The body is larger than {limit} bytes, which is the most that is accepted.")
-    declared = request.headers.get("content-length", "")
-    if declared.isdigit() and int(declared) > limit:
-        raise too_large
-    body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > limit:
-            raise too_large
-    return bytes(body)
+    return await request.body()  # limited and complete: see geoswarm.api.intake
 
 
 ProblemDocument = Annotated[dict[str, Any], Depends(_problem_document)]

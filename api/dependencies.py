@@ -17,8 +17,9 @@ from geoswarm.workers.service import JobService
 __all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "limiter", "problems_of"]
 
 NOBODY = Principal(None, "read")  # on routes that are open to everybody
-AT_ONCE = {"test runs": 1, "drafts": 2, "files": 1}
-"""Requests worked on together: a test run occupies a core, drafts come with every change, files take memory."""
+AT_ONCE = {"test runs": 1, "drafts": 2, "files": 1, "probes": 4}
+"""Requests worked on together: a test run occupies a core, drafts come with every change, files take memory, probes
+have threads of their own."""
 POSSIBLE_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 

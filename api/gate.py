@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from urllib.parse import quote, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -11,6 +12,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from geoswarm.api.authentication import Authenticator, Identity, given_key
 from geoswarm.api.errors import DetailError, detail_response, translate
 from geoswarm.api.headers import add_security_headers
+from geoswarm.api.limits import Shares
 from geoswarm.api.settings import LOOPBACK_HOSTS, ApiSettings
 from geoswarm.workers.errors import StoreUnavailableError
 
@@ -44,6 +46,7 @@ class Gate:
         self._app = app
         self._hosts = LOOPBACK_HOSTS | settings.allowed_hosts
         self._authenticator = authenticator
+        self._unanswered = Shares(sys.maxsize, settings.requests_at_once)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -63,9 +66,18 @@ class Gate:
                 response = RedirectResponse(f"/sign-in?next={quote(_asked(scope), safe='/')}", status_code=303)
             await response(scope, receive, send_with_headers)
             return
-        if identity is not None:
-            scope.setdefault("state", {}).update(principal=identity.principal, identity=identity)
-        await self._app(scope, receive, send_with_headers)
+        if identity is None:
+            await self._app(scope, receive, send_with_headers)
+            return
+        scope.setdefault("state", {}).update(principal=identity.principal, identity=identity)
+        key = identity.principal.key_id or ""
+        if self._unanswered.take(key) is not None:
+            await detail_response(_too_many(self._unanswered.each))(scope, receive, send_with_headers)
+            return
+        try:
+            await self._app(scope, receive, send_with_headers)
+        finally:
+            self._unanswered.give_back(key)
 
     async def _admit(self, scope: Scope, headers: Headers) -> Identity | None:
         """Return who asks, None for what everybody may see; raise DetailError for what is refused."""
@@ -118,6 +130,15 @@ def _sends_to_sign_in(scope: Scope, refusal: Exception) -> bool:
         and scope["method"] in ("GET", "HEAD")
         and not scope["path"].startswith(FOR_PROGRAMS)
         and given_key(Headers(scope=scope)) is None
+    )
+
+
+def _too_many(most: int) -> DetailError:
+    return DetailError(
+        429,
+        f"{most} requests of this API key are not answered yet, which is the most at once.",
+        kind="rate-limited",
+        headers={"Retry-After": "1"},
     )
 
 

@@ -15,6 +15,7 @@ import uvicorn
 
 from geoswarm.api.app import create_app
 from geoswarm.api.assets import Assets
+from geoswarm.api.connections import Config, Connection, Connections, most_connections, raise_descriptors
 from geoswarm.api.errors import PortInUseError
 from geoswarm.api.feed import EventFeed
 from geoswarm.api.heavy.pool import HeavyPool
@@ -62,11 +63,13 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 class Server(uvicorn.Server):
-    """uvicorn that ends event streams first when it stops, and returns to its caller after a signal."""
+    """uvicorn that watches its connections, ends event streams first when it stops, and returns after a signal."""
+
+    config: Config
 
     def __init__(
         self,
-        config: uvicorn.Config,
+        config: Config,
         feed: EventFeed,
         assets: Assets,
         on_started: Callable[[], None] | None = None,
@@ -80,7 +83,8 @@ class Server(uvicorn.Server):
         self._on_started = on_started
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
+        await super().startup([])
+        self.config.connections.start(sockets or [], self._connection)
         threading.Thread(target=self._assets.prepare, name="prepare assets", daemon=True).start()
         if self.started:
             self._beginning = asyncio.ensure_future(self._begin())
@@ -92,12 +96,16 @@ class Server(uvicorn.Server):
             self._on_started()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self.config.connections.close()
         self._feed.close()
         if self._beginning is not None:
             self._beginning.cancel()
         await super().shutdown(sockets)
         if self._pool is not None:
             await self._pool.close()
+
+    def _connection(self) -> asyncio.Protocol:
+        return Connection(self.config, self.server_state, self.lifespan.state)
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -172,12 +180,17 @@ def build_server(
     settings = settings or ApiSettings()
     pool = HeavyPool(service, settings) if heavy and settings.heavy_processes else None
     app = create_app(service, settings, pool=pool)
-    config = uvicorn.Config(
+    most = most_connections(settings.max_connections, raise_descriptors())
+    app.state.streams.in_all = min(settings.event_streams, most // 2)  # there is always room for other requests
+    config = Config(
         app,
+        Connections(most, settings.head_seconds),
         log_config=None,
         log_level="warning",
         access_log=False,
         server_header=False,
+        proxy_headers=bool(settings.trusted_proxies),
+        forwarded_allow_ips=list(settings.trusted_proxies),
         lifespan="off",
         timeout_graceful_shutdown=GRACE_SECONDS,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -19,7 +20,14 @@ LOOPBACK_HOSTS: frozenset[str] = frozenset({"localhost", "127.0.0.1", "[::1]"})
 VARIABLES: dict[str, str] = {
     "api_key": "GEOSWARM_API_KEY",
     "allowed_hosts": "GEOSWARM_ALLOWED_HOSTS",
+    "trusted_proxies": "GEOSWARM_TRUSTED_PROXIES",
     "max_body_bytes": "GEOSWARM_MAX_BODY_BYTES",
+    "body_bytes_per_key": "GEOSWARM_BODY_BYTES_PER_KEY",
+    "body_bytes": "GEOSWARM_BODY_BYTES",
+    "max_connections": "GEOSWARM_MAX_CONNECTIONS",
+    "event_streams_per_key": "GEOSWARM_EVENT_STREAMS_PER_KEY",
+    "event_streams": "GEOSWARM_EVENT_STREAMS",
+    "requests_at_once": "GEOSWARM_REQUESTS_AT_ONCE",
     "requests_per_second": "GEOSWARM_REQUESTS_PER_SECOND",
     "request_burst": "GEOSWARM_REQUEST_BURST",
     "heavy_processes": "GEOSWARM_HEAVY_PROCESSES",
@@ -41,10 +49,22 @@ class ApiSettings(BaseModel):
     allowed_hosts
         Further names in the ``Host`` header to answer to (without port) when no API key is set; loopback names are
         always allowed. This keeps a web page in the user's browser from reaching the service by DNS rebinding.
+    trusted_proxies
+        Addresses and networks of proxies in front, whose X-Forwarded-For and X-Forwarded-Proto are believed.
     max_body_bytes
-        Largest request body that is read.
+        Largest request body that is read, of those that carry a problem or measurements.
+    body_bytes_per_key, body_bytes
+        What the bodies of unanswered requests of one key, and of all of them, may add up to; one body always fits.
+    head_seconds
+        Time in which the head of a request must have arrived [s].
     body_seconds
         Time in which a request body must have arrived [s].
+    max_connections
+        Open connections of this process, fewer where the system allows fewer open files.
+    event_streams_per_key, event_streams
+        Open event streams of one key and in all, of this process; at most half of the connections.
+    requests_at_once
+        Unanswered requests of one key, event streams among them.
     requests_per_second, request_burst
         What one API key may ask for in the long run [1/s] (0: anything) and at once, in each process of the service.
     heavy_processes
@@ -65,8 +85,16 @@ class ApiSettings(BaseModel):
     api_key: SecretStr | None = None
     require_key: bool = False
     allowed_hosts: frozenset[str] = frozenset()
+    trusted_proxies: tuple[str, ...] = ()
     max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
+    body_bytes_per_key: int = Field(default=64 * 2**20, ge=1_000)
+    body_bytes: int = Field(default=256 * 2**20, ge=1_000)
+    head_seconds: float = Field(default=10.0, gt=0.0)
     body_seconds: float = Field(default=30.0, gt=0.0)
+    max_connections: int = Field(default=1000, ge=16)
+    event_streams_per_key: int = Field(default=250, ge=1)
+    event_streams: int = Field(default=500, ge=1)
+    requests_at_once: int = Field(default=300, ge=1)
     requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
     request_burst: int = Field(default=500, ge=1)
     heavy_processes: int = Field(default=3, ge=0, le=64)
@@ -85,6 +113,18 @@ class ApiSettings(BaseModel):
                 raise ValueError("an API key needs at least 8 printable ASCII characters without spaces")
         return key
 
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _proxies_are_addresses(cls, proxies: tuple[str, ...]) -> tuple[str, ...]:
+        for proxy in proxies:
+            try:
+                ipaddress.ip_network(proxy)
+            except ValueError:
+                raise ValueError(
+                    f"{proxy!r} is no address or network; accepted: 192.0.2.7, 10.0.0.0/8, 2001:db8::/32"
+                ) from None
+        return proxies
+
     @property
     def needs_key(self) -> bool:
         """Whether requests are asked for an API key."""
@@ -92,7 +132,7 @@ class ApiSettings(BaseModel):
 
     @classmethod
     def from_environment(cls, **overrides: Any) -> ApiSettings:
-        """Read the environment variables of :data:`VARIABLES`; GEOSWARM_ALLOWED_HOSTS is comma-separated.
+        """Read the environment variables of :data:`VARIABLES`; hosts and proxies have commas between them.
 
         The key may also stand in the file that GEOSWARM_API_KEY_FILE names.
 
@@ -115,10 +155,9 @@ class ApiSettings(BaseModel):
                 values |= {"api_key": secret(VARIABLES["api_key"], environment)}
             except SecretFileError as error:
                 raise ApiSettingsError(str(error)) from None
-        if "allowed_hosts" in values:
-            values["allowed_hosts"] = [
-                host.strip().lower() for host in values["allowed_hosts"].split(",") if host.strip()
-            ]
+        for field in ("allowed_hosts", "trusted_proxies"):
+            if field in values:
+                values[field] = [part.strip().lower() for part in values[field].split(",") if part.strip()]
         values |= {field: value for field, value in overrides.items() if value is not None}
         try:
             return cls.model_validate(values)

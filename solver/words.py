@@ -19,6 +19,7 @@ __all__ = [
     "share",
     "typeset",
     "verdict_in_words",
+    "visible",
 ]
 
 VERDICTS = {
@@ -44,6 +45,8 @@ REASONS = {
 }
 """Stop reason -> words."""
 
+_UNSEEN = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+_UNSEEN_BUT_LINES = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LONGEST_NAME, _MOST_NAMES = 50, 200
 _MISSING = "–"
@@ -83,6 +86,23 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
         return ""
     close = get_close_matches(name, [one for one in islice(known, _MOST_NAMES) if len(one) <= _LONGEST_NAME], n=1)
     return f"; did you mean {close[0]}?" if close else ""
+
+
+def visible(text: str, *, lines: bool = False) -> str:
+    """Return a text with its control characters escaped, so that it cannot steer a terminal or forge a line.
+
+    Parameters
+    ----------
+    lines
+        Leave line feeds and tabs as they are.
+
+    Examples
+    --------
+    >>> visible("red \\x1b[31m\\nnext")
+    'red \\\\x1b[31m\\\\nnext'
+    """
+    pattern = _UNSEEN_BUT_LINES if lines else _UNSEEN
+    return pattern.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
 
 
 def ends(low: float, high: float, *, digits: int = 3, plain: bool = False) -> tuple[str, str]:

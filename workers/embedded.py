@@ -154,6 +154,7 @@ class Supervisor:
             "path": sys.path,
             "settings": self.settings.model_dump(),
             "worker_id": identity.id,
+            "database_file": self.runtime.store.file,
             "doorbell": ends,
             "slots": slots,
             "log_level": logging.getLogger().getEffectiveLevel(),

@@ -36,7 +36,8 @@ def main(given: Mapping[str, Any]) -> None:
     doorbell = PipeDoorbell(settings.workers, (read_end, write_end))
     identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")
     try:
-        store = Store(settings)
+        file = given["database_file"]
+        store = Store(settings, None if file is None else tuple(file))
         worker = Worker(store, doorbell, settings, identity, Slots(settings.slots, given["slots"]))
         worker.start()
     except StoreUnavailableError as error:

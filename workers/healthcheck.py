@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from geoswarm.workers.errors import WorkersError
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.store.file import missing_database
 from geoswarm.workers.store.workers import list_workers
 
 __all__ = ["main", "what_is_wrong"]
@@ -23,6 +24,9 @@ log = logging.getLogger("geoswarm.healthcheck")
 
 def what_is_wrong(settings: Settings, *, worker: bool) -> str | None:
     """Return what keeps this machine's part of the engine from working; None: nothing."""
+    missing = missing_database(settings)
+    if missing is not None:
+        return f"there is no database {missing}"
     try:
         store = Store(settings)
         try:

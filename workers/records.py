@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -23,11 +23,19 @@ __all__ = ["JobRecords", "clip"]
 
 STREAM_ROWS = 1000
 LARGEST_PAGE = 10_000
+PAGE_VALUES = 400_000
+"""The most calculated values with their x, of all evaluations of a page together: some 8 MB of JSON."""
 
 
 def clip(limit: int) -> int:
     """Return the number of items that a page of ``limit`` has."""
     return max(1, min(limit, LARGEST_PAGE))
+
+
+def rows_with_responses(limit: int, grids: Mapping[str, Sequence[float]]) -> int:
+    """Return how many evaluations with responses over these grids are read at once: at most ``limit``, at least one."""
+    values = 2 * sum(map(len, grids.values()))
+    return max(1, min(limit, PAGE_VALUES // max(values, 1)))
 
 
 class JobRecords(ABC):
@@ -96,7 +104,7 @@ class JobRecords(ABC):
         cursor: str | None = None,
         responses: bool = False,
     ) -> Page[EvaluationView]:
-        """Return evaluations ordered by (generation, particle).
+        """Return evaluations ordered by (generation, particle); with long responses fewer than ``limit`` a page.
 
         Raises
         ------
@@ -104,13 +112,13 @@ class JobRecords(ABC):
         """
         after = None if cursor is None else decode_cursor(cursor, int, int)
         filters = Filters(generation, state, max_objective)
-        limit = clip(limit)
 
         def work(connection: Connection) -> Page[EvaluationView]:
             names, grids = self._frame(connection, job_id)
-            rows = list_evaluations(connection, job_id, filters, after=after, limit=limit + 1, responses=responses)
-            views = [evaluation_view(row, names, grids if responses else None) for row in rows[:limit]]
-            last = views[-1] if len(rows) > limit else None
+            most = rows_with_responses(clip(limit), grids) if responses else clip(limit)
+            rows = list_evaluations(connection, job_id, filters, after=after, limit=most + 1, responses=responses)
+            views = [evaluation_view(row, names, grids if responses else None) for row in rows[:most]]
+            last = views[-1] if len(rows) > most else None
             return Page(views, None if last is None else encode_cursor(last.generation, last.particle))
 
         return self.store.read(work)
@@ -127,6 +135,7 @@ class JobRecords(ABC):
         """Stream evaluations ordered by (generation, particle), in short transactions and flat memory."""
         names, grids = self.store.read(lambda connection: self._frame(connection, job_id))
         filters = Filters(generation, state, max_objective)
+        most = rows_with_responses(STREAM_ROWS, grids) if responses else STREAM_ROWS
 
         def stream() -> Iterator[EvaluationView]:
             after: tuple[int, int] | None = None
@@ -137,13 +146,13 @@ class JobRecords(ABC):
                         job_id=job_id,
                         filters=filters,
                         after=after,
-                        limit=STREAM_ROWS,
+                        limit=most,
                         responses=responses,
                     )
                 )
                 for row in rows:
                     yield evaluation_view(row, names, grids if responses else None)
-                if len(rows) < STREAM_ROWS:
+                if len(rows) < most:
                     return
                 after = (rows[-1].generation, rows[-1].particle)
 

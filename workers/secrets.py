@@ -45,6 +45,7 @@ KNOWN = frozenset(
     )
 )
 DIFFERENT_CHARACTERS = 5
+LEAST_KEY_LENGTH = 32
 
 _SECRETS = (
     (re.compile(r"gsw_([0-9a-f]{12})_[A-Za-z0-9_-]{43}"), r"gsw_\1_***"),
@@ -83,18 +84,34 @@ def refuse_known_secrets(settings: Settings) -> None:
             )
 
 
-def refuse_weak_key(key: str) -> None:
-    """Refuse an API key from the environment that could be guessed.
+def refuse_weak_key(key: str, *, open_to_others: bool = True) -> str | None:
+    """Refuse an API key from the environment that could be guessed; return a warning where it only should be longer.
+
+    Parameters
+    ----------
+    open_to_others
+        Whether other machines can reach the service.
 
     Raises
     ------
     SettingsError
     """
-    if os.environ.get(ENVIRONMENT) != DEVELOPMENT and is_known(key):
+    if os.environ.get(ENVIRONMENT) == DEVELOPMENT:
+        return None
+    if is_known(key):
         raise SettingsError(
             "GEOSWARM_API_KEY is a key that everybody knows; make one with 'openssl rand -hex 24',"
             f" or set {ENVIRONMENT}={DEVELOPMENT}"
         )
+    if len(key) >= LEAST_KEY_LENGTH:
+        return None
+    short = (
+        f"GEOSWARM_API_KEY has {len(key)} characters; at least {LEAST_KEY_LENGTH} are accepted where other machines"
+        " reach the service. Make one with 'openssl rand -hex 24'"
+    )
+    if open_to_others:
+        raise SettingsError(short)
+    return short
 
 
 def is_known(secret: str) -> bool:

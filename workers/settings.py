@@ -24,6 +24,7 @@ ENVIRONMENT = {
     "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
     "GEOSWARM_BUILD_MEMORY_MB": "build_memory_mb",
     "GEOSWARM_CHECK_SECONDS": "check_seconds",
+    "GEOSWARM_DISK_RESERVE_MB": "disk_reserve_mb",
     "GEOSWARM_QUOTA_JOBS": "quota_jobs",
     "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
 }
@@ -100,6 +101,8 @@ class Settings(BaseModel):
         workers (licences).
     connect_seconds
         How long to wait for a database or broker that does not answer [s].
+    disk_reserve_mb
+        Free disk [MB] below which the service is not ready; of an SQLite database.
     grace_seconds
         How long a stopping engine waits for an evaluation that is being calculated [s].
     quota_jobs, quota_evaluations
@@ -133,6 +136,7 @@ class Settings(BaseModel):
     kinds: tuple[str, ...] = ()
     slots: dict[str, Annotated[int, Field(ge=1)]] = {}
     connect_seconds: float = Field(3.0, gt=0)
+    disk_reserve_mb: float = Field(100.0, ge=0, allow_inf_nan=False)
     grace_seconds: float = Field(3.0, ge=0)
     quota_jobs: int = Field(100, ge=0)
     quota_evaluations: int = Field(10_000_000, ge=0)

@@ -58,7 +58,7 @@ def list_keys(service: Administrated) -> KeyList:
     return KeyList(items=[Key.model_validate(view) for view in KeyRing(service.store).list()])
 
 
-@router.post("/keys", status_code=201, responses=problems_of(422))
+@router.post("/keys", status_code=201, responses=problems_of(408, 413, 422))
 def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
     """Make an API key; the answer is the only place where it can be read. Administrators only."""
     try:

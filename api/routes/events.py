@@ -10,11 +10,14 @@ from typing import Annotated
 import anyio.to_thread
 from fastapi import APIRouter, Header, Query, Request, Response
 from fastapi.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
 
 from geoswarm.api.authentication import Authenticator
 from geoswarm.api.dependencies import Feed, JobId, Service, problems_of
-from geoswarm.api.errors import DetailError
+from geoswarm.api.errors import DetailError, detail_response
 from geoswarm.api.feed import EventFeed
+from geoswarm.api.limits import Shares
+from geoswarm.workers.access import Principal
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.views import EventView
 
@@ -51,10 +54,38 @@ async def events(
     await anyio.to_thread.run_sync(service.get, job_id)  # the feed itself knows no owners
     if not await feed.read(job_id, start) and await feed.has_ended(job_id):
         return Response(status_code=204)
-    return StreamingResponse(
+    return _EventStream(
         _stream(feed, job_id, start, request.app.state.authenticator),
         media_type="text/event-stream",
         headers={"X-Accel-Buffering": "no"},
+    )
+
+
+class _EventStream(StreamingResponse):
+    """A stream that has its place among those of its key as long as it is open."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        streams: Shares = scope["app"].state.streams
+        principal: Principal = scope["state"]["principal"]
+        key = principal.key_id or ""
+        hindered = streams.take(key)
+        if hindered is not None:
+            await self.body_iterator.aclose()  # type: ignore[attr-defined]  # the generator that the route made
+            await detail_response(_too_many(streams, each=hindered == "each"))(scope, receive, send)
+            return
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            streams.give_back(key)
+
+
+def _too_many(streams: Shares, *, each: bool) -> DetailError:
+    of = f"{streams.each} of this API key" if each else f"{streams.in_all}"
+    return DetailError(
+        429 if each else 503,
+        f"The most event streams that may be open at once, {of}, are open.",
+        kind="rate-limited" if each else "unavailable",
+        headers={"Retry-After": "5"},
     )
 
 

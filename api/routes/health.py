@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response
+import anyio.to_thread
+from fastapi import APIRouter, Request, Response
 
-from geoswarm.api.dependencies import Service
+from geoswarm.api.dependencies import Service, limiter
 from geoswarm.api.schemas import Health, Liveness
 
 __all__ = ["router"]
@@ -21,9 +22,12 @@ async def live() -> Liveness:
 
 
 @router.get("/ready", responses={503: {"model": Health, "description": "A dependency cannot be reached"}})
-def ready(service: Service, response: Response) -> Health:
-    """Tell whether database and broker can be reached, and which one cannot."""
-    dependencies = service.health()
+async def ready(service: Service, request: Request, response: Response) -> Health:
+    """Tell whether database and broker can be used, and which one cannot.
+
+    One probe runs at a time; who asks meanwhile gets the last answer.
+    """
+    dependencies = await anyio.to_thread.run_sync(service.health, limiter=limiter(request, "probes"))
     healthy = WORKING.issuperset(dependencies.values())
     response.status_code = 200 if healthy else 503
     return Health(status="ok" if healthy else "unavailable", dependencies=dependencies)

@@ -84,7 +84,7 @@ def show(job_id: JobId, service: Service) -> Job:
     return Job.model_validate(service.get(job_id))
 
 
-@router.patch("/{job_id}", responses=problems_of(404, 409, 422))
+@router.patch("/{job_id}", responses=problems_of(404, 408, 409, 413, 422))
 def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
     """Change when a job ends. One that has finished or was cancelled goes on, as if it had been asked so at first."""
     return Job.model_validate(service.change_stopping(job_id, wanted.stopping))

@@ -28,6 +28,7 @@ from geoswarm.api.schemas import (
 from geoswarm.api.schemas import Response as ResponseValues
 from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.words import visible
 from geoswarm.workers.views import EvaluationView
 
 __all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]
@@ -216,6 +217,9 @@ def _row(view: EvaluationView, names: Sequence[str], series: Sequence[str]) -> l
 def _line(cells: Sequence[object]) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="\r\n").writerow(
-        [cell.isoformat() if isinstance(cell, datetime) else cell for cell in cells]
+        [
+            cell.isoformat() if isinstance(cell, datetime) else visible(cell) if isinstance(cell, str) else cell
+            for cell in cells
+        ]
     )
     return text.getvalue()

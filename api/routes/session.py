@@ -22,7 +22,7 @@ router = APIRouter(prefix="/session", tags=["session"])
 CHALLENGE = 'Bearer realm="geoswarm"'
 
 
-@router.post("", status_code=201, responses=problems_of(422))
+@router.post("", status_code=201, responses=problems_of(408, 413, 422))
 async def sign_in(given: Annotated[SignIn, Body()], request: Request, response: Response) -> Session:
     """Begin a session: the answer sets an http-only cookie that stands for the key for twelve hours.
 
@@ -32,7 +32,7 @@ async def sign_in(given: Annotated[SignIn, Body()], request: Request, response: 
     if not await authenticator.asks():
         return _session(Identity(LOCAL), key_needed=False)
     key = given.key.get_secret_value().encode()
-    principal = await authenticator.holder(key, request.client.host if request.client else "", CHALLENGE)
+    principal = await authenticator.sign_in(key, request.client.host if request.client else "", CHALLENGE)
     token = await anyio.to_thread.run_sync(authenticator.sessions.open, key, principal)
     response.set_cookie(
         SESSION_COOKIE,

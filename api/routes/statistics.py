@@ -52,7 +52,7 @@ def statistics(job_id: JobId, service: Service, view: WantedView) -> StatisticsA
     return StatisticsAnswer.model_validate(jsonable(found.to_json()))
 
 
-@router.post("/reweight", responses=problems_of(404, 409, 422))
+@router.post("/reweight", responses=problems_of(404, 408, 409, 413, 422))
 def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> ReweightAnswer:
     """Calculate the objectives that the stored responses have under other weights; changes nothing in the job.
 

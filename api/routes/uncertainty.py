@@ -34,7 +34,7 @@ CREATED: dict[int | str, dict[str, object]] = {
 }
 
 
-@router.post("/sensitivity", status_code=201, responses={**CREATED, **problems_of(404, 409, 422)})
+@router.post("/sensitivity", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
 def sensitivity(
     job_id: JobId,
     service: Service,
@@ -48,7 +48,7 @@ def sensitivity(
     return _created(request, response, submit_sensitivity(service, job_id, **options, idempotency_key=idempotency_key))
 
 
-@router.post("/profile", status_code=201, responses={**CREATED, **problems_of(404, 409, 422)})
+@router.post("/profile", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
 def profile(
     job_id: JobId,
     service: Service,
@@ -62,7 +62,7 @@ def profile(
     return _created(request, response, submit_profile(service, job_id, **options, idempotency_key=idempotency_key))
 
 
-@router.post("/global-sensitivity", status_code=201, responses={**CREATED, **problems_of(404, 409, 422)})
+@router.post("/global-sensitivity", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
 def global_sensitivity(
     job_id: JobId,
     service: Service,

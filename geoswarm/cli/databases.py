@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geoswarm.cli.failures import BadInputError
@@ -21,16 +20,15 @@ def existing_store(database: str | None) -> Store:
     BadInputError
         When there is no such file.
     """
-    from sqlalchemy.engine import make_url
-
     from geoswarm.workers.settings import Settings
     from geoswarm.workers.store import Store
+    from geoswarm.workers.store.file import missing_database
 
     settings = Settings.from_environment(database_url=database)
-    url = make_url(settings.database_url)
-    if url.get_backend_name() == "sqlite" and url.database and not Path(url.database).is_file():
+    missing = missing_database(settings)
+    if missing is not None:
         raise BadInputError(
-            f"there is no database {Path(url.database).absolute()}; name that of the service: --database "
+            f"there is no database {missing}; name that of the service: --database "
             "sqlite:///FILE, or GEOSWARM_DATABASE_URL"
         )
     return Store(settings)

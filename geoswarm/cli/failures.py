@@ -18,6 +18,8 @@ from dataclasses import dataclass
 
 import click
 
+from geoswarm.solver.words import visible
+
 __all__ = [
     "BAD_INPUT",
     "FAILED_RUN",
@@ -71,12 +73,12 @@ def report(error: BaseException, session: Session) -> int:
 
         click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
     if isinstance(error, click.ClickException):
-        click.echo(f"Error: {error.format_message()}", err=True)
+        click.echo(f"Error: {visible(error.format_message(), lines=True)}", err=True)
         return error.exit_code if isinstance(error, CommandError) else BAD_INPUT
     explained = explain(error, session.command)
     if explained is not None:
         message, code = explained
-        click.echo(f"Error: {message}", err=True)
+        click.echo(f"Error: {visible(message, lines=True)}", err=True)
         return code
     identifier = secrets.token_hex(4)
     click.echo(

@@ -56,7 +56,7 @@ def echo_json(data: Any) -> None:
 
 def note(message: str) -> None:
     """Write a remark to stderr."""
-    click.echo(message, err=True)
+    click.echo(words.visible(message, lines=True), err=True)
 
 
 def echo_table(
@@ -91,17 +91,17 @@ def echo_table(
     for index, column in enumerate(columns):
         table.add_column(column, justify="right" if index in right else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
+        table.add_row(*(Text(words.visible(cell, lines=True)) for cell in row))
     console.print(table)
 
 
 def echo_facts(title: str | None, facts: Mapping[str, str]) -> None:
     """Write names and values, one a line, values aligned."""
     if title is not None:
-        click.secho(title, bold=True)
+        click.secho(words.visible(title), bold=True)
     width = max((len(name) for name in facts), default=0)
     for name, value in facts.items():
-        click.echo(f"  {name:<{width}}  {value}")
+        click.echo(f"  {name:<{width}}  {words.visible(value, lines=True)}")
 
 
 def progress_console() -> Console:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import logging
+import os
+import sys
+import threading
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -15,6 +20,10 @@ if TYPE_CHECKING:
     from geoswarm.workers.settings import Settings
 
 __all__ = ["refuse_open_door", "serve_command", "sweep_command", "worker_command"]
+
+LAST_SECONDS = 1.0
+LONGEST_END_SECONDS = 15.0
+REQUEST_THREAD = "AnyIO worker"
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
@@ -146,7 +155,8 @@ def serve_command(
     listener = bind(host, port)  # before the engine: a port in use must not start workers
     try:
         with open_engine(settings) as engine:
-            refuse_open_door(host, api_key, settings)
+            if settings.broker_url:
+                refuse_open_door(host, api_key, settings)
             keys = KeyRing(engine.service.store).used()
             api_settings = api_settings.model_copy(update={"require_key": keys})
             engine_name = "remote workers" if settings.broker_url else f"{settings.workers} worker processes"
@@ -157,9 +167,36 @@ def serve_command(
                 heavy=True,
                 on_started=lambda url: note(f"geoswarm serves at {url} with {engine_name}; Ctrl-C stops it."),
             )
+            leave_at_last(settings.grace_seconds + LONGEST_END_SECONDS)
     finally:
         listener.close()
     note("Stopped.")
+    leave_busy_threads()
+
+
+def leave_at_last(seconds: float) -> None:
+    """End the process after a time [s] if its parts do not end by themselves; workers end with it."""
+
+    def leave() -> None:
+        note("Something did not end in time and was left.")
+        os._exit(1)
+
+    timer = threading.Timer(seconds, leave)
+    timer.daemon = True
+    timer.start()
+
+
+def leave_busy_threads() -> None:
+    """End the process when a request that nobody waits for any more still occupies a thread; else return."""
+    deadline = time.monotonic() + LAST_SECONDS
+    busy = [thread for thread in threading.enumerate() if thread.name.startswith(REQUEST_THREAD)]
+    for thread in busy:
+        thread.join(max(0.0, deadline - time.monotonic()))
+    if any(thread.is_alive() for thread in busy):  # the interpreter would wait for it
+        logging.shutdown()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0)
 
 
 def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None:
@@ -177,7 +214,9 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
     from geoswarm.workers.store import Store
 
     if api_key:
-        refuse_weak_key(api_key)
+        warning = refuse_weak_key(api_key, open_to_others=not is_loopback(host))
+        if warning is not None:
+            note(f"Warning: {warning}.")
         return
     if is_loopback(host) and not settings.broker_url:
         return

@@ -13,6 +13,7 @@ from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.output import duration, echo_json, echo_table, number
+from geoswarm.solver.words import visible
 
 if TYPE_CHECKING:
     from geoswarm.client import Attempt, Client, Evaluation, Job
@@ -43,7 +44,7 @@ def show_failures(reasons: Counter[str], failed: list[Evaluation]) -> None:
         click.secho(f"{place}: {evaluation.reason} after {duration(evaluation.seconds)}{tries}", bold=True)
         click.echo("  " + ", ".join(f"{name} = {number(value, 5)}" for name, value in evaluation.parameters.items()))
         if evaluation.message:
-            click.echo(f"  {evaluation.message}")
+            click.echo(f"  {visible(evaluation.message)}")
         _echo_log(evaluation.log)
     hidden = reasons.total() - len(failed)
     if hidden:
@@ -90,7 +91,7 @@ def show_attempts(tries: tuple[Attempt, ...]) -> None:
 def _echo_log(log: str | None) -> None:
     lines = (log or "").rstrip().splitlines()
     for line in lines[-LOG_LINES:]:
-        click.echo(f"  | {line}")
+        click.echo(f"  | {visible(line)}")
 
 
 @click.command("retry-failed")

@@ -17,6 +17,7 @@ from geoswarm.solver.report.laboratory import laboratory_values
 from geoswarm.solver.report.laboratory_table import laboratory_document
 from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.versions import versions
+from geoswarm.solver.words import visible
 
 __all__ = [
     "evaluation_header",
@@ -111,7 +112,8 @@ def evaluation_row(problem: Problem, generation: int, particle: int, e: Evaluati
     """Return one row of evaluations.csv."""
     state = "finished" if e.reason is None else "failed"
     misfits = [e.misfits.get(o.series) for o in problem.observations]
-    return [generation, particle, state, e.objective, *e.parameters.tolist(), *misfits, e.reason, e.message, e.seconds]
+    message = e.message and visible(e.message)
+    return [generation, particle, state, e.objective, *e.parameters.tolist(), *misfits, e.reason, message, e.seconds]
 
 
 def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -> None:

@@ -6,10 +6,11 @@ from typing import Any
 
 import pytest
 
-from geoswarm.api.routes.results import csv_header
+from geoswarm.api.routes.results import csv_header, csv_lines
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.engine import Engine
+from geoswarm.workers.views import EvaluationView
 from tests.api.conftest import API, App, line_problem, wait_for_end
 
 
@@ -190,3 +191,39 @@ def test_without_pyarrow_parquet_is_not_available(done: tuple[App, str], monkeyp
     monkeypatch.setattr("geoswarm.api.routes.results.parquet_available", lambda: False)
     answer = app.get(f"{path}/evaluations", params={"format": "parquet"})
     assert (answer.status_code, answer.json()["type"]) == (501, "urn:geoswarm:error:no-parquet")
+
+
+def test_control_characters_of_a_message_are_escaped_in_csv() -> None:
+    columns = ("generation", "particle", "state", "objective", "parameters", "misfits", "responses", "reason")
+    values = (0, 0, "failed", None, {"a": 1.0}, {}, None, "error", "a\x1b[31m\r\nb")
+    rest = dict.fromkeys(("attempts", "worker", "started_at", "finished_at", "seconds"))
+    view = EvaluationView(**dict(zip((*columns, "message"), values, strict=True)), **rest)  # type: ignore[arg-type]
+    text = "".join(csv_lines([view], ["a"], ["y"]))
+    assert rows_of("".join([",".join(csv_header(["a"], ["y"])), "\n", text]))[0]["message"] == "a\\x1b[31m\\r\\nb"
+
+
+def test_a_page_with_long_responses_is_shorter_and_the_cursor_goes_on(engine: Engine) -> None:
+    x = [i / 1e4 for i in range(15_000)]
+    problem = line_problem(
+        observations=[{"series": "y", "points": {"x": x, "y": [1 + 2 * v for v in x]}}],
+        stopping={"max_evaluations": 30},
+    )
+    app = App(engine.service)
+    job = app.post(f"{API}/jobs", json=problem).json()["id"]
+    assert wait_for_end(engine.service, job).state == "finished"
+    pages, cursor = [], None
+    while True:
+        more = {} if cursor is None else {"cursor": cursor}
+        answer = app.get(f"{API}/jobs/{job}/evaluations", params={"responses": True, "limit": 1000, **more})
+        assert len(answer.content) < 12_000_000
+        pages.append(answer.json()["items"])
+        cursor = answer.json()["next_cursor"]
+        if cursor is None:
+            break
+    assert [len(page) for page in pages] == [13, 13, 4]
+    places = [(item["generation"], item["particle"]) for page in pages for item in page]
+    assert places == [(g, p) for g in range(5) for p in range(6)]
+    assert all(len(item["responses"]["y"]["y"]) == 15_000 for page in pages for item in page)
+    assert len(app.get(f"{API}/jobs/{job}/evaluations?limit=1000").json()["items"]) == 30
+    stream = engine.service.iterate_evaluations(job, responses=True)
+    assert [(one.generation, one.particle) for one in stream] == places

@@ -104,10 +104,20 @@ def test_good_passwords_and_those_of_this_machine_are_accepted() -> None:
         "sqlite:///jobs.db",
     ):
         refuse_known_secrets(Settings(database_url=url))
-    refuse_weak_key("8f3b1d0e52a94c7788")
+    assert refuse_weak_key("8f3b1d0e52a94c7788" * 2) is None
     assert is_loopback("localhost")
     assert is_loopback("[::1]")
     assert not is_loopback("db.example")
+
+
+def test_a_short_key_is_for_this_machine_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    short = "8f3b1d0e52a94c7788"
+    with pytest.raises(SettingsError, match="GEOSWARM_API_KEY has 18 characters; at least 32 are accepted") as error:
+        refuse_weak_key(short)
+    assert short not in str(error.value)
+    assert "at least 32" in str(refuse_weak_key(short, open_to_others=False))
+    monkeypatch.setenv("GEOSWARM_ENVIRONMENT", "development")
+    assert refuse_weak_key(short) is None
 
 
 def test_a_service_with_a_known_secret_does_not_start(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from geoswarm.cli import output
-from geoswarm.solver.words import duration, ends, number, reasons_in_words, share, typeset
+from geoswarm.solver.words import duration, ends, number, reasons_in_words, share, typeset, visible
 
 
 @pytest.mark.parametrize(
@@ -65,3 +65,10 @@ def test_the_terminal_uses_the_same_words() -> None:
 def test_sentences_are_typeset() -> None:
     assert typeset("f <= 5.23e-08, raised from 1e-09: 95% of 3e2") == "f <= 5.23·10⁻⁸, raised from 10⁻⁹: 95\xa0% of 3e2"
     assert typeset("parameter_1e-5 stays") == "parameter_1e-5 stays"
+
+
+def test_control_characters_are_escaped() -> None:
+    assert visible("a\x1b[31m\r\n\tb\u202e\x85") == "a\\x1b[31m\\r\\n\\tb\\u202e\\x85"
+    assert visible("a\n\tb\x07", lines=True) == "a\n\tb\\x07"
+    assert visible(visible("a\x1b")) == visible("a\x1b")
+    assert visible("λ* = 0.12 °C · 日本") == "λ* = 0.12 °C · 日本"

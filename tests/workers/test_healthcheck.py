@@ -23,6 +23,7 @@ def test_a_worker_of_this_machine_must_be_alive(store: Store, settings: Settings
     assert what_is_wrong(settings, worker=True) is not None
 
 
+@pytest.mark.usefixtures("store")
 def test_a_broker_that_does_not_answer_is_told(settings: Settings, free_port: int) -> None:
     told = what_is_wrong(settings.model_copy(update={"broker_url": f"redis://127.0.0.1:{free_port}/0"}), worker=False)
     assert told is not None
@@ -31,6 +32,9 @@ def test_a_broker_that_does_not_answer_is_told(settings: Settings, free_port: in
 
 def test_the_exit_code_tells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GEOSWARM_DATABASE_URL", f"sqlite:///{tmp_path}/jobs.db")
+    assert main([]) == 1
+    assert not (tmp_path / "jobs.db").exists()  # looking makes no database
+    Store(Settings.from_environment()).close()
     assert main([]) == 0
     assert main(["--worker"]) == 1
     monkeypatch.setenv("GEOSWARM_DATABASE_URL", "sqlite:////nowhere/at/all.db")
@@ -38,6 +42,7 @@ def test_the_exit_code_tells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_it_runs_as_a_program(tmp_path: Path) -> None:
+    Store(Settings(database_url=f"sqlite:///{tmp_path}/jobs.db")).close()
     done = subprocess.run(
         [sys.executable, "-m", "geoswarm.workers.healthcheck", "--worker"],
         env={"GEOSWARM_DATABASE_URL": f"sqlite:///{tmp_path}/jobs.db", "PATH": "/usr/bin:/bin"},

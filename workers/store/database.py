@@ -14,6 +14,7 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.settings import Settings, mask_url
 from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.file import DatabaseFile, FileIdentity, database_path
 from geoswarm.workers.store.migrate import upgrade
 
 __all__ = ["Record", "Store"]
@@ -32,14 +33,24 @@ RETRY_STATES = ("40001", "40P01")
 class Store:
     """The database of jobs. Safe to share between threads, never between processes: open one after a fork.
 
+    Parameters
+    ----------
+    file
+        What the file of an SQLite database must be; it is not made then. None: what is there, or a new one.
+
     Raises
     ------
     StoreUnavailableError
         When the database cannot be reached, or is not one of this program, within ``connect_seconds``.
     """
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, file: FileIdentity | None = None) -> None:
         self.url = settings.database_url
+        path = database_path(settings)
+        self._file = None if path is None else DatabaseFile(path, file)
+        if self._file is not None:
+            self._file.check()
+            self._file.make()
         self.engine = _create_engine(settings)
         # PostgreSQL gives each statement its own view anyway (read committed): reading needs no transaction around it.
         alone = self.engine.dialect.name == "postgresql"
@@ -52,6 +63,20 @@ class Store:
         except StoreUnavailableError:
             self.engine.dispose()
             raise
+        if self._file is not None:
+            self._file.remember()
+
+    @property
+    def file(self) -> FileIdentity | None:
+        """What the file of an SQLite database is, for other processes that are to open the same; None: no file."""
+        return None if self._file is None else self._file.identity
+
+    def free_bytes(self) -> int | None:
+        """Return how much the disk of an SQLite file still takes [bytes]; None for other databases."""
+        try:
+            return None if self._file is None else self._file.free_bytes()
+        except OSError:  # the folder has gone; whoever reads or writes is told
+            return None
 
     def read(self, function: Callable[[Connection], Result]) -> Result:
         """Run a function that only reads; once more when the connection turns out to be dead.
@@ -91,6 +116,8 @@ class Store:
 
     def _run(self, function: Callable[[Connection], Result], *, write: bool) -> Result:
         for attempt in range(RETRIES + 1):
+            if self._file is not None:
+                self._file.check()
             try:
                 with (self.engine if write else self._reader).connect() as connection:
                     connection.execution_options(write=write)

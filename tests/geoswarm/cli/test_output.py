@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 
 import pytest
 
-from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number, reasons_in_words
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
+from geoswarm.cli.why import show_failures
+from geoswarm.client import Evaluation
 
 
 @pytest.mark.parametrize(
@@ -69,3 +72,16 @@ def test_stop_reasons_in_words() -> None:
         "objective at or below the target, maximum time reached"
     )
     assert reasons_in_words([]) == "-"
+
+
+def test_what_others_wrote_cannot_steer_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    echo_facts("run\x1b[2J", {"message": "\x1b[31mred\x07"})
+    echo_table("t", ("a",), [("\x1b[31mred",)])
+    note("\x1b]0;title\x07")
+    why = ("error", "first\nsecond\x1b[2J", 1, None, None, None, 0.1, "out\x1b[31m\nnext")
+    show_failures(Counter(error=1), [Evaluation(0, 0, "failed", {"a": 1.0}, None, {}, None, *why)])
+    captured = capsys.readouterr()
+    assert "\x1b" not in captured.out + captured.err
+    assert "\x07" not in captured.out + captured.err
+    assert "first\\nsecond\\x1b[2J" in captured.out
+    assert "  | out\\x1b[31m\n  | next" in captured.out

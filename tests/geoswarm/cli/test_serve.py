@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import httpx
 import pytest
 
 from geoswarm.cli import main
@@ -35,6 +38,57 @@ def test_other_machines_need_a_key(host: str, capsys: pytest.CaptureFixture[str]
 def test_short_key_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["serve", "--port", "0", "--api-key", "short"]) == 2
     assert "at least 8" in capsys.readouterr().err
+
+
+def test_other_machines_need_a_long_key(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["serve", "--host", "0.0.0.0", "--port", "0", "--api-key", "8f3b1d0e52a94c7788"]) == 2
+    error = capsys.readouterr().err
+    assert "GEOSWARM_API_KEY has 18 characters; at least 32 are accepted" in error
+    assert "8f3b1d0e52a94c7788" not in error
+
+
+BUSY = """
+import sys, threading, time
+from geoswarm.workers.service import JobService
+
+def list_jobs(self, *_, **__):  # as a request that takes for ever
+    print("busy", flush=True)
+    while True:
+        sum(range(1000))
+
+JobService.list = list_jobs
+from geoswarm.cli import main
+sys.exit(main(["serve", "--port", "0", "--workers", "1", "--api-key", "8f3b1d0e52a94c7788"]))
+"""
+
+
+def test_sigterm_ends_a_service_with_a_busy_thread() -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", BUSY],
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stderr is not None
+        assert process.stdout is not None
+        assert "at least 32 are accepted" in process.stderr.readline()
+        url = re.search(r"http://\S+", process.stderr.readline())
+        assert url is not None
+        with ThreadPoolExecutor() as pool:
+            headers = {"X-API-Key": "8f3b1d0e52a94c7788"}
+            asked = pool.submit(httpx.get, f"{url[0]}/api/v1/jobs", headers=headers, timeout=120)
+            assert process.stdout.readline() == "busy\n"
+            process.terminate()
+            _, errors = process.communicate(timeout=60)
+            assert asked.exception() is not None or asked.result().status_code >= 500
+        assert process.returncode == 0
+        assert "Stopped." in errors
+        assert "Traceback" not in errors
+    finally:
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.parametrize("command", ["serve", "sweep"])

@@ -1,0 +1,86 @@
+"""The file of an SQLite database: readable by its owner only, and the same as long as it is open."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+from pathlib import Path
+from typing import TypeAlias
+
+from sqlalchemy.engine import make_url
+
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.settings import Settings
+
+__all__ = ["DatabaseFile", "FileIdentity", "database_path", "missing_database"]
+
+FileIdentity: TypeAlias = tuple[int, int]
+"""Device and inode: what a path leads to."""
+
+
+def database_path(settings: Settings) -> Path | None:
+    """Return the file of an SQLite database, absolute; None for other databases."""
+    url = make_url(settings.database_url)
+    if url.get_backend_name() != "sqlite" or not url.database:
+        return None
+    return Path(url.database).expanduser().absolute()
+
+
+def missing_database(settings: Settings) -> Path | None:
+    """Return the file that an SQLite database would have, when it is not there; None when all is well."""
+    path = database_path(settings)
+    return None if path is None or path.is_file() else path
+
+
+class DatabaseFile:
+    """An SQLite file that is open.
+
+    Parameters
+    ----------
+    identity
+        What it must be; None: what it is at :meth:`remember`.
+    """
+
+    def __init__(self, path: Path, identity: FileIdentity | None = None) -> None:
+        self.path = path
+        self.identity = identity
+
+    def make(self) -> None:
+        """Make the file for this user only, where there is none; SQLite gives its journals the same mode."""
+        with contextlib.suppress(OSError):  # it is there, or SQLite tells why it cannot be made
+            os.close(os.open(self.path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
+
+    def remember(self) -> None:
+        """Take the file that is there now for the right one, unless it is known already."""
+        if self.identity is None:
+            self.identity = _identity(self.path)
+
+    def check(self) -> None:
+        """Make sure that the path still leads to the same file; costs a microsecond or two.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        if self.identity is None:
+            return
+        now = _identity(self.path)
+        if now != self.identity:
+            what = "removed" if now is None else "replaced"
+            raise StoreUnavailableError(
+                f"database file {self.path} was {what} while it was in use; nothing is read or written any more."
+                " Stop the service, put the right file in its place, and start again"
+            )
+
+    def free_bytes(self) -> int:
+        """Return how much the disk still takes [bytes]."""
+        return shutil.disk_usage(self.path.parent).free
+
+
+def _identity(path: Path) -> FileIdentity | None:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
