@@ -7,7 +7,6 @@ import fcntl
 import json
 import logging
 import os
-import select
 import struct
 import subprocess
 import sys
@@ -23,6 +22,7 @@ from geoswarm.workers.identity import Identity
 from geoswarm.workers.runner.environment import without_secrets
 from geoswarm.workers.runner.nurse_link import ONE_THREAD
 from geoswarm.workers.runner.output import anonymous_file
+from geoswarm.workers.runner.wire import readable
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.evaluations import overdue
 from geoswarm.workers.store.workers import forget_worker
@@ -67,8 +67,7 @@ class PipeDoorbell:
 
     def wait(self, seconds: float) -> bool:
         """Wait for a ring; False when there was none in time [s]."""
-        ready, _, _ = select.select([self.read_end], [], [], seconds)
-        if not ready:
+        if not readable(self.read_end, seconds):
             return False
         try:
             return bool(os.read(self.read_end, 1))

@@ -7,7 +7,6 @@ import errno
 import json
 import logging
 import os
-import select
 import signal
 import socket
 import subprocess
@@ -22,6 +21,7 @@ from geoswarm.workers.runner.nurse import BOOTSTRAP, FORK, KILL, LOAD, STATUS
 from geoswarm.workers.runner.output import anonymous_file
 from geoswarm.workers.runner.process import EvaluationProcess
 from geoswarm.workers.runner.processes import kill_session, memory_below
+from geoswarm.workers.runner.wire import readable
 
 __all__ = ["ONE_THREAD", "NurseLink"]
 
@@ -95,7 +95,7 @@ class NurseLink:
             control, process = self._started()
             control.sendall(LOAD[group])
             deadline = time.monotonic() + COMPILE_SECONDS
-            while not _readable(control, POLL_SECONDS):
+            while not readable(control, POLL_SECONDS):
                 if unwanted():
                     process.kill()  # her answer must not be taken for another one
                     return
@@ -187,7 +187,7 @@ class NurseLink:
         """Return her number, whether it is known, and the descriptor that came with it."""
         control, _ = self._started()
         deadline = time.monotonic() + (ANSWER_SECONDS if self._ready else READY_SECONDS)
-        while not _readable(control, WAKE_SECONDS):
+        while not readable(control, WAKE_SECONDS):
             self._wake()
             if time.monotonic() > deadline:
                 raise TimeoutError(errno.ETIMEDOUT, "the nurse does not answer")
@@ -217,9 +217,3 @@ class NurseLink:
         if self._control is not None:
             self._control.close()
             self._control = None
-
-
-def _readable(control: socket.socket, seconds: float) -> bool:
-    poll = select.poll()
-    poll.register(control, select.POLLIN)
-    return bool(poll.poll(1000.0 * seconds))

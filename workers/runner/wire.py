@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import select
 import socket
 import struct
 from collections.abc import Mapping, Sequence
@@ -23,6 +24,7 @@ __all__ = [
     "GarbledError",
     "Outcome",
     "pack_outcomes",
+    "readable",
     "receive",
     "send",
     "unpack_outcomes",
@@ -113,6 +115,13 @@ class FrameReader:
         frame = Frame(nonce, index, pid, values, bytes(found[start:end]))
         del found[:end]
         return frame
+
+
+def readable(source: socket.socket | int, seconds: float) -> bool:
+    """Whether something is to be read, or has ended, within a time [s]; for descriptors of any number."""
+    poll = select.poll()
+    poll.register(source, select.POLLIN)
+    return bool(poll.poll(1000.0 * seconds))
 
 
 def send(connection: socket.socket, frame: Frame) -> None:
