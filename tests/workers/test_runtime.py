@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import threading
 import time
 
 import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
-from sqlalchemy import Connection, select, update
+from sqlalchemy import select, update
 
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.coordinator.session import _typical
 from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.errand import Errand
-from geoswarm.workers.identity import Identity
 from geoswarm.workers.runner.evaluator import InlineEvaluator
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.jobs import lock_job
 from geoswarm.workers.store.tables import attempts, evaluations, jobs
-from geoswarm.workers.store.workers import register_worker
 from tests.workers.conftest import MakeWorker
 from tests.workers.hand import PROBLEM, Hand, finish, runtime_for
 from tests.workers.problems import calibration, expected_history, line, recorded_history
@@ -181,64 +176,6 @@ def test_leases_end_by_the_database_clock_unless_renewed(store: Store, settings:
     time.sleep(0.3)
     assert runtime.expire(job_id, 0, []) == 1
     assert runtime.expire(job_id, 0, []) == 0
-
-
-def test_a_lease_that_ends_while_its_worker_is_heard_of_is_no_try(
-    store: Store, settings: Settings, service: JobService, job_id: str
-) -> None:
-    runtime = runtime_for(store, settings, lease_seconds=60.0)
-    hand = Hand(runtime, job_id, "w1")
-    hand.take()
-    assert hand.claim is not None
-    store.write(lambda c: register_worker(c, Identity("w1", "elsewhere", 1, "another machine", "celery")))
-
-    def late(seconds: float) -> None:
-        store.write(
-            lambda c: c.execute(
-                update(evaluations)
-                .where(evaluations.c.worker == "w1")
-                .values(lease_expires_at=evaluations.c.started_at - seconds)
-            )
-        )
-
-    late(1.0)
-    assert runtime.expire(job_id, 0, []) == 0  # its word is on its way
-    late(100.0)
-    assert runtime.expire(job_id, 0, []) == 1  # others may have it
-    first = service.evaluations(job_id).items[0]
-    assert (first.state, first.attempts) == ("pending", 0)
-    assert lost_tries(store) == []
-    hand.hand_in()  # and it comes all the same
-    first = service.evaluations(job_id).items[0]
-    assert (first.state, first.worker) == ("finished", "w1")
-
-
-def test_a_lease_is_renewed_while_the_row_of_the_job_is_locked(store: Store, settings: Settings, job_id: str) -> None:
-    if store.url.startswith("sqlite"):
-        pytest.skip("one transaction at a time writes to SQLite")
-    runtime = runtime_for(store, settings, lease_seconds=10.0)
-    hand = Hand(runtime, job_id, "w1")
-    hand.take()
-    assert hand.claim is not None
-
-    def renew_meanwhile(connection: Connection) -> None:
-        lock_job(connection, job_id)
-        assert hand.claim is not None
-        renewing = threading.Thread(target=runtime.renew, args=(hand.claim, "w1"), daemon=True)
-        renewing.start()
-        renewing.join(20.0)
-        assert not renewing.is_alive()
-
-    store.write(renew_meanwhile)
-
-
-def test_failures_that_take_long_count_in_what_an_evaluation_costs() -> None:
-    quick = [{"seconds": 0.001, "reason": None}] * 14
-    slow = [{"seconds": 30.0, "reason": "timeout"}] * 2
-    assert _typical(quick, None) == 0.001
-    assert _typical([*quick, *slow], None) == pytest.approx(3.75, rel=1e-2)
-    assert _typical(slow, 0.5) == 0.5
-    assert _typical([*quick, {"seconds": 0.0, "reason": "infeasible"}], None) == 0.001
 
 
 def test_pause_keeps_results_and_resume_goes_on_with_the_same_bits(

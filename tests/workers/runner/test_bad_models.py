@@ -144,7 +144,6 @@ def test_forward_models_see_no_secret(
         runner.close()
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent has ended")
 def test_a_stopped_nurse_ends_with_its_worker(tmp_path: Path) -> None:
     code = (
         "import os, signal, sys, time\n"

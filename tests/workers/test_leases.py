@@ -1,0 +1,81 @@
+"""Leases of a slow database, and what an evaluation costs."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from sqlalchemy import Connection, select, update
+
+from geoswarm.workers.coordinator.session import _typical
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.jobs import lock_job
+from geoswarm.workers.store.tables import attempts, evaluations
+from geoswarm.workers.store.workers import register_worker
+from tests.workers.hand import PROBLEM, Hand, runtime_for
+
+
+@pytest.fixture
+def job_id(service: JobService) -> str:
+    return service.submit(PROBLEM)[0].id
+
+
+def test_a_lease_that_ends_while_its_worker_is_heard_of_is_no_try(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    runtime = runtime_for(store, settings, lease_seconds=60.0)
+    hand = Hand(runtime, job_id, "w1")
+    hand.take()
+    assert hand.claim is not None
+    store.write(lambda c: register_worker(c, Identity("w1", "elsewhere", 1, "another machine", "celery")))
+
+    def late(seconds: float) -> None:
+        store.write(
+            lambda c: c.execute(
+                update(evaluations)
+                .where(evaluations.c.worker == "w1")
+                .values(lease_expires_at=evaluations.c.started_at - seconds)
+            )
+        )
+
+    late(1.0)
+    assert runtime.expire(job_id, 0, []) == 0  # its word is on its way
+    late(100.0)
+    assert runtime.expire(job_id, 0, []) == 1  # others may have it
+    first = service.evaluations(job_id).items[0]
+    assert (first.state, first.attempts) == ("pending", 0)
+    assert store.read(lambda c: c.execute(select(attempts)).all()) == []
+    hand.hand_in()  # and it comes all the same
+    first = service.evaluations(job_id).items[0]
+    assert (first.state, first.worker) == ("finished", "w1")
+
+
+# With SQLite one transaction writes at a time: the lease waits, and ends all others that do.
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_a_lease_is_renewed_while_the_row_of_the_job_is_locked(store: Store, settings: Settings, job_id: str) -> None:
+    runtime = runtime_for(store, settings, lease_seconds=10.0)
+    hand = Hand(runtime, job_id, "w1")
+    hand.take()
+    assert hand.claim is not None
+
+    def renew_meanwhile(connection: Connection) -> None:
+        lock_job(connection, job_id)
+        assert hand.claim is not None
+        renewing = threading.Thread(target=runtime.renew, args=(hand.claim, "w1"), daemon=True)
+        renewing.start()
+        renewing.join(20.0)
+        assert not renewing.is_alive()
+
+    store.write(renew_meanwhile)
+
+
+def test_failures_that_take_long_count_in_what_an_evaluation_costs() -> None:
+    quick = [{"seconds": 0.001, "reason": None}] * 14
+    slow = [{"seconds": 30.0, "reason": "timeout"}] * 2
+    assert _typical(quick, None) == 0.001
+    assert _typical([*quick, *slow], None) == pytest.approx(3.75, rel=1e-2)
+    assert _typical(slow, 0.5) == 0.5
+    assert _typical([*quick, {"seconds": 0.0, "reason": "infeasible"}], None) == 0.001
