@@ -55,16 +55,32 @@ def read_evaluations(connection: Connection, job_id: str, numbers: Collection[in
     if numbers is not None:
         wanted = sorted(numbers)
         for start in range(0, len(wanted), ROWS_AT_ONCE):
-            yield from _pages(connection, job_id, wanted[start : start + ROWS_AT_ONCE])
+            yield from _chosen(connection, job_id, wanted[start : start + ROWS_AT_ONCE])
     else:
-        yield from _pages(connection, job_id, None)
+        yield from _all(connection, job_id)
 
 
-def _pages(connection: Connection, job_id: str, numbers: Sequence[int] | None) -> Iterator[Record]:
+def _chosen(connection: Connection, job_id: str, numbers: Sequence[int]) -> Iterator[Record]:
+    """Give generations, a page at a time.
+
+    A list of generations together with a comparison of rows made PostgreSQL read all evaluations for each page.
+    """
+    key = (evaluations.c.generation, evaluations.c.particle)
+    statement = select(evaluations).where(evaluations.c.job_id == job_id).order_by(*key)
+    left = list(numbers)
+    while left:
+        page = connection.execute(statement.where(key[0].in_(left)).limit(ROWS_AT_ONCE)).all()
+        yield from page
+        if len(page) < ROWS_AT_ONCE:
+            return
+        last = page[-1]
+        yield from connection.execute(statement.where(key[0] == last.generation, key[1] > last.particle)).all()
+        left = [number for number in left if number > last.generation]
+
+
+def _all(connection: Connection, job_id: str) -> Iterator[Record]:
     key = (evaluations.c.generation, evaluations.c.particle)
     statement = select(evaluations).where(evaluations.c.job_id == job_id).order_by(*key).limit(ROWS_AT_ONCE)
-    if numbers is not None:
-        statement = statement.where(evaluations.c.generation.in_(numbers))
     after = (-1, -1)
     while True:
         page = connection.execute(statement.where(tuple_(*key) > after)).all()
