@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import anyio.to_thread
 from fastapi import Depends, Request
+from starlette.requests import ClientDisconnect
 
 from geoswarm.api.errors import DetailError
 from geoswarm.solver.errors import ProblemError
@@ -48,7 +49,10 @@ async def _problem_document(given: Annotated[tuple[str, Form], Depends(_problem_
 
 
 async def _file_content(request: Request) -> bytes:
-    return await request.body()  # limited and complete: see geoswarm.api.intake
+    try:
+        return await request.body()  # limited and complete: see geoswarm.api.intake
+    except ClientDisconnect:  # nobody hears it, but it is no fault of the service
+        raise DetailError(400, "The connection was closed before the request had arrived.") from None
 
 
 ProblemDocument = Annotated[dict[str, Any], Depends(_problem_document)]

@@ -155,7 +155,7 @@ def test_the_rest_of_an_answered_body_must_come_soon(service: JobService, monkey
 
 def test_who_does_not_read_an_answer_is_left(service: JobService, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(geoswarm.api.connections, "STALL_SECONDS", 0.5)
-    x = [i / 7 for i in range(500_000)]
+    x = [i / 7 for i in range(190_000)]
     long = line_problem(observations=[{"series": "y", "points": {"x": x, "y": x}}])
     with live_server(service) as server:
         job = httpx.post(f"{server.url}{API}/jobs", json=long, timeout=120).json()["id"]

@@ -76,7 +76,7 @@ def test_a_broker_or_other_machines_need_a_key_in_the_database(url: str) -> None
     for host, settings in (("127.0.0.1", remote), ("0.0.0.0", embedded), ("db.example", embedded)):
         with pytest.raises(BadInputError, match="geoswarm keys create"):
             refuse_open_door(host, None, settings)
-        refuse_open_door(host, "8f3b1d0e52a94c7788", settings)
+        refuse_open_door(host, "8f3b1d0e52a94c77888f3b1d0e52a94c7788", settings)
     store = Store(embedded)
     KeyRing(store).create("anna", "admin")
     store.close()
