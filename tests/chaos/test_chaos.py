@@ -63,7 +63,7 @@ def test_a_short_chaos_changes_nothing(
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(LONG_SECONDS + 900)
+@pytest.mark.timeout(LONG_SECONDS + 3600)  # what is left to do takes long on a busy machine
 def test_a_long_chaos_changes_nothing(
     fresh_postgres_url: str, redis_server: RedisServer, postgres_server: PostgresServer, tmp_path: Path
 ) -> None:
