@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
@@ -15,8 +15,6 @@ from geoswarm.api.errors import ProblemDetail, install_error_handlers
 from geoswarm.api.feed import EventFeed
 from geoswarm.api.gate import SIGN_IN, Gate
 from geoswarm.api.heavy.middleware import HeavyWork
-from geoswarm.api.heavy.pool import HeavyPool
-from geoswarm.api.heavy.program import Trusting
 from geoswarm.api.intake import Intake
 from geoswarm.api.limits import Shares
 from geoswarm.api.observe import Observer, RequestMetrics
@@ -26,6 +24,9 @@ from geoswarm.api.routes import API_PREFIX, api_router, health_router, metrics_r
 from geoswarm.api.settings import ApiSettings
 from geoswarm.solver.problem import problem_schema
 from geoswarm.workers.service import JobService
+
+if TYPE_CHECKING:
+    from geoswarm.api.heavy.pool import HeavyPool
 
 __all__ = ["create_app"]
 
@@ -41,7 +42,7 @@ def create_app(
     settings: ApiSettings | None = None,
     *,
     pool: HeavyPool | None = None,
-    inner: type[Trusting] | None = None,
+    door: bool = True,
 ) -> FastAPI:
     """Build the application on a service that the caller opens and closes.
 
@@ -53,8 +54,8 @@ def create_app(
         API key and limits; the defaults answer only to loopback names.
     pool
         Processes for requests that calculate; None: they are worked on here.
-    inner
-        The door of an application inside such a process, in place of that to the world.
+    door
+        Judge who asks, how often and how much; False inside such a process, where the service has done so.
     """
     settings = settings or ApiSettings()
     app = FastAPI(
@@ -85,12 +86,10 @@ def create_app(
     app.state.requests = RequestMetrics()
     if pool is not None:
         app.add_middleware(HeavyWork, pool=pool, settings=settings)
-    if inner is None:
+    if door:
         app.add_middleware(Intake, settings=settings)  # inside the gate, which tells whose bytes they are
         app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)
         app.add_middleware(Observer, metrics=app.state.requests)
-    else:
-        app.add_middleware(inner)
     install_error_handlers(app, pages=error_page)
     app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]  # the framework's own way to extend the document
     return app

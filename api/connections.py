@@ -75,7 +75,8 @@ class Connections:
         self.most = most
         self.head_seconds = head_seconds
         self._live: set[Connection] = set()
-        self._coming: set[asyncio.Task[Any]] = set()
+        self._coming: set[asyncio.Protocol] = set()
+        self._tasks: set[asyncio.Task[None]] = set()
         self._accepting: list[tuple[socket.socket, Callable[[], asyncio.Protocol]]] = []
         self._listening = False
         self._paused = False
@@ -103,7 +104,8 @@ class Connections:
             self._look.cancel()
 
     def add(self, connection: Connection) -> None:
-        """Count a connection."""
+        """Count a connection that has come."""
+        self._coming.discard(connection)
         self._live.add(connection)
 
     def discard(self, connection: Connection) -> None:
@@ -129,8 +131,11 @@ class Connections:
                 asyncio.get_running_loop().remove_reader(listener.fileno())
 
     def _accept(self, listener: socket.socket, make: Callable[[], asyncio.Protocol]) -> None:
-        for _ in range(ACCEPTED_AT_ONCE):
-            if self.open >= self.most and not self._make_room():
+        for number in range(ACCEPTED_AT_ONCE):
+            full = self.open >= self.most
+            if full and number:  # who comes first is there for sure; room is made for nobody else
+                return
+            if full and not self._make_room():
                 if self._coming:  # they have no phase yet
                     return
                 self._rest()  # until a request is answered
@@ -150,9 +155,18 @@ class Connections:
                 return
             self._pause = FIRST_PAUSE
             accepted.setblocking(False)
-            task = asyncio.get_running_loop().create_task(_connect(accepted, make))
-            self._coming.add(task)
-            task.add_done_callback(self._coming.discard)
+            protocol = make()
+            self._coming.add(protocol)
+            task = asyncio.get_running_loop().create_task(self._connect(accepted, protocol))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def _connect(self, accepted: socket.socket, protocol: asyncio.Protocol) -> None:
+        try:
+            await asyncio.get_running_loop().connect_accepted_socket(lambda: protocol, accepted)
+        except OSError:  # gone already
+            self._coming.discard(protocol)
+            accepted.close()
 
     def _resume(self) -> None:
         self._paused = False
@@ -183,13 +197,6 @@ class Connections:
         if now - self._told_at >= TELL_SECONDS:
             self._told_at = now
             log.warning(message, *values)
-
-
-async def _connect(accepted: socket.socket, make: Callable[[], asyncio.Protocol]) -> None:
-    try:
-        await asyncio.get_running_loop().connect_accepted_socket(make, accepted)
-    except OSError:  # gone already
-        accepted.close()
 
 
 class Config(uvicorn.Config):

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import ForwardError, in_words
+from geoswarm.solver.errors import ForwardError, in_words, message_of
 from geoswarm.solver.follow_up import DESIGN_COMPLETED, FollowUp
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.offer import Offer
@@ -240,7 +240,7 @@ class Calibration:
             responses = self.objective.responses(found)
             misfits = self.objective.misfits(responses)
         except ForwardError as error:
-            reason, message = error.reason, in_words(error).removeprefix(f"{type(error).__name__}: ")
+            reason, message = error.reason, message_of(error)
         except MemoryError:
             reason, message = "killed_memory", "the forward model ran out of memory"
         except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation

@@ -41,6 +41,7 @@ __all__ = [
     "SolverError",
     "WorkerLostError",
     "in_words",
+    "message_of",
 ]
 
 FailureReason: TypeAlias = Literal[
@@ -53,14 +54,18 @@ class SolverError(Exception):
     """Base of all errors that the solver raises on purpose."""
 
 
-def in_words(error: BaseException) -> str:
-    """Return the name and message of an error, also of one that cannot be printed."""
-    name = type(error).__name__
+def message_of(error: BaseException) -> str:
+    """Return the message of an error, also of one that cannot be printed."""
     try:
-        message = str(error)
+        return str(error)
     except Exception:  # noqa: BLE001  a forward model's own class
-        return f"{name} (its message cannot be printed)"
-    return f"{name}: {message}" if message else name
+        return "(its message cannot be printed)"
+
+
+def in_words(error: BaseException) -> str:
+    """Return the name and message of an error."""
+    message = message_of(error)
+    return f"{type(error).__name__}: {message}" if message else type(error).__name__
 
 
 @dataclass(frozen=True, slots=True)

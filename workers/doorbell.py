@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-__all__ = ["Doorbell", "MuteDoorbell"]
+if TYPE_CHECKING:
+    from geoswarm.workers.settings import Settings
+
+__all__ = ["Doorbell", "MuteDoorbell", "remote_doorbell"]
 
 
 class Doorbell(Protocol):
@@ -32,3 +35,12 @@ class MuteDoorbell:
 
     def close(self) -> None:
         """Do nothing."""
+
+
+def remote_doorbell(settings: Settings) -> Doorbell:
+    """Return the doorbell of a process that runs no workers: that of the broker, or a mute one without a broker."""
+    if settings.broker_url is None:
+        return MuteDoorbell()
+    from geoswarm.workers.celery_app import CeleryDoorbell
+
+    return CeleryDoorbell(settings)

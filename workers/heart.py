@@ -34,8 +34,8 @@ class Heart:
         self._claim: Claim | None = None
         self._claimed = 0.0
         self._unwanted: tuple[Claim, float] | None = None
-        self.delay = 0.0
-        """How long the last heartbeat took to reach the database [s]."""
+        self.late = False
+        """The last heartbeat took longer to reach the database than the time until the next one."""
         self._thread = threading.Thread(target=self._beat, name="geoswarm-heartbeat", daemon=True)
 
     def start(self) -> None:
@@ -83,7 +83,7 @@ class Heart:
                 if due:
                     beaten = now
                     self._see()
-                    self.delay = time.monotonic() - now
+                    self.late = time.monotonic() - now > self.settings.heartbeat_seconds
                     tally.flush(self.store)
                 # The exchange that gave the claim was a look, too.
                 look = now - self._claimed >= half and now - looked >= 1.9 * half

@@ -11,7 +11,7 @@ from types import FrameType
 from sqlalchemy import Connection
 
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.doorbell import Doorbell, remote_doorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import is_dead
 from geoswarm.workers.settings import Settings
@@ -142,11 +142,8 @@ def run_sweep(settings: Settings) -> None:
     StoreUnavailableError
         When the database cannot be reached at the start.
     """
-    from geoswarm.workers.celery_app import CeleryDoorbell
-    from geoswarm.workers.doorbell import MuteDoorbell
-
     store = Store(settings)
-    doorbell: Doorbell = CeleryDoorbell(settings) if settings.broker_url else MuteDoorbell()
+    doorbell = remote_doorbell(settings)
     sweeper = Sweeper(Runtime(store, settings), doorbell)
     with_signals(sweeper._stop.set)
     try:

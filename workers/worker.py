@@ -149,6 +149,9 @@ class Worker:
         return make_ready(self._evaluator, calibration.problem, unwanted=self.stopping.is_set, tell=tell)
 
     def _work(self, job_id: str, calibration: Calibration) -> None:
+        if self.heart.late:
+            # The database is too slow for all that ask: fewer claims, so that leases are renewed in time.
+            self.stopping.wait(self.settings.lease_seconds / 4)
         turn = _Turn(self, job_id)
         self._count_live()
         answer = self._exchange(job_id, calibration, HandIn(), turn)
@@ -221,9 +224,6 @@ class Worker:
     ) -> Exchange:
         """Exchange with the runtime once."""
         want = want and turn.goes_on()
-        if want and self.heart.delay > self.settings.heartbeat_seconds:
-            # The database is too slow for all that are asking: fewer claims, so that leases are renewed in time.
-            self.stopping.wait(min(self.heart.delay, self.settings.lease_seconds / 4))
         answer = self.runtime.exchange(
             job_id,
             self.identity.id,
@@ -305,7 +305,7 @@ class _Turn:
 
     def goes_on(self) -> bool:
         """Whether the worker takes another claim of this job."""
-        if self._ended or self._worker.stopping.is_set():
+        if self._ended or self._worker.stopping.is_set() or (self._worker.heart.late and not self.begins):
             return False
         if time.monotonic() >= self.until and self._worker.next_job() in (None, self._job_id):
             self.until = time.monotonic() + self._worker.settings.slice_seconds

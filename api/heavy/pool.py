@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from typing import Any
 
@@ -87,7 +86,6 @@ class HeavyPool:
     async def discard(self, process: HeavyProcess) -> None:
         """End a process that will not be asked again."""
         self._all.discard(process)
-        await asyncio.to_thread(process.kill)
         await process.close()
 
     async def close(self) -> None:

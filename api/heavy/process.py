@@ -36,7 +36,13 @@ BOOTSTRAP = (
 )
 START_SECONDS = 120.0
 WATCH_SECONDS = 0.1
-GONE = frozenset({"connection", "content-length", "transfer-encoding", "authorization", "cookie", "x-api-key"})
+GONE = frozenset(
+    name.encode()
+    for name in (
+        *("connection", "content-length", "transfer-encoding"),
+        *("authorization", "cookie", "x-api-key", PRINCIPAL_HEADER),
+    )
+)
 """Headers that are not passed on: who asks has been found out, and the connection is another."""
 
 
@@ -109,8 +115,7 @@ class HeavyProcess:
         query = scope.get("query_string", b"")
         path = scope.get("raw_path") or scope["path"].encode()
         url = httpx.URL(scheme="http", host="heavy", raw_path=path + (b"?" + query if query else b""))
-        headers = [(name, value) for name, value in scope["headers"] if name.decode("latin-1").lower() not in GONE]
-        headers = [(name, value) for name, value in headers if name.lower() != PRINCIPAL_HEADER.encode()]
+        headers = [(name, value) for name, value in scope["headers"] if name.lower() not in GONE]
         headers.append((PRINCIPAL_HEADER.encode(), principal.encode()))
         request = self._client.build_request(scope["method"], url, headers=headers, content=body)
         try:
@@ -137,8 +142,12 @@ class HeavyProcess:
                 return f"was ended by {signal.Signals(-code).name}"
         return "broke off" if code is None else f"ended with exit code {code}"
 
-    def kill(self) -> None:
-        """End it and what it has started."""
+    async def close(self) -> None:
+        """End it with all that it has started, and close the connection to it."""
+        await asyncio.to_thread(self._kill)
+        await self._client.aclose()
+
+    def _kill(self) -> None:
         with contextlib.suppress(ProcessLookupError):
             self._process.kill()
         self._process.wait()
@@ -147,8 +156,3 @@ class HeavyProcess:
                 self._process.stdin.close()
         kill_session(self._process.pid)
         shutil.rmtree(self._folder, ignore_errors=True)
-
-    async def close(self) -> None:
-        """End it and close the connection to it."""
-        self.kill()
-        await self._client.aclose()

@@ -8,8 +8,6 @@ import socket
 import sys
 import threading
 from collections.abc import Mapping
-from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import uvicorn
@@ -18,9 +16,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.heavy.process import PRINCIPAL_HEADER, ROUTE_HEADER
 from geoswarm.workers.access import Principal
-from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.doorbell import remote_doorbell
 from geoswarm.workers.embedded import PipeDoorbell
 from geoswarm.workers.logs import start_logging
+from geoswarm.workers.runner.processes import go_first_without_memory
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -29,7 +28,7 @@ __all__ = ["Trusting", "main"]
 
 
 class Trusting:
-    """ASGI middleware that takes the word of the service about who asks: nobody else reaches this process."""
+    """An application behind no door: the service, which alone reaches this process, says who asks."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -59,28 +58,16 @@ def main(given: Mapping[str, Any]) -> None:
 
     threading.Thread(target=_follow_parent, daemon=True).start()
     start_logging(given["log_level"])
-    with suppress(OSError):
-        # When memory runs out, the kernel shall choose this process, not the service.
-        Path("/proc/self/oom_score_adj").write_text("500")
+    go_first_without_memory()
     settings = Settings(**given["settings"])
     store = Store(settings)
-    app = create_app(JobService(store, _doorbell(settings, given["doorbell"]), settings), inner=Trusting)
+    ends = given["doorbell"]
+    doorbell = PipeDoorbell(settings.workers, (ends[0], ends[1])) if ends else remote_doorbell(settings)
+    app = create_app(JobService(store, doorbell, settings), door=False)
     config = uvicorn.Config(
-        app, log_config=None, log_level="warning", access_log=False, server_header=False, lifespan="off"
+        Trusting(app), log_config=None, log_level="warning", access_log=False, server_header=False, lifespan="off"
     )
     uvicorn.Server(config).run(sockets=[socket.socket(fileno=given["listener"])])
-
-
-def _doorbell(settings: Settings, ends: tuple[int, ...]) -> Doorbell:
-    if ends:
-        return PipeDoorbell(settings.workers, (ends[0], ends[1]))
-    if settings.broker_url is None:
-        from geoswarm.workers.doorbell import MuteDoorbell
-
-        return MuteDoorbell()
-    from geoswarm.workers.celery_app import CeleryDoorbell
-
-    return CeleryDoorbell(settings)
 
 
 def _follow_parent() -> None:

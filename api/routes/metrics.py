@@ -7,6 +7,7 @@ none has to be scraped. What concerns requests (``geoswarm_http_*``, ``geoswarm_
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import PlainTextResponse
@@ -15,9 +16,11 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Histo
 from prometheus_client.registry import Collector
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
-from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.workers.measures import Measures
 from geoswarm.workers.tally import BUCKETS
+
+if TYPE_CHECKING:
+    from geoswarm.api.heavy.pool import HeavyPool
 
 __all__ = ["CONTENT_TYPE", "router"]
 

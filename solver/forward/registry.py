@@ -86,7 +86,7 @@ def built(spec: ForwardModelSpec) -> ForwardModel:
         return spec.build()
     except (SolverError, ValueError):
         raise
-    except Exception as error:
+    except Exception as error:  # anybody's code; a fault of our own is shown as one
         if spec.kind in BUILT_IN:
             raise
         raise BrokenForwardModelError(

@@ -133,6 +133,20 @@ def test_without_a_process_to_spare_the_work_is_left_to_others(
     assert recorded_history(service, job_id) == expected_history(line(stopping={"max_evaluations": 12}))
 
 
+def test_while_heartbeats_are_late_a_worker_takes_one_claim_at_a_time(
+    service: JobService, make_worker: MakeWorker
+) -> None:
+    job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
+    worker = make_worker(single_seconds=0.0, cheap_seconds=0.0, burst_seconds=0.0)
+    worker.heart.late = True
+    for number in range(1, 13):
+        began = time.monotonic()
+        worker.serve(job_id)
+        assert time.monotonic() - began >= worker.settings.lease_seconds / 4
+        assert sum(e.state == "finished" for e in service.iterate_evaluations(job_id)) == number
+    assert service.get(job_id).state == "finished"
+
+
 def test_a_bug_in_the_search_fails_the_job_not_the_worker(
     service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,7 +9,6 @@ import socket
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.runner.board import Board
 from geoswarm.workers.runner.evaluator import evaluate
 from geoswarm.workers.runner.output import LOG_TAIL, OwnOutput
+from geoswarm.workers.runner.processes import go_first_without_memory
 from geoswarm.workers.runner.traces import Traces
 from geoswarm.workers.runner.wire import ConnectionEnded, Frame, FrameReader, Outcome, pack_outcomes, receive, send
 
@@ -36,9 +36,7 @@ def serve(connection: socket.socket, board: Board) -> None:
     that cheap evaluations share them; the last frame says ``done``, and ``renew`` when the runs have left traces and
     the next one should have a process of its own.
     """
-    with contextlib.suppress(OSError):
-        # When memory runs out, the kernel shall choose this process, not the worker that has results to hand in.
-        Path("/proc/self/oom_score_adj").write_text("500")
+    go_first_without_memory()  # not the worker, which has results to hand in
     _Child(connection, board).serve()
 
 

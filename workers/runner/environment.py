@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 
+from geoswarm.workers.settings import SECRETS as ADDRESSES
+
 __all__ = ["ALLOWED", "SECRETS", "clean_environment", "without_secrets"]
 
 ALLOWED = (
@@ -16,7 +18,7 @@ ALLOWED = (
 """Names, with ``*`` for any letters."""
 
 
-SECRETS = ("GEOSWARM_API_KEY", "GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL")
+SECRETS = (*ADDRESSES, "GEOSWARM_API_KEY")
 """Variables with passwords and keys; ``_FILE`` behind a name points to one."""
 
 

@@ -14,6 +14,7 @@ __all__ = [
     "adopt_orphans",
     "descendants",
     "die_with_parent",
+    "go_first_without_memory",
     "kill_descendants",
     "kill_session",
     "memory_below",
@@ -43,6 +44,12 @@ def die_with_parent() -> None:
 def wake_with_parent() -> None:
     """Ask the kernel for SIGCONT when the parent dies: who was stopped then sees that it is alone (Linux)."""
     _prctl(PR_SET_PDEATHSIG, int(signal.SIGCONT))
+
+
+def go_first_without_memory() -> None:
+    """Ask the kernel to choose this process when memory runs out (Linux)."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("500")
 
 
 def _prctl(option: int, value: int) -> None:

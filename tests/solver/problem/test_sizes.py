@@ -43,12 +43,12 @@ def document(points: int = 2, **sections: Any) -> dict[str, Any]:
 def test_elements_are_counted_before_the_mesh_is_made(slope: dict[str, Any], length: Any, elements: str) -> None:
     wanted = copy.deepcopy(slope)
     wanted["forward_model"]["element_length"] = length
-    began = time.process_time()
+    began = time.thread_time()
     with pytest.raises(
         ProblemError, match=f"element_length, .* m .* {elements}.* elements; at most 100000 are accepted"
     ):
         parse_problem(wanted)
-    assert time.process_time() - began < 2.0
+    assert time.thread_time() - began < 2.0
 
 
 def test_many_marks_are_sorted_in_little_time(slope: dict[str, Any]) -> None:
@@ -57,10 +57,10 @@ def test_many_marks_are_sorted_in_little_time(slope: dict[str, Any]) -> None:
     wanted["forward_model"]["layers"][:0] = [
         {"name": f"layer{i}", "thickness": [[2.0 * k + 0.04 * i, 0.01] for k in range(500)]} for i in range(40)
     ]
-    began = time.process_time()
+    began = time.thread_time()
     with pytest.raises(ProblemError):
         parse_problem(wanted)
-    assert time.process_time() - began < 20.0
+    assert time.thread_time() - began < 20.0
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_text_for_units_is_judged_quickly() -> None:
     observations = [
         {"series": "y", "points": {"x": [1.0], "y": [1.0]}, "x_unit": f"km^{33_000 + i}"} for i in range(50)
     ]
-    began = time.process_time()
+    began = time.thread_time()
     with pytest.raises(ProblemError, match="unknown unit 'km"):
         parse_problem(document(observations=observations))
-    assert time.process_time() - began < 4.0
+    assert time.thread_time() - began < 4.0
