@@ -20,10 +20,10 @@ HELP_LIMIT, WORKER_LIMIT = 0.4, 1.5
 WORKER = """
 import json, sys
 import geoswarm.workers.embedded_worker
-from geoswarm.workers.warm import warm_up
+from geoswarm.solver.warm import import_models
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-warm_up()
+import_models()
 calibration = Calibration(parse_problem(json.loads(sys.stdin.read())), 2008)
 evaluation = calibration.evaluate(calibration.start().positions[0])
 assert evaluation.reason is None, evaluation.message

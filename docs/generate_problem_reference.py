@@ -102,9 +102,9 @@ A job ends after the generation in which a criterion is satisfied; all satisfied
 
 
 LIMITS = """
-What one evaluation may use in the service; `geoswarm run` has no processes to kill and says so. Whoever exceeds a
-limit is killed with all processes that it has started, and the evaluation has failed. The service may have tighter
-limits.
+What one evaluation may use, in the service and in `geoswarm run` on Linux (elsewhere it says that it cannot). Whoever
+exceeds a limit is killed with all processes that it has started, and the evaluation has failed. The service may have
+tighter limits.
 
 ```yaml
 limits: {seconds_per_evaluation: 600, memory_mb: 2000}

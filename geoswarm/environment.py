@@ -10,7 +10,11 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-__all__ = ["SecretFileError", "secret"]
+__all__ = ["SECRETS", "SecretFileError", "secret", "without_secrets"]
+
+SECRETS = ("GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL", "GEOSWARM_API_KEY")
+"""Variables with passwords and keys."""
+
 
 LONGEST = 4096  # bytes
 
@@ -41,6 +45,12 @@ def secret(name: str, environment: Mapping[str, str] | None = None) -> str | Non
     if value:
         raise SecretFileError(f"{name} and {name}_FILE are both set; give the secret or the file with it")
     return _only_line(f"{name}_FILE", Path(named))
+
+
+def without_secrets(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment without the variables of :data:`SECRETS`, and without those that name files with them."""
+    hidden = {*SECRETS, *(f"{name}_FILE" for name in SECRETS)}
+    return {name: value for name, value in environment.items() if name not in hidden}
 
 
 def _only_line(variable: str, path: Path) -> str:

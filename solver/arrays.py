@@ -1,4 +1,4 @@
-"""Array types used throughout the solver."""
+"""Array types used throughout the solver, and arrays as bytes."""
 
 from __future__ import annotations
 
@@ -7,8 +7,18 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BoolArray", "FloatArray", "IntArray"]
+__all__ = ["BoolArray", "FloatArray", "IntArray", "pack_array", "unpack_array"]
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
+
+
+def pack_array(array: FloatArray) -> bytes:
+    """Return the little-endian float64 of an array, shape (n,)."""
+    return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def unpack_array(data: bytes) -> FloatArray:
+    """Invert :func:`pack_array`."""
+    return np.frombuffer(data, dtype="<f8").astype(np.float64)

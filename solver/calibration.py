@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ from geoswarm.solver.follow_up import DESIGN_COMPLETED, FollowUp
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.offer import Offer
 from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem, Stopping
+from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search import (
     MonteCarlo,
     MonteCarloSettings,
@@ -52,6 +53,7 @@ __all__ = [
     "Step",
     "choose_seed",
     "stop_criteria",
+    "with_further_tries",
 ]
 
 SAMPLES_COMPLETED = "samples_completed"
@@ -341,6 +343,15 @@ class Calibration:
     def _positions(self, search: Search) -> FloatArray:
         positions = search.ask()
         return np.empty((0, self.space.dimension)) if positions is None else positions
+
+
+def with_further_tries(failures: Failures, first: Evaluation, again: Callable[[], Evaluation]) -> Evaluation:
+    """Return an evaluation, or that of the last further try that it gets."""
+    evaluation, earlier = first, list[str]()
+    while evaluation.reason is not None and failures.tries_again(evaluation.reason, earlier):
+        earlier.append(evaluation.reason)
+        evaluation = again()
+    return evaluation
 
 
 def _update_best(progress: Progress, objectives: FloatArray) -> tuple[Best | None, int]:

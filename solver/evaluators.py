@@ -4,29 +4,33 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.calibration import Calibration, Evaluation, with_further_tries
 from geoswarm.solver.errors import WorkerLostError
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.problem.running import Limits
 
-__all__ = ["EvaluateGeneration", "Finished", "evaluator"]
+__all__ = ["WATCHED", "EvaluateGeneration", "Finished", "evaluator"]
 
 EvaluateGeneration: TypeAlias = Callable[[FloatArray], list[Evaluation]]
 
 Finished: TypeAlias = Callable[[FloatArray, Evaluation], None]
 """Called with the position and outcome of every evaluation as it finishes, in any order."""
 
+EvaluateChunk: TypeAlias = Callable[[FloatArray], list[Evaluation]]
+
 _SECONDS_PER_TASK = 0.05
 """Shorter evaluations are handed out several at a time."""
 
+WATCHED = sys.platform == "linux"
+"""Whether this system lets processes be watched as :mod:`geoswarm.solver.runner` does it."""
 
 _GUARD = (
     "each of them reads the script that was started: in a script, calibrate(workers={workers}) must stand below "
@@ -36,53 +40,82 @@ _GUARD = (
 
 @contextmanager
 def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Iterator[EvaluateGeneration]:
-    """Give a function that evaluates all positions of a generation, shape (n, d), and returns them in order."""
+    """Give a function that evaluates all positions of a generation, shape (n, d), and returns them in order.
+
+    One worker is this very process, unless the problem limits an evaluation. Several are watched processes: a run that
+    exceeds a limit or ends its process is a failed evaluation. On systems other than Linux limits do not hold, and the
+    processes are a plain pool: one that dies ends the calibration.
+    """
     if workers < 1:
         raise ValueError(f"workers is {workers}, at least 1 is needed")
-    if workers == 1:
+    watched = WATCHED and (workers > 1 or calibration.problem.limits != Limits())
+    if workers == 1 and not watched:
 
         def evaluate_here(positions: FloatArray) -> list[Evaluation]:
             evaluations = []
             for position in positions:
-                evaluations.append(calibration.evaluate(position))
+                evaluations.append(_evaluate(calibration, position))
                 finished(position, evaluations[-1])
             return evaluations
 
         yield evaluate_here
-        return
+    elif watched:
+        from geoswarm.solver.runner.team import Team
+
+        with Team(calibration, workers) as team:
+            yield _Shared(team.threads, workers, team.evaluate, finished)
+    else:
+        with _pool(calibration, workers, finished) as shared:
+            yield shared
+
+
+class _Shared:
+    """Evaluates positions by an executor, cheap ones several at a time."""
+
+    def __init__(self, executor: Executor, workers: int, evaluate: EvaluateChunk, finished: Finished) -> None:
+        self._executor = executor
+        self._workers = workers
+        self._evaluate = evaluate
+        self._finished = finished
+        self._seconds = 0.0
+        self.count = 0
+        """How many have been evaluated."""
+
+    def __call__(self, positions: FloatArray) -> list[Evaluation]:
+        mean = self._seconds / self.count if self.count else _SECONDS_PER_TASK
+        most = max(1, int(_SECONDS_PER_TASK / max(mean, 1e-9)))
+        size = min(most, -(-len(positions) // self._workers))
+        tasks: dict[Future[list[Evaluation]], range] = {}
+        evaluations: dict[int, Evaluation] = {}
+        for first in range(0, len(positions), size):
+            places = range(first, min(first + size, len(positions)))
+            tasks[self._executor.submit(self._evaluate, positions[places.start : places.stop])] = places
+        while tasks:
+            for task in wait(tasks, return_when=FIRST_COMPLETED).done:
+                for place, evaluation in zip(tasks.pop(task), task.result(), strict=True):
+                    evaluations[place] = evaluation
+                    self._finished(positions[place], evaluation)
+        self._seconds += sum(e.seconds for e in evaluations.values())
+        self.count += len(evaluations)
+        return [evaluations[place] for place in range(len(positions))]
+
+
+@contextmanager
+def _pool(calibration: Calibration, workers: int, finished: Finished) -> Iterator[_Shared]:
     if getattr(multiprocessing.current_process(), "_inheriting", False):  # the script is being read by a child
         raise WorkerLostError(_GUARD.format(workers=workers))
     before = set(multiprocessing.active_children())
-    # spawn: a forked child would inherit the locks of Numba's and BLAS's threads in whatever state they are
     pool = ProcessPoolExecutor(
         workers,
         mp_context=multiprocessing.get_context("spawn"),
         initializer=_initialise_process,
         initargs=(calibration.problem.document(), calibration.seed),
     )
-    seconds: list[float] = []
-
-    def evaluate_shared(positions: FloatArray) -> list[Evaluation]:
-        mean = sum(seconds) / len(seconds) if seconds else _SECONDS_PER_TASK
-        most = max(1, int(_SECONDS_PER_TASK / max(mean, 1e-9)))
-        size = min(most, -(-len(positions) // workers))
-        tasks: dict[Future[list[Evaluation]], range] = {}
-        evaluations: dict[int, Evaluation] = {}
-        for first in range(0, len(positions), size):
-            places = range(first, min(first + size, len(positions)))
-            tasks[pool.submit(_evaluate_chunk, positions[places.start : places.stop])] = places
-        while tasks:
-            for task in wait(tasks, return_when=FIRST_COMPLETED).done:
-                for place, evaluation in zip(tasks.pop(task), task.result(), strict=True):
-                    evaluations[place] = evaluation
-                    finished(positions[place], evaluation)
-        seconds.extend(e.seconds for e in evaluations.values())
-        return [evaluations[place] for place in range(len(positions))]
-
+    shared = _Shared(pool, workers, _evaluate_chunk, finished)
     try:
-        yield evaluate_shared
+        yield shared
     except BrokenProcessPool as error:
-        if not seconds:
+        if not shared.count:
             raise WorkerLostError(
                 f"the {workers} worker processes ended before their first evaluation; {_GUARD.format(workers=workers)}"
             ) from error
@@ -110,4 +143,9 @@ def _initialise_process(document: dict[str, Any], seed: int) -> None:
 def _evaluate_chunk(positions: FloatArray) -> list[Evaluation]:
     if _process_calibration is None:
         raise RuntimeError("the process was not initialised")
-    return [_process_calibration.evaluate(position) for position in np.atleast_2d(positions)]
+    return [_evaluate(_process_calibration, position) for position in positions]
+
+
+def _evaluate(calibration: Calibration, position: FloatArray) -> Evaluation:
+    first = calibration.evaluate(position)
+    return with_further_tries(calibration.problem.failures, first, lambda: calibration.evaluate(position))

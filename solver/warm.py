@@ -14,9 +14,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from geoswarm.solver.errors import in_words
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.combined import CombinedSpec
 from geoswarm.solver.kernel_cache import SOLVER, alone, fingerprint, settle
@@ -27,6 +29,7 @@ __all__ = [
     "Tell",
     "compile_kernels",
     "groups_of",
+    "import_models",
     "load_kernels",
     "missing_kernels",
     "note_compiled",
@@ -48,6 +51,15 @@ MATERIAL: dict[str, Any] = {
     "psi": {"value": 0.0},
 }
 STAGES: list[dict[str, float]] = [{"stress": 50.0, "duration": 1.0}, {"stress": 20.0, "duration": 1.0}]
+
+
+def import_models() -> None:
+    """Import every forward model, ahead of the first evaluation."""
+    for entry in entry_points(group="geoswarm.forward_models"):
+        try:
+            entry.load()
+        except Exception as error:  # noqa: BLE001  anybody's code: it concerns only jobs that name it, which will say so
+            logger.warning("forward model %r cannot be imported: %s", entry.name, in_words(error))
 
 
 def _sample(forward_model: dict[str, Any], series: str) -> dict[str, Any]:

@@ -144,7 +144,7 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     SystemExit
         With Celery's exit code when it gave up.
     """
-    from geoswarm.workers.runner.nurse_link import ONE_THREAD
+    from geoswarm.solver.runner.nurse_link import ONE_THREAD
     from geoswarm.workers.store import Store
 
     os.environ.update(ONE_THREAD)

@@ -15,14 +15,14 @@ import threading
 import time
 from dataclasses import dataclass
 
+from geoswarm.environment import without_secrets
 from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.runner.nurse_link import ONE_THREAD
+from geoswarm.solver.runner.output import anonymous_file
+from geoswarm.solver.runner.wire import readable
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.runner.environment import without_secrets
-from geoswarm.workers.runner.nurse_link import ONE_THREAD
-from geoswarm.workers.runner.output import anonymous_file
-from geoswarm.workers.runner.wire import readable
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.evaluations import overdue
 from geoswarm.workers.store.workers import forget_worker

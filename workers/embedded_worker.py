@@ -10,6 +10,7 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
+from geoswarm.solver.warm import import_models
 from geoswarm.workers.embedded import PipeDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity, this_machine
@@ -19,7 +20,6 @@ from geoswarm.workers.slots import Slots
 from geoswarm.workers.store import Store
 from geoswarm.workers.sweep import Sweeper, with_signals
 from geoswarm.workers.tracing import start_tracing
-from geoswarm.workers.warm import warm_up
 from geoswarm.workers.worker import Worker
 
 __all__ = ["main"]
@@ -48,7 +48,7 @@ def main(given: Mapping[str, Any]) -> None:
     sweeper = Sweeper(worker.runtime, doorbell)
     sweeper.start()
     if not settings.isolate:
-        warm_up()
+        import_models()
     _work(worker, doorbell, settings)
     sweeper.stop()
     worker.close()

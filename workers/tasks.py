@@ -14,16 +14,16 @@ from celery import current_app, shared_task
 from celery.signals import worker_init, worker_process_init, worker_process_shutdown, worker_shutting_down
 
 from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.runner.output import anonymous_file
+from geoswarm.solver.runner.processes import kill_descendants
+from geoswarm.solver.warm import import_models
 from geoswarm.workers.celery_app import SERVE_TASK, CeleryDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.runner.output import anonymous_file
-from geoswarm.workers.runner.processes import kill_descendants
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.slots import Slots
 from geoswarm.workers.store import Store
 from geoswarm.workers.sweep import Sweeper
-from geoswarm.workers.warm import warm_up
 from geoswarm.workers.worker import Worker
 
 __all__ = ["serve"]
@@ -78,11 +78,11 @@ _slots = anonymous_file()
 
 
 @worker_init.connect  # type: ignore[untyped-decorator]
-def _warm_up(**_: Any) -> None:
+def _import_models(**_: Any) -> None:
     settings: Settings = current_app.geoswarm_settings
     settle()  # once for all pool processes
     if not settings.isolate:
-        warm_up()  # before the fork: every pool process, restarted ones too, begins with the forward models loaded
+        import_models()  # before the fork: every pool process, restarted ones too, begins with them
 
 
 @worker_shutting_down.connect  # type: ignore[untyped-decorator]

@@ -11,6 +11,9 @@ from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, Limits, NoProcessError
+from geoswarm.solver.runner.kernels import make_ready
+from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
 from geoswarm.workers.doorbell import Doorbell
@@ -18,9 +21,6 @@ from geoswarm.workers.errand import Errand
 from geoswarm.workers.errors import StoreUnavailableError, WorkersError
 from geoswarm.workers.heart import Heart
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.kernels import make_ready
-from geoswarm.workers.runner.evaluator import Evaluator, InlineEvaluator, Limits, NoProcessError
-from geoswarm.workers.runner.runner import Runner
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.slots import Slots
 from geoswarm.workers.store import Store

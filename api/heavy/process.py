@@ -20,9 +20,9 @@ from typing import Any
 
 import httpx
 
-from geoswarm.workers.runner.environment import without_secrets
-from geoswarm.workers.runner.nurse_link import ONE_THREAD
-from geoswarm.workers.runner.processes import descendants, kill_session, memory_of
+from geoswarm.environment import without_secrets
+from geoswarm.solver.runner.nurse_link import ONE_THREAD
+from geoswarm.solver.runner.processes import descendants, kill_session, memory_of
 
 __all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "HeavyProcess"]
 

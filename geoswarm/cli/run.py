@@ -64,14 +64,15 @@ def run_command(
     after Ctrl-C, a full disk or a crash the same command with --resume goes on to the same result. Exit code 1 when no
     forward run succeeded.
     """
+    from geoswarm.solver.evaluators import WATCHED
     from geoswarm.solver.local import calibrate
     from geoswarm.solver.problem import load_problem
     from geoswarm.solver.problem.running import Limits
 
     loaded = load_problem(problem)
     warn_of_many_points(loaded)
-    if loaded.limits != Limits():
-        click.echo("note: limits hold in the service only; here a run that hangs must be ended by hand", err=True)
+    if loaded.limits != Limits() and not WATCHED:
+        note("note: on this system limits hold in the service only; a run that hangs must be ended by hand")
     if resume and output is None:
         raise BadInputError("--resume needs --output DIR, the folder of the run that was cut off")
     if loaded.warm_start and not earlier:

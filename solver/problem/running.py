@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -46,6 +46,10 @@ class Failures(BaseModel):
         """Return the number of further tries at an evaluation that failed for this reason."""
         given: Mapping[Any, int] = self.retry  # a stored reason is any text
         return given.get(reason, DEFAULT_RETRIES.get(reason, 0))
+
+    def tries_again(self, reason: str, earlier: Sequence[str]) -> bool:
+        """Whether an evaluation that failed for this reason is tried again, after tries that ended so ``earlier``."""
+        return list(earlier).count(reason) < self.retries(reason)
 
     def ends_job(self, reason: str) -> bool:
         """Whether a failure for this reason, with no try left, ends the job."""

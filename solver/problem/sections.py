@@ -324,6 +324,6 @@ class ProblemFile(Settings):
     observations: list[ObservationSection] = Field(min_length=1, max_length=1000, description="what was measured")
     method: MethodSection = Field(default=ParticleSwarmMethod(), description="how to search")
     stopping: Stopping = Field(default=Stopping(), description="when to stop; a particle swarm needs one criterion")
-    limits: Limits = Field(default=Limits(), description="what one evaluation may use, in the service")
+    limits: Limits = Field(default=Limits(), description="what one evaluation may use")
     failures: Failures = Field(default=Failures(), description="what happens when an evaluation fails")
     warm_start: WarmStart | None = Field(None, description="earlier runs that an accelerated swarm learns from")

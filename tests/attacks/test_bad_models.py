@@ -1,7 +1,8 @@
-"""Every way to behave badly, in both engines: the right reason, the next job's history as ever, and nothing left."""
+"""Every way to behave badly, in both engines and in process: the right reason, no history changed, nothing left."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,13 +10,15 @@ from typing import Any
 
 import pytest
 
+from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runner.processes import descendants
 from geoswarm.workers.engine import open_engine
-from geoswarm.workers.runner.processes import descendants
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from tests.integration.engines import celery_workers, wait_for, wait_until_ended
 from tests.models.geoswarm_bad_models import REASONS
+from tests.solver.test_local import bits
 from tests.workers.problems import expected_history, line, recorded_history
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("misbehaving_models")]
@@ -76,8 +79,23 @@ def test_bad_models_one_after_the_other_and_ten_at_once(
         wait_for(lambda: sum(len(descendants(pid)) for pid in pids) <= most, "the end of what the models left")
 
 
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("half", [0, 1])
+def test_bad_models_in_process(half: int) -> None:
+    innocent = bits(calibrate(INNOCENT))
+    for name, reason in list(REASONS.items())[half::2]:
+        result = calibrate(bad(name), workers=2)
+        assert result.state == "finished", name
+        wrong = [record for record in result.history if not _right(record.evaluation, reason)]
+        assert not wrong, (name, wrong)
+        assert not descendants(os.getpid()), name
+        assert bits(calibrate(INNOCENT)) == innocent, name
+
+
 def _right(evaluation: Any, reason: str | None) -> bool:
-    slope = evaluation.parameters["slope"]
+    """Whether an evaluation, of the service or in process, ended as it must."""
+    parameters = evaluation.parameters
+    slope = parameters["slope"] if isinstance(parameters, dict) else parameters[0]
     if slope > 0.0 and reason is not None:
         return bool(evaluation.reason == reason)
     return evaluation.reason is None and abs(evaluation.objective - 5.0 / 3.0 * (slope - 1.0) ** 2) < 2e-3

@@ -11,7 +11,7 @@ from typing import Any
 import httpx
 import pytest
 
-from geoswarm.workers.runner.processes import descendants
+from geoswarm.solver.runner.processes import descendants
 from tests.attacks.services import Service, serving, watched
 from tests.integration.engines import wait_for
 from tests.servers import free_port

@@ -133,7 +133,7 @@ class Fleet:
         nurses = [
             pid
             for pid in parents
-            if b"geoswarm.workers.runner.nurse" in _read(pid, "cmdline") and parents[pid] not in mains
+            if b"geoswarm.solver.runner.nurse" in _read(pid, "cmdline") and parents[pid] not in mains
         ]
         heads = [pid for pid in nurses if parents[pid] not in nurses]
         pool = [pid for pid, parent in parents.items() if parent in mains and pid not in nurses]

@@ -20,7 +20,18 @@ import numpy as np
 from geoswarm import DivergedError, FloatArray, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 
 Behaviour = Literal[
-    "sleep", "compute", "for_ever", "for_ever_once", "fork", "eat", "exit", "leave", "crash", "diverge", "chatter"
+    "sleep",
+    "compute",
+    "for_ever",
+    "for_ever_once",
+    "fork",
+    "eat",
+    "exit",
+    "leave",
+    "crash",
+    "diverge",
+    "diverge_once",
+    "chatter",
 ]
 
 
@@ -93,6 +104,9 @@ class MisbehavingModel:
             case "diverge":
                 os.write(2, b"iteration 17: residual 1e+30\n")
                 raise DivergedError("no equilibrium in stage 2")
+            case "diverge_once":
+                Path(self.spec.cured).touch()
+                raise DivergedError("no licence")
             case "chatter":
                 while True:
                     os.write(1, b"still iterating\n" * 4096)

@@ -3,11 +3,15 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+from pathlib import Path
 
 import pytest
 
+from geoswarm.solver import evaluators
 from geoswarm.solver.errors import WorkerLostError
 from geoswarm.solver.local import CalibrationResult, GenerationRecord, calibrate
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runner.processes import descendants
 from tests.solver.problems import decay_problem
 
 
@@ -70,7 +74,68 @@ def test_failed_evaluations_do_not_stop_the_search() -> None:
     assert 0 < result.failed_evaluations < result.evaluations
 
 
-def test_a_killed_worker_process_is_a_clear_error() -> None:
+def test_killed_worker_processes_change_nothing() -> None:
+    problem = decay_problem(stopping={"max_evaluations": 60})
+    killed = []
+
+    def kill(_: GenerationRecord) -> None:
+        below = descendants(os.getpid())
+        killed.append(below[len(killed) % len(below)])
+        os.kill(killed[-1], signal.SIGKILL)
+
+    assert bits(calibrate(problem, workers=2, on_generation=kill)) == bits(calibrate(problem))
+    assert killed
+    assert not descendants(os.getpid())
+
+
+@pytest.mark.usefixtures("misbehaving_models")
+def test_a_run_that_ends_its_process_or_exceeds_a_limit_is_a_failed_evaluation() -> None:
+    for behaviour, reason in (("crash", "worker_lost"), ("hang", "timeout")):
+        document = {
+            "forward_model": {"kind": "bad", "behaviour": behaviour},
+            "parameters": {"slope": {"lower": -1, "upper": 1}},
+            "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
+            "method": {"kind": "monte_carlo", "samples": 4},
+            "limits": {"seconds_per_evaluation": 2},
+        }
+        result = calibrate(parse_problem(document), workers=2, seed=3)
+        for record in result.history:
+            evaluation = record.evaluation
+            assert evaluation.reason == (reason if evaluation.parameters[0] > 0.0 else None), evaluation.message
+
+
+@pytest.mark.usefixtures("misbehaving_models")
+@pytest.mark.parametrize("workers", [1, 2])
+def test_failed_evaluations_get_their_further_tries(workers: int, tmp_path: Path) -> None:
+    document = {
+        "forward_model": {"kind": "misbehaving", "behaviour": "diverge_once", "cured": str(tmp_path / "cured")},
+        "parameters": {"slope": {"lower": -1, "upper": 1}},
+        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
+        "method": {"kind": "monte_carlo", "samples": 4},
+        "failures": {"retry": {"diverged": 1}},
+    }
+    result = calibrate(parse_problem(document), workers=workers, seed=3)
+    assert (result.evaluations, result.failed_evaluations) == (4, 0)
+
+
+def test_an_interrupt_ends_all_processes() -> None:
+    def interrupt(_: GenerationRecord) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        calibrate(decay_problem(), workers=2, on_generation=interrupt)
+    assert not descendants(os.getpid())
+
+
+def test_where_processes_are_not_watched_a_pool_gives_the_same_history(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(evaluators, "WATCHED", False)
+    problem = decay_problem(stopping={"max_evaluations": 24})
+    assert bits(calibrate(problem, workers=2)) == bits(calibrate(problem))
+
+
+def test_a_killed_process_of_a_pool_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(evaluators, "WATCHED", False)
+
     def kill_one(_: GenerationRecord) -> None:
         for child in multiprocessing.active_children():
             if child.pid is not None:

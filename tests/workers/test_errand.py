@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.coordinator.work import Claim, HandIn
 from geoswarm.workers.errand import Errand
-from geoswarm.workers.runner.runner import Runner
 from geoswarm.workers.settings import Settings
+from tests.solver.runner.test_runner import misbehaving
 from tests.workers.conftest import MakeWorker
-from tests.workers.runner.test_runner import misbehaving
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 

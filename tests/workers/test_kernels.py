@@ -13,11 +13,11 @@ import pytest
 
 from geoswarm.solver import warm
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runner import kernels
+from geoswarm.solver.runner.evaluator import InlineEvaluator
+from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.warm import SAMPLES
-from geoswarm.workers import kernels
 from geoswarm.workers.engine import open_engine
-from geoswarm.workers.kernels import make_ready
-from geoswarm.workers.runner.evaluator import InlineEvaluator
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.tables import events
 from tests.integration.engines import wait_until_ended

@@ -10,10 +10,10 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from sqlalchemy import select, update
 
+from geoswarm.solver.runner.evaluator import InlineEvaluator
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.errand import Errand
-from geoswarm.workers.runner.evaluator import InlineEvaluator
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store

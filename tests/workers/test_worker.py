@@ -11,8 +11,8 @@ from sqlalchemy import select, update
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Step
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runner.nurse_link import NurseLink
 from geoswarm.workers.coordinator.work import HandIn
-from geoswarm.workers.runner.nurse_link import NurseLink
 from geoswarm.workers.service import JobService
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import pack_json
@@ -117,7 +117,7 @@ def test_without_a_process_to_spare_the_work_is_left_to_others(
         raise OSError(errno.EAGAIN, "no process to spare")
 
     monkeypatch.setattr("geoswarm.workers.worker.TROUBLE_SECONDS", 0.01)
-    monkeypatch.setattr("geoswarm.workers.runner.nurse_link.PAUSES", (0.0,))
+    monkeypatch.setattr("geoswarm.solver.runner.nurse_link.PAUSES", (0.0,))
     job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
     worker = make_worker(isolate=True)
     with monkeypatch.context() as patch:

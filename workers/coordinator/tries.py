@@ -101,7 +101,7 @@ def give_back(board: Board, cell: Cell, worker: str, attempt: int, now: float, *
 
 
 def _further_try(tries: Sequence[Record], reason: str, failures: Failures) -> bool:
-    return [row.outcome for row in tries].count(reason) < failures.retries(reason)
+    return failures.tries_again(reason, [row.outcome for row in tries])
 
 
 def _taken_in(tries: Sequence[Record], cell: Cell, result: Result, worker: str) -> bool:

@@ -8,9 +8,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-import numpy as np
-
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray, pack_array, unpack_array
 
 __all__ = [
     "clean_text",
@@ -63,16 +61,6 @@ def unpack_problem(text: str, stopping: str | None = None) -> dict[str, Any]:
     if isinstance(method, dict) and method.get("kind") == "particle_swarm":
         method.setdefault("acceleration", "none")
     return document
-
-
-def pack_array(array: FloatArray) -> bytes:
-    """Return the little-endian float64 of an array, shape (n,)."""
-    return np.ascontiguousarray(array, dtype="<f8").tobytes()
-
-
-def unpack_array(data: bytes) -> FloatArray:
-    """Invert :func:`pack_array`."""
-    return np.frombuffer(data, dtype="<f8").astype(np.float64)
 
 
 def pack_responses(responses: Mapping[str, FloatArray]) -> bytes:

@@ -32,9 +32,17 @@ def write(folder: Path, **changes: Any) -> str:
     return str(path)
 
 
-def test_a_script_without_a_main_guard_is_told_of_it(tmp_path: Path) -> None:
+def test_a_script_needs_no_main_guard_where_processes_are_watched(tmp_path: Path) -> None:
     write(tmp_path, stopping={"max_evaluations": 16})
     (tmp_path / "script.py").write_text(SCRIPT, encoding="utf-8")
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, check=False)
+    assert done.returncode == 0
+
+
+def test_a_script_without_a_main_guard_is_told_of_it_elsewhere(tmp_path: Path) -> None:
+    write(tmp_path, stopping={"max_evaluations": 16})
+    elsewhere = "from geoswarm.solver import evaluators\nevaluators.WATCHED = False\n"
+    (tmp_path / "script.py").write_text(elsewhere + SCRIPT, encoding="utf-8")
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     last = done.stderr.strip().splitlines()[-1]
     assert "must stand below if __name__ == '__main__':" in last

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from geoswarm.cli import main
+from geoswarm.solver import evaluators
 from geoswarm.solver.versions import versions
 from tests.solver.problems import decay_document
 
@@ -37,8 +38,9 @@ def test_json_has_exactly_the_agreed_keys(tmp_path: Path, capsys: pytest.Capture
 
 
 def test_limits_that_cannot_be_kept_are_not_ignored_silently(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(evaluators, "WATCHED", False)
     assert main(["run", write(tmp_path, limits={"seconds_per_evaluation": 5}), "--json"]) == 0
     captured = capsys.readouterr()
     assert "limits hold in the service only" in captured.err

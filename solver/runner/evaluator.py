@@ -10,9 +10,8 @@ from typing import Any, Protocol
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runner.wire import Outcome
 from geoswarm.solver.warm import run_sample
-from geoswarm.workers.runner.wire import Outcome
-from geoswarm.workers.settings import Settings
 
 __all__ = [
     "BuildError",
@@ -22,7 +21,6 @@ __all__ = [
     "NeverMind",
     "NoProcessError",
     "evaluate",
-    "limits_of",
 ]
 
 
@@ -32,6 +30,11 @@ class Limits:
 
     seconds: float | None = None
     memory_mb: float | None = None
+
+    @classmethod
+    def of(cls, problem: Problem) -> Limits:
+        """Return those that a problem sets."""
+        return cls(problem.limits.seconds_per_evaluation, problem.limits.memory_mb)
 
     def within(self, seconds: float | None, memory_mb: float | None = None) -> Limits:
         """Return these limits where they are tighter than the given ones, else those."""
@@ -162,12 +165,6 @@ def evaluate(calibration: Calibration, position: FloatArray, fields: str | None)
     from geoswarm.solver.fields import evaluate_fields  # finite elements are loaded by those who need them
 
     return evaluate_fields(calibration, position, fields)
-
-
-def limits_of(problem: Problem, settings: Settings) -> Limits:
-    """Return the limits of a problem, and of these workers where they are tighter."""
-    asked = Limits(problem.limits.seconds_per_evaluation, problem.limits.memory_mb)
-    return asked.within(settings.evaluation_seconds, settings.evaluation_memory_mb)
 
 
 def _least(*limits: float | None) -> float | None:

@@ -14,9 +14,9 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.runner.evaluator import Limits, NeverMind
-from geoswarm.workers.runner.processes import descendants
-from geoswarm.workers.runner.runner import Runner
+from geoswarm.solver.runner.evaluator import Limits, NeverMind
+from geoswarm.solver.runner.processes import descendants
+from geoswarm.solver.runner.runner import Runner
 from tests.integration.engines import process_exists, wait_for
 from tests.workers.problems import calibration, line
 

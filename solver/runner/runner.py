@@ -13,15 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray, pack_array
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.workers.runner.board import BUILDING, IDLE
-from geoswarm.workers.runner.evaluator import BuildError, Limits, NeverMind
-from geoswarm.workers.runner.nurse_link import POLL_SECONDS, NurseLink
-from geoswarm.workers.runner.output import anonymous_file, tail
-from geoswarm.workers.runner.process import EvaluationProcess
-from geoswarm.workers.runner.wire import ConnectionEnded, Frame, GarbledError, Outcome, unpack_outcomes
-from geoswarm.workers.store.codec import pack_array
+from geoswarm.solver.runner.board import BUILDING, IDLE
+from geoswarm.solver.runner.evaluator import BuildError, Limits, NeverMind
+from geoswarm.solver.runner.nurse_link import POLL_SECONDS, NurseLink
+from geoswarm.solver.runner.output import anonymous_file, tail
+from geoswarm.solver.runner.process import EvaluationProcess
+from geoswarm.solver.runner.wire import ConnectionEnded, Frame, GarbledError, Outcome, unpack_outcomes
 
 __all__ = ["Runner"]
 

@@ -18,7 +18,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from geoswarm.workers.runner.output import shorten
+from geoswarm.solver.runner.output import shorten
 
 __all__ = ["BOOTSTRAP", "FORK", "KILL", "LOAD", "STATUS", "main"]
 
@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 # What runs a nurse; it takes over the worker's import path, as the program may run from its sources.
 BOOTSTRAP = (
     "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
-    "from geoswarm.workers.runner.nurse import main; main(given)"
+    "from geoswarm.solver.runner.nurse import main; main(given)"
 )
 FORK = b"f"
 KILL = b"k"
@@ -47,17 +47,16 @@ OUTPUT_SECONDS = 0.1
 def main(given: Mapping[str, Any]) -> None:
     """Serve one worker over the socket whose descriptor is ``given``, until it closes."""
     # What needs long to load is loaded here, once for all evaluation processes to come.
-    from geoswarm.solver.warm import load_kernels, run_sample
-    from geoswarm.workers.runner import child
-    from geoswarm.workers.runner.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
-    from geoswarm.workers.warm import warm_up
+    from geoswarm.solver.runner import child
+    from geoswarm.solver.runner.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
+    from geoswarm.solver.warm import import_models, load_kernels, run_sample
 
     adopt_orphans()
     wake_with_parent()
     for number in (signal.SIGINT, signal.SIGTERM):  # its worker decides about its end
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.WARNING)
-    warm_up()
+    import_models()
     load_kernels()
     control = socket.socket(fileno=given["control"])
     groups = {message: group for group, message in LOAD.items()}
@@ -124,8 +123,8 @@ def _process_descriptor(pid: int) -> list[int]:
 
 def _become_child(serve: Any, connection: int, output: int, board: int) -> None:
     """Turn this fork into an evaluation process; does not return."""
-    from geoswarm.workers.runner.board import Board
-    from geoswarm.workers.runner.processes import adopt_orphans, die_with_parent
+    from geoswarm.solver.runner.board import Board
+    from geoswarm.solver.runner.processes import adopt_orphans, die_with_parent
 
     code = 1
     try:

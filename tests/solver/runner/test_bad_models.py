@@ -15,12 +15,12 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.runner.evaluator import BuildError, Limits
-from geoswarm.workers.runner.processes import descendants
-from geoswarm.workers.runner.runner import Runner
+from geoswarm.solver.runner.evaluator import BuildError, Limits
+from geoswarm.solver.runner.processes import descendants
+from geoswarm.solver.runner.runner import Runner
 from tests.integration.engines import wait_for
 from tests.models.geoswarm_bad_models import REASONS
-from tests.workers.runner.test_runner import positions
+from tests.solver.runner.test_runner import positions
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 
@@ -116,7 +116,7 @@ def test_output_stays_bounded_while_it_is_written(runner: Runner) -> None:
 def test_a_problem_that_cannot_be_built_harms_nobody(
     runner: Runner, monkeypatch: pytest.MonkeyPatch, builds: str, why: str
 ) -> None:
-    monkeypatch.setattr("geoswarm.workers.runner.runner.BUILD_SECONDS", 1.0)
+    monkeypatch.setattr("geoswarm.solver.runner.runner.BUILD_SECONDS", 1.0)
     document = bad("good").problem.document()
     document["forward_model"]["builds"] = builds
     with pytest.raises(BuildError, match=f"could not be built, tried 3 times: .*{why}"):
@@ -147,8 +147,8 @@ def test_forward_models_see_no_secret(
 def test_a_stopped_nurse_ends_with_its_worker(tmp_path: Path) -> None:
     code = (
         "import os, signal, sys, time\n"
-        "from tests.workers.runner.test_bad_models import bad, LIMITS, positions\n"
-        "from geoswarm.workers.runner.runner import Runner\n"
+        "from tests.solver.runner.test_bad_models import bad, LIMITS, positions\n"
+        "from geoswarm.solver.runner.runner import Runner\n"
         "runner = Runner()\n"
         "list(runner.run('job', bad('good'), positions(-1.0), LIMITS))\n"
         "os.kill(runner._nurse.pid, signal.SIGSTOP)\n"

@@ -17,12 +17,12 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import in_words
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.runner.board import Board
-from geoswarm.workers.runner.evaluator import evaluate
-from geoswarm.workers.runner.output import LOG_TAIL, OwnOutput
-from geoswarm.workers.runner.processes import go_first_without_memory
-from geoswarm.workers.runner.traces import Traces
-from geoswarm.workers.runner.wire import ConnectionEnded, Frame, FrameReader, Outcome, pack_outcomes, receive, send
+from geoswarm.solver.runner.board import Board
+from geoswarm.solver.runner.evaluator import evaluate
+from geoswarm.solver.runner.output import LOG_TAIL, OwnOutput
+from geoswarm.solver.runner.processes import go_first_without_memory
+from geoswarm.solver.runner.traces import Traces
+from geoswarm.solver.runner.wire import ConnectionEnded, Frame, FrameReader, Outcome, pack_outcomes, receive, send
 
 __all__ = ["serve"]
 

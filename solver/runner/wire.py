@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray, pack_array, unpack_array
 from geoswarm.solver.calibration import Evaluation
-from geoswarm.workers.store.codec import pack_array, unpack_array
 
 __all__ = [
     "ONCE",

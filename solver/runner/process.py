@@ -11,8 +11,8 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from geoswarm.workers.runner.board import Board
-from geoswarm.workers.runner.wire import ONCE, ConnectionEnded, Frame, FrameReader, GarbledError
+from geoswarm.solver.runner.board import Board
+from geoswarm.solver.runner.wire import ONCE, ConnectionEnded, Frame, FrameReader, GarbledError
 
 __all__ = ["EvaluationProcess"]
 

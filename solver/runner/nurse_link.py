@@ -14,14 +14,14 @@ import sys
 import time
 from collections.abc import Callable
 
-from geoswarm.workers.runner.board import Board
-from geoswarm.workers.runner.environment import clean_environment
-from geoswarm.workers.runner.evaluator import NoProcessError
-from geoswarm.workers.runner.nurse import BOOTSTRAP, FORK, KILL, LOAD, STATUS
-from geoswarm.workers.runner.output import anonymous_file
-from geoswarm.workers.runner.process import EvaluationProcess
-from geoswarm.workers.runner.processes import kill_session, memory_below
-from geoswarm.workers.runner.wire import readable
+from geoswarm.solver.runner.board import Board
+from geoswarm.solver.runner.environment import clean_environment
+from geoswarm.solver.runner.evaluator import NoProcessError
+from geoswarm.solver.runner.nurse import BOOTSTRAP, FORK, KILL, LOAD, STATUS
+from geoswarm.solver.runner.output import anonymous_file
+from geoswarm.solver.runner.process import EvaluationProcess
+from geoswarm.solver.runner.processes import kill_session, memory_below
+from geoswarm.solver.runner.wire import readable
 
 __all__ = ["ONE_THREAD", "NurseLink"]
 

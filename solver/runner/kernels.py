@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 from geoswarm.solver.kernel_cache import alone, settle
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runner.evaluator import Evaluator
 from geoswarm.solver.warm import groups_of, missing_kernels, note_compiled
-from geoswarm.workers.runner.evaluator import Evaluator
 
 __all__ = ["make_ready"]
 

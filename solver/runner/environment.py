@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 
-from geoswarm.workers.settings import SECRETS as ADDRESSES
-
-__all__ = ["ALLOWED", "SECRETS", "clean_environment", "without_secrets"]
+__all__ = ["ALLOWED", "clean_environment"]
 
 ALLOWED = (
     *("PATH", "HOME", "USER", "LOGNAME", "SHELL", "HOSTNAME", "TMPDIR", "TEMP", "TMP", "TERM", "DISPLAY"),
@@ -16,16 +14,6 @@ ALLOWED = (
     *("SSL_CERT_FILE", "SSL_CERT_DIR"),
 )
 """Names, with ``*`` for any letters."""
-
-
-SECRETS = (*ADDRESSES, "GEOSWARM_API_KEY")
-"""Variables with passwords and keys; ``_FILE`` behind a name points to one."""
-
-
-def without_secrets(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return an environment without the variables of :data:`SECRETS`."""
-    hidden = {*SECRETS, *(f"{name}_FILE" for name in SECRETS)}
-    return {name: value for name, value in environment.items() if name not in hidden}
 
 
 def clean_environment(environment: Mapping[str, str], passed: Sequence[str] = ()) -> dict[str, str]:
