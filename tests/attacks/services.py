@@ -45,20 +45,22 @@ class Service:
 
 @contextmanager
 def serving(folder: Path, port: int, *arguments: str, **environment: str) -> Iterator[Service]:
-    """``geoswarm serve`` on a database in a folder, with the models of the tests installed."""
+    """``geoswarm serve`` on a database in a folder, the models of the tests installed; ``log`` there is its log."""
     key = secrets.token_urlsafe(32)
     models = str(ROOT / "tests" / "models")
-    process = subprocess.Popen(
-        [sys.executable, "-m", "geoswarm", "serve", "--port", str(port), *arguments],
-        cwd=folder,
-        env={
-            **os.environ,
-            "PYTHONPATH": os.pathsep.join([models, str(ROOT)]),
-            "GEOSWARM_API_KEY": key,
-            "GEOSWARM_DATABASE_URL": f"sqlite:///{folder / 'jobs.db'}",
-            **environment,
-        },
-    )
+    with (folder / "log").open("wb") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "geoswarm", "serve", "--port", str(port), *arguments],
+            cwd=folder,
+            env={
+                **os.environ,
+                "PYTHONPATH": os.pathsep.join([models, str(ROOT)]),
+                "GEOSWARM_API_KEY": key,
+                "GEOSWARM_DATABASE_URL": f"sqlite:///{folder / 'jobs.db'}",
+                **environment,
+            },
+            stderr=log,
+        )
     service = Service(f"http://127.0.0.1:{port}", process.pid, key)
 
     def live() -> bool:
