@@ -130,6 +130,7 @@ class JobService(JobRecords):
             "name": clean_text(problem.name),
             "forward_model": problem.forward_model.kind,
             "priority": problem.priority,
+            "shared_priority": problem.priority if self.principal.role == "admin" else 0,
             "method": problem.method.kind,
             "problem": text,
             "seed": choose_seed(problem.seed),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import FrameType
 
 from sqlalchemy import Connection
@@ -120,7 +120,7 @@ class Sweeper:
     def _ring(self) -> None:
         store, settings = self.runtime.store, self.runtime.settings
 
-        def forgotten(connection: Connection) -> list[Record]:
+        def forgotten(connection: Connection) -> Sequence[Record]:
             idle = count_live(connection, settings.lease_seconds) - len(busy_workers(connection))
             # With nobody idle a ring would only lie in the queue: who becomes idle is rung for in the next sweep.
             late = (settings.overdue_seconds, settings.overdue_factor)

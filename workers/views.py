@@ -36,7 +36,7 @@ class JobView:
     max_evaluations
         Number of evaluations after which the job ends at the latest, None when nothing limits it.
     priority
-        Jobs of a higher one get more of the workers.
+        Jobs of a higher one get more of the workers: among those of one owner, an administrator's among all.
     retrying
         Its failed evaluations are run again.
     owner

@@ -27,7 +27,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.jobs import current_generation, get_problem
-from geoswarm.workers.store.line import claimable_jobs
+from geoswarm.workers.store.line import most_urgent_job
 from geoswarm.workers.store.offers import read_offer
 from geoswarm.workers.store.workers import busy_workers, count_live, forget_worker
 from geoswarm.workers.tally import tally
@@ -108,16 +108,14 @@ class Worker:
         StoreUnavailableError
         """
         settings = self.settings
-        rows = self.store.read(
-            lambda connection: claimable_jobs(
+        return self.store.read(
+            lambda connection: most_urgent_job(
                 connection,
-                1,
                 kinds=settings.kinds,
                 without=self.slots.full(),
                 overdue=(settings.overdue_seconds, settings.overdue_factor),
             )
         )
-        return rows[0] if rows else None
 
     def serve(self, job_id: str) -> None:
         """Work on a job until nothing of it is to be had or the time slice ends; never raises.
