@@ -19,6 +19,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.evaluations import overdue
 from geoswarm.workers.store.jobs import account_running_time, clocks_overdue, get_job
+from geoswarm.workers.store.journal import empty_journal
 from geoswarm.workers.store.line import claimable_jobs, mark_rung
 from geoswarm.workers.store.workers import (
     any_lost_before,
@@ -50,6 +51,8 @@ class Sweeper:
     def sweep(self) -> None:
         """Give up silent workers, free their evaluations, keep the clocks of jobs, ring for work nobody knows of.
 
+        And empty the journal of an SQLite file when readers kept that from happening after a deletion.
+
         Raises
         ------
         StoreUnavailableError
@@ -66,6 +69,7 @@ class Sweeper:
             store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
         self._ring()
         tally.flush(store)
+        empty_journal(store)
 
     def release(self, job_id: str, generation: int, lost_workers: list[str]) -> None:
         """Free the overdue evaluations of one generation, and those of lost workers, and ring for the job."""

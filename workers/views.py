@@ -48,7 +48,7 @@ class JobView:
     versions
         Of geoswarm, Python and what calculates, when it was begun; None: not begun, or begun by an older geoswarm.
     warnings
-        One for each other set of versions that took part.
+        One for each other set of versions that took part, and what a job waits for beside its turn.
     """
 
     id: str

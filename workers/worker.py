@@ -68,6 +68,7 @@ class Worker:
         self.slots = Slots.none() if slots is None else slots
         self._evaluator: Evaluator = Runner(settings.passed_environment) if settings.isolate else InlineEvaluator()
         self._live_workers = 1
+        self._short = False  # of disk
         self._calibrations: OrderedDict[str, Calibration] = OrderedDict()
 
     def start(self) -> None:
@@ -107,6 +108,14 @@ class Worker:
         ------
         StoreUnavailableError
         """
+        shortage = self.runtime.shortage()
+        if (shortage is None) is self._short:
+            self._short = shortage is not None
+            log.warning(
+                "worker %s %s", self.identity.id, f"waits: {shortage}" if shortage else "goes on: there is room"
+            )
+        if shortage is not None:
+            return None
         settings = self.settings
         return self.store.read(
             lambda connection: most_urgent_job(
