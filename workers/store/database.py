@@ -154,7 +154,7 @@ class Store:
         self._file.check()
         raw = self.engine.raw_connection()
         try:
-            raw.cursor().execute("PRAGMA busy_timeout = 200")  # writers wait meanwhile
+            raw.cursor().execute("PRAGMA busy_timeout = 100")  # writers wait meanwhile
             row = raw.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
         except sqlite3.Error as error:
             raise self._unavailable(error) from error
