@@ -93,7 +93,7 @@ class Job(Model):
     versions: dict[str, str] | None = Field(
         description="of geoswarm, python and what calculates, when it was begun; null: not begun, or not recorded"
     )
-    warnings: list[str] = Field(description="one for each other set of versions that took part")
+    warnings: list[str] = Field(description="other versions that took part; what it waits for, when there is no room")
 
 
 class JobPage(Model):

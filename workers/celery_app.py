@@ -16,7 +16,8 @@ from kombu.exceptions import OperationalError
 from redis.backoff import NoBackoff
 from redis.retry import Retry
 
-from geoswarm.workers.errors import BrokerUnavailableError, SettingsError
+from geoswarm.workers.celery_channel import forgive
+from geoswarm.workers.errors import BrokerUnavailableError, SettingsError, StoreUnavailableError
 from geoswarm.workers.settings import Settings, mask_url
 
 __all__ = ["QUEUE", "SERVE_TASK", "CeleryDoorbell", "create_celery", "queue_name", "run_celery_worker"]
@@ -146,6 +147,7 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     """
     from geoswarm.solver.runner.nurse_link import ONE_THREAD
     from geoswarm.workers.store import Store
+    from geoswarm.workers.store.file import missing_database
 
     os.environ.update(ONE_THREAD)
     from geoswarm.solver.forward.registry import kinds
@@ -153,7 +155,14 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     doorbell = CeleryDoorbell(settings)
     doorbell.check()
     doorbell.close()
+    missing = missing_database(settings)
+    if missing is not None:  # a new one would be the wrong one: the service has another
+        raise StoreUnavailableError(
+            f"there is no database {missing}; give the worker that of its service: --database sqlite:///FILE, or"
+            " GEOSWARM_DATABASE_URL (geoswarm serve makes it)"
+        )
     Store(settings).close()
+    forgive()
     app = create_celery(settings)
     app.set_current()
     worker: CeleryWorker = app.Worker(

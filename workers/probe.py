@@ -44,12 +44,9 @@ class Probe:
             self._store.ping()
         except StoreUnavailableError as error:
             return str(error)
-        free = self._store.free_bytes()
-        if free is not None and free < self._reserve:
-            return (
-                f"database: its disk has {free / 1e6:.0f} MB left; at least {self._reserve / 1e6:.0f} MB are kept free"
-                " (GEOSWARM_DISK_RESERVE_MB)"
-            )
+        shortage = self._store.shortage(self._reserve)
+        if shortage is not None:
+            return shortage
         with self._lock:
             if time.monotonic() - self._written_at < self._every:
                 return "ok"

@@ -16,6 +16,7 @@ from geoswarm.workers.coordinator.machine import ENDED_STATES
 from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store, jobs
+from geoswarm.workers.store.journal import empty_journal, note_deletion
 from geoswarm.workers.sweep import with_signals
 
 __all__ = ["Pruned", "delete_job", "prune", "run_prune"]
@@ -51,7 +52,7 @@ def delete_job(store: Store, job_id: str) -> None:
     """
     while store.write(lambda connection: _delete_some(connection, job_id)):
         pass
-    _truncate_journal(store)
+    _empty_journal(store)
 
 
 def prune(
@@ -129,19 +130,19 @@ def _delete_some(connection: Connection, job_id: str) -> bool:
     if jobs.delete_evaluations(connection, job_id, ROWS_A_TRANSACTION) == ROWS_A_TRANSACTION:
         return True
     jobs.delete_job(connection, job_id)
+    note_deletion(connection)
     return False
 
 
-def _truncate_journal(store: Store) -> None:
-    """Empty SQLite's journal, which still holds the deleted pages; readers may keep that from happening just now."""
-    if store.engine.dialect.name == "sqlite":
-        _alone(store, "PRAGMA wal_checkpoint(TRUNCATE)")
+def _empty_journal(store: Store) -> None:
+    if not empty_journal(store):
+        log.info("readers keep the journal of the database from being emptied now; the next sweep tries again")
 
 
 def _vacuum(store: Store) -> None:
     if store.engine.dialect.name == "sqlite":
         _alone(store, "VACUUM")
-        _truncate_journal(store)
+        store.truncate_journal()
         return
     for table in ("evaluations", "generations", "events", "attempts", "jobs"):
         _alone(store, f"VACUUM (ANALYZE) {table}")

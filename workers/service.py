@@ -25,10 +25,11 @@ from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.errors import (
     IdempotencyConflictError,
     JobNotFoundError,
+    StoreUnavailableError,
 )
 from geoswarm.workers.measures import Measures, measure
 from geoswarm.workers.probe import OneAtATime, Probe
-from geoswarm.workers.quotas import check_quotas
+from geoswarm.workers.quotas import check_quotas, sizes
 from geoswarm.workers.records import JobRecords, clip
 from geoswarm.workers.retention import delete_job
 from geoswarm.workers.settings import Settings
@@ -120,34 +121,44 @@ class JobService(JobRecords):
         ProblemError
             When a job to start from is not there or offers nothing.
         QuotaExceededError
+        StoreUnavailableError
+            Also when the disk has less left than its reserve.
         """
         owner = self.principal.owner
         # Each owner has keys of their own: nobody may find another's job by guessing one.
         stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
-        text = pack_json(problem.document())
+        offer = self.store.read(lambda c: find_offer(c, problem, self._row)) if problem.warm_start else None
+        documents = {
+            "problem": pack_json(problem.document()),
+            "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
+        }
+        size = sizes(problem, documents, offer)
+        limited = owner is not None and self.principal.role != "admin"
+        taken = self.store.size_bytes() if limited else 0
         values: dict[str, Any] = {
             "id": secrets.token_hex(8),
             "name": clean_text(problem.name),
             "forward_model": problem.forward_model.kind,
             "priority": problem.priority,
+            "shared_priority": problem.priority if self.principal.role == "admin" else 0,
             "method": problem.method.kind,
-            "problem": text,
             "seed": choose_seed(problem.seed),
             "free_parameters": pack_json(list(problem.free_names)),
-            "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
             "max_evaluations": problem.planned_evaluations,
             "idempotency_key": stored_key,
             "owner": owner,
             "body_hash": _body_hash(problem),
+            **documents,
+            **size,
         }
-
-        offer = self.store.read(lambda c: find_offer(c, problem, self._row)) if problem.warm_start else None
 
         def work(connection: Connection) -> tuple[JobView, bool]:
             same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None:
-                if owner is not None and self.principal.role != "admin":
-                    check_quotas(connection, owner, values["max_evaluations"], self.settings)
+                self._require_room()
+                if owner is not None and limited:
+                    planned = problem.planned_evaluations
+                    check_quotas(connection, owner, planned, self.settings, size=size, taken=taken)
                 if jobs.insert_job(connection, values):
                     if offer is not None:
                         write_offer(connection, values["id"], offer)
@@ -193,7 +204,7 @@ class JobService(JobRecords):
 
         def work(connection: Connection) -> Page[JobView]:
             rows, following = list_jobs(connection, chosen, owner=owner, limit=clip(limit), cursor=cursor)
-            views = [job_view(row, self._gap) for row in rows]
+            views = [self._view(row) for row in rows]
             if trend:
                 trends = list_trends(connection, {view.id: view.generations for view in views}, trend)
                 views = [replace(view, trend=trends[view.id]) for view in views]
@@ -325,7 +336,17 @@ class JobService(JobRecords):
             return False
 
     def _get(self, connection: Connection, job_id: str) -> JobView:
-        return job_view(self._row(connection, job_id), self._gap)
+        return self._view(self._row(connection, job_id))
+
+    def _view(self, row: Any) -> JobView:
+        view = job_view(row, self._gap)
+        shortage = self._runtime.shortage() if view.state in ("queued", "running") else None
+        return view if shortage is None else replace(view, warnings=[*view.warnings, f"waits: {shortage}"])
+
+    def _require_room(self) -> None:
+        shortage = self._runtime.shortage()
+        if shortage is not None:
+            raise StoreUnavailableError(shortage)
 
     def _frame(self, connection: Connection, job_id: str) -> tuple[builtins.list[str], dict[str, builtins.list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""

@@ -27,6 +27,8 @@ ENVIRONMENT = {
     "GEOSWARM_DISK_RESERVE_MB": "disk_reserve_mb",
     "GEOSWARM_QUOTA_JOBS": "quota_jobs",
     "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
+    "GEOSWARM_QUOTA_MB": "quota_mb",
+    "GEOSWARM_QUOTA_TOTAL_MB": "quota_total_mb",
 }
 DRIVERS = {
     "sqlite": "sqlite",
@@ -48,6 +50,15 @@ def mask_url(url: str) -> str:
 def _names(value: Any) -> Any:
     """Names from a list, or from a text with commas between them."""
     return tuple(part.strip() for part in value.split(",") if part.strip()) if isinstance(value, str) else value
+
+
+def _limit(value: Any) -> Any:
+    """A limit; "none" and 0 stand for no limit."""
+    text = value.strip().lower() if isinstance(value, str) else value
+    try:
+        return None if text in ("none", "") or float(text) == 0.0 else value
+    except (TypeError, ValueError):
+        return value
 
 
 class Settings(BaseModel):
@@ -89,7 +100,7 @@ class Settings(BaseModel):
         Names of environment variables that forward models get beside the usual ones (``PATH``, ``HOME``, ...), with
         ``*`` for any letters.
     evaluation_seconds, evaluation_memory_mb
-        Limits [s], [MiB] that no problem may exceed; None: what the problem says.
+        Limits [s], [MiB] that no problem may exceed; None (0 or "none" in the environment): what the problem says.
     build_memory_mb
         Memory [MiB] that building the forward model of another package may take.
     check_seconds
@@ -102,11 +113,15 @@ class Settings(BaseModel):
     connect_seconds
         How long to wait for a database or broker that does not answer [s].
     disk_reserve_mb
-        Free disk [MB] below which the service is not ready; of an SQLite database.
+        Free disk [MB] below which the service is not ready, takes no job and gives out no evaluation, while what is
+        finished is still handed in; of an SQLite database.
     grace_seconds
         How long a stopping engine waits for an evaluation that is being calculated [s].
     quota_jobs, quota_evaluations
         Jobs that have not ended, and stored or planned evaluations, that one owner of API keys may have.
+    quota_mb, quota_total_mb
+        Stored or planned data [MB] of one owner of API keys, and size of the database with all that is planned [MB]
+        above which owners of API keys submit nothing more.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
@@ -129,8 +144,8 @@ class Settings(BaseModel):
     overdue_factor: float = Field(4.0, ge=1)
     isolate: bool = True
     passed_environment: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
-    evaluation_seconds: float | None = Field(None, gt=0)
-    evaluation_memory_mb: float | None = Field(None, ge=16)
+    evaluation_seconds: Annotated[float | None, BeforeValidator(_limit)] = Field(3600.0, gt=0)
+    evaluation_memory_mb: Annotated[float | None, BeforeValidator(_limit)] = Field(None, ge=16)
     build_memory_mb: float = Field(4096.0, ge=64)
     check_seconds: float = Field(60.0, gt=0)
     kinds: tuple[str, ...] = ()
@@ -140,6 +155,8 @@ class Settings(BaseModel):
     grace_seconds: float = Field(3.0, ge=0)
     quota_jobs: int = Field(100, ge=0)
     quota_evaluations: int = Field(10_000_000, ge=0)
+    quota_mb: float = Field(20_000.0, ge=0, allow_inf_nan=False)
+    quota_total_mb: float = Field(100_000.0, ge=0, allow_inf_nan=False)
 
     @field_validator("database_url")
     @classmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import FrameType
 
 from sqlalchemy import Connection
@@ -19,6 +19,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.evaluations import overdue
 from geoswarm.workers.store.jobs import account_running_time, clocks_overdue, get_job
+from geoswarm.workers.store.journal import empty_journal
 from geoswarm.workers.store.line import claimable_jobs, mark_rung
 from geoswarm.workers.store.workers import (
     any_lost_before,
@@ -50,6 +51,8 @@ class Sweeper:
     def sweep(self) -> None:
         """Give up silent workers, free their evaluations, keep the clocks of jobs, ring for work nobody knows of.
 
+        And empty the journal of an SQLite file when readers kept that from happening after a deletion.
+
         Raises
         ------
         StoreUnavailableError
@@ -66,6 +69,7 @@ class Sweeper:
             store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
         self._ring()
         tally.flush(store)
+        empty_journal(store)
 
     def release(self, job_id: str, generation: int, lost_workers: list[str]) -> None:
         """Free the overdue evaluations of one generation, and those of lost workers, and ring for the job."""
@@ -120,7 +124,7 @@ class Sweeper:
     def _ring(self) -> None:
         store, settings = self.runtime.store, self.runtime.settings
 
-        def forgotten(connection: Connection) -> list[Record]:
+        def forgotten(connection: Connection) -> Sequence[Record]:
             idle = count_live(connection, settings.lease_seconds) - len(busy_workers(connection))
             # With nobody idle a ring would only lie in the queue: who becomes idle is rung for in the next sweep.
             late = (settings.overdue_seconds, settings.overdue_factor)

@@ -36,7 +36,7 @@ class JobView:
     max_evaluations
         Number of evaluations after which the job ends at the latest, None when nothing limits it.
     priority
-        Jobs of a higher one get more of the workers.
+        Jobs of a higher one get more of the workers: among those of one owner, an administrator's among all.
     retrying
         Its failed evaluations are run again.
     owner
@@ -48,7 +48,7 @@ class JobView:
     versions
         Of geoswarm, Python and what calculates, when it was begun; None: not begun, or begun by an older geoswarm.
     warnings
-        One for each other set of versions that took part.
+        One for each other set of versions that took part, and what a job waits for beside its turn.
     """
 
     id: str

@@ -27,7 +27,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.jobs import current_generation, get_problem
-from geoswarm.workers.store.line import claimable_jobs
+from geoswarm.workers.store.line import most_urgent_job
 from geoswarm.workers.store.offers import read_offer
 from geoswarm.workers.store.workers import busy_workers, count_live, forget_worker
 from geoswarm.workers.tally import tally
@@ -68,6 +68,7 @@ class Worker:
         self.slots = Slots.none() if slots is None else slots
         self._evaluator: Evaluator = Runner(settings.passed_environment) if settings.isolate else InlineEvaluator()
         self._live_workers = 1
+        self._short = False  # of disk
         self._calibrations: OrderedDict[str, Calibration] = OrderedDict()
 
     def start(self) -> None:
@@ -107,17 +108,23 @@ class Worker:
         ------
         StoreUnavailableError
         """
+        shortage = self.runtime.shortage()
+        if (shortage is None) is self._short:
+            self._short = shortage is not None
+            log.warning(
+                "worker %s %s", self.identity.id, f"waits: {shortage}" if shortage else "goes on: there is room"
+            )
+        if shortage is not None:
+            return None
         settings = self.settings
-        rows = self.store.read(
-            lambda connection: claimable_jobs(
+        return self.store.read(
+            lambda connection: most_urgent_job(
                 connection,
-                1,
                 kinds=settings.kinds,
                 without=self.slots.full(),
                 overdue=(settings.overdue_seconds, settings.overdue_factor),
             )
         )
-        return rows[0] if rows else None
 
     def serve(self, job_id: str) -> None:
         """Work on a job until nothing of it is to be had or the time slice ends; never raises.

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from geoswarm.cli.failures import BadInputError
 
 if TYPE_CHECKING:
+    from geoswarm.workers.settings import Settings
     from geoswarm.workers.store import Store
 
-__all__ = ["existing_store"]
+__all__ = ["existing_store", "refuse_missing_database"]
 
 
 def existing_store(database: str | None) -> Store:
@@ -22,13 +23,25 @@ def existing_store(database: str | None) -> Store:
     """
     from geoswarm.workers.settings import Settings
     from geoswarm.workers.store import Store
-    from geoswarm.workers.store.file import missing_database
 
     settings = Settings.from_environment(database_url=database)
+    refuse_missing_database(settings)
+    return Store(settings)
+
+
+def refuse_missing_database(settings: Settings) -> None:
+    """Refuse to make the SQLite database of a service that is elsewhere, or not there yet.
+
+    Raises
+    ------
+    BadInputError
+        When there is no such file.
+    """
+    from geoswarm.workers.store.file import missing_database
+
     missing = missing_database(settings)
     if missing is not None:
         raise BadInputError(
             f"there is no database {missing}; name that of the service: --database "
             "sqlite:///FILE, or GEOSWARM_DATABASE_URL"
         )
-    return Store(settings)

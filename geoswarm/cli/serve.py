@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from geoswarm.cli.databases import refuse_missing_database
 from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import api_key_option, broker_option, database_option
 from geoswarm.cli.output import note
@@ -283,6 +284,7 @@ def sweep_command(database: str | None, broker: str | None, log_level: str, log_
     from geoswarm.workers.sweep import run_sweep
 
     settings = Settings.from_environment(database_url=database, broker_url=broker)
+    refuse_missing_database(settings)
     prepare("sweep", log_level, log_format, settings)
     note("geoswarm sweep; Ctrl-C stops it.")
     run_sweep(settings)

@@ -302,7 +302,13 @@ class Settings(Section):
     seed: int | None = Field(
         None, ge=0, le=_LARGEST_SEED, description="fixes all random numbers; chosen and reported if absent"
     )
-    priority: int = Field(0, ge=-10, le=10, description="in the service: jobs of a higher one get more of the workers")
+    priority: int = Field(
+        0,
+        ge=-10,
+        le=10,
+        description="in the service: one's own jobs of a higher one get more workers "
+        "(an administrator's: among all jobs)",
+    )
 
 
 class WarmStart(Section):

@@ -7,7 +7,9 @@ import signal
 import time
 
 import pytest
+import redis
 
+from geoswarm.workers.celery_app import QUEUE
 from geoswarm.workers.engine import open_engine
 from geoswarm.workers.errors import BrokerUnavailableError
 from geoswarm.workers.settings import Settings
@@ -82,6 +84,32 @@ def test_a_job_submitted_while_redis_is_down_runs_when_it_is_back(
         finally:
             redis_server.start()
         assert wait_until_ended(engine.service, job_id).state == "finished"
+
+
+def test_what_is_no_message_in_the_queue_is_dropped(settings: Settings) -> None:
+    assert settings.broker_url is not None
+    with open_engine(settings) as engine, celery_workers(settings) as (process,):
+        wait_for(lambda: len(engine.service.workers()) == 1, "a worker")
+        client = redis.Redis.from_url(settings.broker_url)
+        rubbish = [
+            b"no JSON",
+            b"\xff\xfe",
+            b"5",
+            b"[]",
+            b"null",
+            b'"text"',
+            b"{}",
+            b'{"properties": 1}',
+            b"[" * 100_000,
+        ]
+        rubbish.append(b'{"properties": {"delivery_tag": "x", "delivery_info": {}}, "headers": 7, "body": "x"}')
+        for message in rubbish:
+            client.lpush(QUEUE, message)
+        wait_for(lambda: client.llen(QUEUE) == 0, "an empty queue")
+        client.close()
+        job_id = engine.service.submit(line())[0].id
+        assert wait_until_ended(engine.service, job_id).state == "finished"
+        assert process.poll() is None
 
 
 def test_an_unreachable_broker_is_one_clear_line(fresh_postgres_url: str) -> None:

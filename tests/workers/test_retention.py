@@ -1,12 +1,15 @@
 from __future__ import annotations
 
 import sqlite3
+import time
 from pathlib import Path
 
 import pytest
 from sqlalchemy import func, select, text, update
 
 from geoswarm.workers import retention
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError
 from geoswarm.workers.retention import delete_job, prune
 from geoswarm.workers.service import JobService
@@ -14,6 +17,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import attempts, evaluations, events, generations, jobs
+from geoswarm.workers.sweep import Sweeper
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import line
 
@@ -90,8 +94,6 @@ def test_deleted_data_are_nowhere_in_the_files(tmp_path: Path, how: str) -> None
     """Neither in free pages of the database, nor in its journal."""
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    from geoswarm.workers.doorbell import MuteDoorbell
-
     service = JobService(store, MuteDoorbell(), settings)
     kept = service.submit(line(name="kept"))[0].id
     job_id = service.submit(line(name=MARK))[0].id
@@ -111,11 +113,35 @@ def test_deleted_data_are_nowhere_in_the_files(tmp_path: Path, how: str) -> None
     store.close()
 
 
+def test_a_journal_that_a_reader_needs_is_emptied_by_a_later_sweep(tmp_path: Path) -> None:
+    settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
+    store = Store(settings)
+    service = JobService(store, MuteDoorbell(), settings)
+    x = [i / 1000 for i in range(20_000)]
+    job_id = service.submit(line(name=MARK, observations=[{"series": "y", "points": {"x": x, "y": x}}]))[0].id
+    service.cancel(job_id)
+    sweeper = Sweeper(Runtime(store, settings), MuteDoorbell())
+    journal = tmp_path / "jobs.db-wal"
+    with store.engine.connect() as reader, reader.begin():
+        assert reader.scalar(text("SELECT count(*) FROM jobs")) == 1
+        began = time.monotonic()
+        service.delete(job_id)  # does not wait for the reader
+        assert time.monotonic() - began < 10.0
+        sweeper.sweep()
+        assert journal.stat().st_size > 500_000
+        assert MARK.encode() in journal.read_bytes()
+    sweeper.sweep()
+    assert journal.stat().st_size < 100_000
+    assert MARK.encode() not in journal.read_bytes()
+    sizes = journal.stat().st_size
+    sweeper.sweep()  # nothing is left to do
+    assert journal.stat().st_size == sizes
+    store.close()
+
+
 def test_pruning_gives_the_space_back(tmp_path: Path) -> None:
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    from geoswarm.workers.doorbell import MuteDoorbell
-
     service = JobService(store, MuteDoorbell(), settings)
     x = [i / 1000 for i in range(20_000)]
     job_id = service.submit(line(observations=[{"series": "y", "points": {"x": x, "y": x}}]))[0].id

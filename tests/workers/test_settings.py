@@ -3,7 +3,9 @@ from __future__ import annotations
 import pytest
 
 from geoswarm.workers.errors import SettingsError
+from geoswarm.workers.runner.evaluator import limits_of
 from geoswarm.workers.settings import Settings, mask_url
+from tests.workers.problems import line
 
 
 def test_defaults_need_nothing() -> None:
@@ -24,6 +26,21 @@ def test_environment_and_overrides(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
+    ("given", "limit"), [(None, 3600.0), ("none", None), ("None", None), ("0", None), ("0.0", None), ("90", 90.0)]
+)
+def test_an_evaluation_has_a_limit_of_time_unless_none_is_wanted(
+    given: str | None, limit: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if given is not None:
+        monkeypatch.setenv("GEOSWARM_EVALUATION_SECONDS", given)
+    settings = Settings.from_environment()
+    assert settings.evaluation_seconds == limit
+    assert Settings(**settings.model_dump()).evaluation_seconds == limit  # as workers get it
+    assert limits_of(line(), settings).seconds == limit
+    assert limits_of(line(limits={"seconds_per_evaluation": 7}), settings).seconds == 7
+
+
+@pytest.mark.parametrize(
     ("field", "value", "message"),
     [
         ("database_url", "mysql://u:secret@h/d", "names the database 'mysql'; accepted: sqlite, postgresql"),
@@ -33,6 +50,8 @@ def test_environment_and_overrides(monkeypatch: pytest.MonkeyPatch) -> None:
         ("broker_url", "amqp://u:secret@h", "must be a Redis address; accepted: redis://"),
         ("workers", "many", "workers .*valid integer"),
         ("workers", -1, "workers .*greater than or equal to 0"),
+        ("evaluation_seconds", "long", "evaluation_seconds .*valid number"),
+        ("evaluation_seconds", -1, "evaluation_seconds .*greater than 0"),
         ("heartbeat_seconds", 10.0, "at most half of lease_seconds"),
     ],
 )

@@ -35,7 +35,7 @@ def changed_criteria(stopping: str | None) -> tuple[StopCriterion, ...] | None:
 
 
 def change_stopping(
-    connection: Connection, locked: LockedJob, stopping: Stopping, settings: Settings, quota_of: str | None
+    connection: Connection, locked: LockedJob, stopping: Stopping, settings: Settings, quota_of: str | None, taken: int
 ) -> Transition | None:
     """Store other stop criteria of a job; return how it goes on when it had ended.
 
@@ -43,6 +43,8 @@ def change_stopping(
     ----------
     quota_of
         Owner whose quotas limit what may be planned; None: nobody's.
+    taken
+        What the database takes of its disk now [bytes].
 
     Raises
     ------
@@ -81,7 +83,8 @@ def change_stopping(
         more = (
             max((planned or 0) - row.evaluations, 0) if ended else max((planned or 0) - (row.max_evaluations or 0), 0)
         )
-        check_quotas(connection, quota_of, more, settings, another=ended)
+        size = {"document_bytes": 0, "evaluation_bytes": row.evaluation_bytes}
+        check_quotas(connection, quota_of, more, settings, size=size, taken=taken, another=ended)
     values = {"stopping": pack_json(wanted), "max_evaluations": planned}
     connection.execute(update(jobs).where(jobs.c.id == locked.id).values(values))
     return apply(locked.job(), GoOnRequested()) if ended else None

@@ -24,7 +24,7 @@ from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
 from geoswarm.workers.store.jobs import LockedJob, publish_state
-from geoswarm.workers.store.line import REOPENED
+from geoswarm.workers.store.line import REOPENED, first_place
 from geoswarm.workers.store.tables import attempts, evaluations, generations, jobs
 
 __all__ = ["begin_retry", "finish_retry", "open_retries"]
@@ -63,6 +63,7 @@ def begin_retry(connection: Connection, locked: LockedJob, *, gap: float) -> int
         "clock_at": locked.now,
         "rung_at": None,
         "served_at": None,
+        "place": first_place(row.priority, row.created_at),
     }
     connection.execute(update(jobs).where(jobs.c.id == locked.id).values(values))
     publish_state(connection, locked, "running", unpack_json(row.stop_reasons), None)

@@ -63,6 +63,10 @@ class Runtime:
         self.settings = settings
         self.logs: MutableMapping[Calibration, RunLog] = WeakKeyDictionary()
 
+    def shortage(self) -> str | None:
+        """Return why no evaluation is given out and no job taken now: the reserve of free disk; None: all is well."""
+        return self.store.shortage(self.settings.disk_reserve_mb * 1e6)
+
     def request(self, job_id: str, event: Request) -> bool:
         """Apply a user's request; return whether workers should be woken.
 
@@ -91,12 +95,13 @@ class Runtime:
         ------
         JobNotFoundError, InvalidTransitionError, NothingLeftError, ProblemError, QuotaExceededError
         """
+        taken = 0 if quota_of is None else self.store.size_bytes()
 
         def work(connection: Connection) -> bool:
             locked = lock_job(connection, job_id)
             if locked is None:
                 raise JobNotFoundError(job_id)
-            transition = change_stopping(connection, locked, stopping, self.settings, quota_of)
+            transition = change_stopping(connection, locked, stopping, self.settings, quota_of, taken)
             if transition is not None:
                 self._save(connection, locked, [transition])
             return transition is not None
@@ -161,10 +166,12 @@ class Runtime:
         live_workers
             Number of workers that share the job's evaluations.
         want
-            Whether the worker takes a new claim.
+            Whether the worker takes a new claim; it gets none while the disk is short.
         taken_up
             The worker turns to this job now: the others move up in the line.
         """
+
+        want = want and self.shortage() is None
 
         def work(connection: Connection, what: HandIn, closed: Closed | None) -> tuple[Exchange, Due | None]:
             locked = lock_job(connection, job_id)

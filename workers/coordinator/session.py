@@ -264,7 +264,7 @@ class Session:
         if claim is not None:
             note_versions(self.connection, self.locked, self.worker)
         if taken_up:
-            note_served(self.connection, self.locked.id)
+            note_served(self.connection, self.locked.row)
         # Who dispatches wakes as many as there are chunks; who only comes to help wakes one more.
         rings = min(-(-left // chunk), self.live_workers - 1) if dispatched else int(taken_up and left > 0)
         short = self.typical is not None and self.typical <= self.settings.single_seconds

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
+import sqlite3
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from sqlalchemy import Connection, Engine, create_engine, event, select
+from sqlalchemy import Connection, Engine, create_engine, event, func, select
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
@@ -27,6 +29,8 @@ Record: TypeAlias = Any
 
 SQLITE_BUSY_SECONDS = 20.0
 RETRIES = 3  # deadlock or serialisation failure: the same function simply runs again
+JOURNAL_BYTES = 16 * 2**20
+SIZE_SECONDS = 5.0  # PostgreSQL looks at every file of the database to tell its size
 RETRY_STATES = ("40001", "40P01")
 
 
@@ -48,6 +52,7 @@ class Store:
         self.url = settings.database_url
         path = database_path(settings)
         self._file = None if path is None else DatabaseFile(path, file)
+        self._size: tuple[float, int] | None = None  # when it was asked for, and the answer
         if self._file is not None:
             self._file.check()
             self._file.make()
@@ -77,6 +82,31 @@ class Store:
             return None if self._file is None else self._file.free_bytes()
         except OSError:  # the folder has gone; whoever reads or writes is told
             return None
+
+    def shortage(self, reserve_bytes: float) -> str | None:
+        """Return why nothing more may be stored but what is finished: less free disk than a reserve; None: all well."""
+        free = self.free_bytes()
+        if free is None or free >= reserve_bytes:
+            return None
+        return (
+            f"database: its disk has {free / 1e6:.0f} MB left; at least {reserve_bytes / 1e6:.0f} MB are kept free"
+            " (GEOSWARM_DISK_RESERVE_MB). Delete jobs that are no longer needed, or make room otherwise"
+        )
+
+    def size_bytes(self) -> int:
+        """Return what the database takes of its disk [bytes]; of PostgreSQL as it was some seconds ago at most.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        if self._file is not None:
+            return self._file.size_bytes()
+        now = time.monotonic()
+        if self._size is None or now - self._size[0] > SIZE_SECONDS:
+            size = select(func.pg_database_size(func.current_database()))
+            self._size = (now, self.read(lambda connection: connection.scalar(size)) or 0)
+        return self._size[1]
 
     def read(self, function: Callable[[Connection], Result]) -> Result:
         """Run a function that only reads; once more when the connection turns out to be dead.
@@ -109,6 +139,29 @@ class Store:
             When it does not answer.
         """
         self.read(lambda connection: connection.scalar(select(database_now())))
+
+    def truncate_journal(self) -> bool:
+        """Empty SQLite's journal into its file; False: who reads or writes keeps that from happening just now.
+
+        The journal holds deleted pages, too, and keeps its size otherwise. Other databases have none.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        if self._file is None:
+            return True
+        self._file.check()
+        raw = self.engine.raw_connection()
+        try:
+            raw.cursor().execute("PRAGMA busy_timeout = 100")  # writers wait meanwhile
+            row = raw.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
+        except sqlite3.Error as error:
+            raise self._unavailable(error) from error
+        finally:
+            raw.invalidate()  # its settings were changed
+            raw.close()
+        return row is None or row[0] == 0
 
     def close(self) -> None:
         """Close all connections."""
@@ -177,6 +230,7 @@ def _prepare_sqlite(engine: Engine) -> None:
         cursor = connection.cursor()
         cursor.execute("PRAGMA foreign_keys = ON")
         cursor.execute("PRAGMA synchronous = NORMAL")  # with WAL: survives a crash of the program, consistent always
+        cursor.execute(f"PRAGMA journal_size_limit = {JOURNAL_BYTES}")  # it shrinks when it begins anew
         cursor.close()
 
     @event.listens_for(engine, "begin")

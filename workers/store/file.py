@@ -77,6 +77,21 @@ class DatabaseFile:
         """Return how much the disk still takes [bytes]."""
         return shutil.disk_usage(self.path.parent).free
 
+    def size_bytes(self) -> int:
+        """Return the size of the file and its journal [bytes]."""
+        return _size(self.path) + self.journal_bytes()
+
+    def journal_bytes(self) -> int:
+        """Return the size of the write-ahead log [bytes]; 0 where there is none."""
+        return _size(self.path.with_name(f"{self.path.name}-wal"))
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
 
 def _identity(path: Path) -> FileIdentity | None:
     try:

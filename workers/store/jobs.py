@@ -31,7 +31,8 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.event_bell import insert_events
-from geoswarm.workers.store.tables import evaluations, events, generations, jobs
+from geoswarm.workers.store.line import first_place
+from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
 
 __all__ = [
     "LockedJob",
@@ -221,10 +222,13 @@ def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:
         "stop_reasons": "[]",
         "run_seconds": 0.0,
         "created_at": database_now(),
+        "line": values.get("owner") or "",
+        "place": first_place(values.get("priority", 0)),
     } | dict(values)
     upsert = sqlite_insert if connection.dialect.name == "sqlite" else postgresql_insert
     if connection.scalar(upsert(jobs).values(row).on_conflict_do_nothing().returning(jobs.c.id)) is None:
         return False
+    connection.execute(upsert(turns).values(line=row["line"]).on_conflict_do_nothing())
     data = pack_json({"state": "queued", "stop_reasons": [], "error": None})
     now = connection.scalar(select(database_now()))
     insert_events(connection, [{"job_id": values["id"], "kind": "state", "data": data, "created_at": now}])

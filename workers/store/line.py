@@ -1,90 +1,164 @@
-"""The line in which jobs wait for workers."""
+"""The lines in which jobs wait for workers: one for each owner, served in turn.
+
+The line that was served longest ago comes first, and in it the job that has waited longest. One step of a job's
+priority counts as much as ten seconds of waiting, so that nobody waits for ever: in its own line, and among the lines
+only where an administrator gave it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import Any
 
-from sqlalchemy import Connection, and_, case, exists, func, literal, or_, select, text, update
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    ScalarSelect,
+    TextClause,
+    and_,
+    case,
+    func,
+    literal,
+    or_,
+    select,
+    text,
+    true,
+    update,
+)
 
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.tables import evaluations, jobs
+from geoswarm.workers.store.tables import OPEN, evaluations, jobs, turns
 
-__all__ = ["REOPENED", "claimable_jobs", "mark_rung", "note_served"]
+__all__ = ["REOPENED", "claimable_jobs", "first_place", "mark_rung", "most_urgent_job", "note_served"]
 
 SECONDS_A_PRIORITY = 10.0
 
 REOPENED = "evaluations.state = 'pending' AND evaluations.reason IS NOT NULL"
 """Failed evaluations that are to be run again; word for word as in their index."""
 
+WAITING = text(f"jobs.{OPEN}")  # word for word as in the indices of lines and places
 
-def claimable_jobs(
+
+def first_place(priority: int, created_at: float | None = None) -> ColumnElement[float]:
+    """Return the place of a job that was not served yet, entered at a time [s], by default now: it comes soon."""
+    since = database_now() if created_at is None else literal(created_at)
+    return since - (1 + priority) * SECONDS_A_PRIORITY
+
+
+def most_urgent_job(
     connection: Connection,
-    limit: int,
     *,
     kinds: Collection[str] = (),
     without: Collection[str] = (),
     overdue: tuple[float, float] | None = None,
-    not_rung_for: float | None = None,
-) -> list[Record]:
-    """Return ``id`` and ``forward_model`` of jobs that a worker could do something for, the most urgent first.
+) -> Record | None:
+    """Return ``id`` and ``forward_model`` of the job whose turn it is, None: there is nothing to do.
 
-    These are queued ones and running ones with an evaluation to claim, or with none that is open at all (complete, but
-    nobody advanced it). Who has waited longest comes first; one step of priority counts as much as ten seconds of
-    waiting, so that nobody waits for ever.
+    Of each line only the first job that a worker could do something for is looked at, whatever stands behind it.
 
     Parameters
     ----------
     kinds, without
         Only these kinds of forward model, empty: all; and none of those.
     overdue
-        Time [s] and multiple of the typical time after which an evaluation may be run twice at once; None: never.
+        Time [s] and multiple of the typical time after which an evaluation may be run twice at once, when there is
+        nothing else to do; None: never.
+    """
+    wanted = and_(WAITING, _of_kinds(kinds, without))
+    first = (
+        select(jobs.c.id)
+        .where(jobs.c.line == turns.c.line, wanted, _ready())
+        .order_by(jobs.c.place)
+        .limit(1)
+        .correlate(turns)
+        .scalar_subquery()
+    )
+    firsts = select(turns.c.served_at, first.label("id")).cte("firsts").prefix_with("MATERIALIZED")  # found once
+    since = func.coalesce(firsts.c.served_at, jobs.c.created_at - SECONDS_A_PRIORITY)
+    turn = _of_job(since - SECONDS_A_PRIORITY * jobs.c.shared_priority, firsts.c.id)
+    chosen = select(firsts.c.id, _of_job(jobs.c.forward_model, firsts.c.id).label("forward_model"))
+    row = connection.execute(chosen.where(firsts.c.id.is_not(None)).order_by(turn, firsts.c.id).limit(1)).one_or_none()
+    if row is None and overdue is not None:
+        late = select(jobs.c.id, jobs.c.forward_model).where(wanted, _late(*overdue))
+        row = connection.execute(late.order_by(jobs.c.place).limit(1)).one_or_none()
+    return row
+
+
+def claimable_jobs(
+    connection: Connection, limit: int, *, overdue: tuple[float, float], not_rung_for: float
+) -> Sequence[Record]:
+    """Return ``id`` and ``forward_model`` of jobs to ring for, those that have waited longest first.
+
+    These are queued ones and running ones with an evaluation to claim, or with none that is open at all (complete, but
+    nobody advanced it), or with an overdue one.
+
+    Parameters
+    ----------
+    overdue
+        As for :func:`most_urgent_job`.
     not_rung_for
         Leave out jobs for which a sweep rang in these seconds.
     """
+    silent = or_(jobs.c.rung_at.is_(None), jobs.c.rung_at < database_now() - not_rung_for)
+    statement = select(jobs.c.id, jobs.c.forward_model).where(WAITING, silent, or_(_ready(), _late(*overdue)))
+    return connection.execute(statement.order_by(jobs.c.place).limit(limit)).all()
+
+
+def note_served(connection: Connection, row: Record) -> None:
+    """Note that a worker turns to this job now: it goes to the end of its line, and its line waits for the others."""
     now = database_now()
-    here = evaluations.c.job_id == jobs.c.id
-    current = and_(here, evaluations.c.generation == jobs.c.generation)
-    claimable = exists().where(current, evaluations.c.state == "pending").correlate(jobs)
-    running = exists().where(current, evaluations.c.state == "running").correlate(jobs)
-    reopened = exists().where(here, text(REOPENED)).correlate(jobs)
-    retrying = exists().where(here, text("evaluations.state = 'running'")).correlate(jobs)
-    ready = or_(
-        jobs.c.state == "queued",
-        and_(jobs.c.state == "running", jobs.c.retry_to.is_(None), or_(claimable, ~running)),
-        and_(jobs.c.state == "running", jobs.c.retry_to.is_not(None), or_(reopened, ~retrying)),
-    )
-    condition = ready
-    if overdue is not None:
-        seconds, factor = overdue
-        longest = case(
-            (jobs.c.typical_seconds * factor > seconds, jobs.c.typical_seconds * factor), else_=literal(seconds)
-        )
-        late = exists().where(
-            current,
-            text("evaluations.state = 'running'"),
-            evaluations.c.duplicates.is_(None),
-            evaluations.c.started_at < now - longest,
-        )
-        condition = or_(ready, and_(jobs.c.state == "running", jobs.c.retry_to.is_(None), late.correlate(jobs)))
-    if not_rung_for is not None:
-        condition = and_(condition, or_(jobs.c.rung_at.is_(None), jobs.c.rung_at < now - not_rung_for))
-    if kinds:
-        condition = and_(condition, jobs.c.forward_model.in_(kinds))
-    if without:
-        condition = and_(condition, jobs.c.forward_model.not_in(without))
-    since = func.coalesce(jobs.c.served_at, jobs.c.created_at - SECONDS_A_PRIORITY)  # who is new comes soon
-    waiting = since - SECONDS_A_PRIORITY * jobs.c.priority
-    order = (case((ready, 0), else_=1), waiting, jobs.c.created_at)
-    statement = select(jobs.c.id, jobs.c.forward_model).where(condition).order_by(*order).limit(limit)
-    return list(connection.execute(statement).all())
-
-
-def note_served(connection: Connection, job_id: str) -> None:
-    """Note that a worker turns to this job now: it goes to the end of the line."""
-    connection.execute(update(jobs).where(jobs.c.id == job_id).values(served_at=database_now()))
+    values = {"served_at": now, "place": now - SECONDS_A_PRIORITY * row.priority}
+    connection.execute(update(jobs).where(jobs.c.id == row.id).values(values))
+    connection.execute(update(turns).where(turns.c.line == row.line).values(served_at=now))
 
 
 def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:
     """Note that a sweep rings for these jobs now, so that other sweeps need not."""
     connection.execute(update(jobs).where(jobs.c.id.in_(job_ids)).values(rung_at=database_now()))
+
+
+def _of_job(value: ColumnElement[Any], job_id: ColumnElement[str]) -> ScalarSelect[Any]:
+    """Look a value of one job up by its key: a join would make PostgreSQL read all jobs."""
+    return select(value).where(jobs.c.id == job_id).correlate_except(jobs).scalar_subquery()
+
+
+def _of_kinds(kinds: Collection[str], without: Collection[str]) -> ColumnElement[bool]:
+    condition: ColumnElement[bool] = true()
+    if kinds:
+        condition = jobs.c.forward_model.in_(kinds)
+    if without:
+        condition = and_(condition, jobs.c.forward_model.not_in(without))
+    return condition
+
+
+def _ready() -> ColumnElement[bool]:
+    """Whether a worker can claim something of a job, start it, or advance it."""
+    current = evaluations.c.generation == jobs.c.generation
+    claimable = _some(current, evaluations.c.state == "pending")
+    running = _some(current, evaluations.c.state == "running")
+    reopened = _some(text(REOPENED))
+    retrying = _some(text("evaluations.state = 'running'"))
+    return or_(
+        jobs.c.state == "queued",
+        and_(jobs.c.state == "running", jobs.c.retry_to.is_(None), or_(claimable, ~running)),
+        and_(jobs.c.state == "running", jobs.c.retry_to.is_not(None), or_(reopened, ~retrying)),
+    )
+
+
+def _late(seconds: float, factor: float) -> ColumnElement[bool]:
+    """Whether an evaluation of a job is overdue and in one hand only."""
+    longest = case((jobs.c.typical_seconds * factor > seconds, jobs.c.typical_seconds * factor), else_=literal(seconds))
+    late = _some(
+        evaluations.c.generation == jobs.c.generation,
+        text("evaluations.state = 'running'"),
+        evaluations.c.duplicates.is_(None),
+        evaluations.c.started_at < database_now() - longest,
+    )
+    return and_(jobs.c.state == "running", jobs.c.retry_to.is_(None), late)
+
+
+def _some(*conditions: ColumnElement[bool] | TextClause) -> ColumnElement[bool]:
+    """Whether the job has such an evaluation; PostgreSQL would read the whole table for EXISTS here."""
+    found = select(literal(1)).where(evaluations.c.job_id == jobs.c.id, *conditions).limit(1).correlate(jobs)
+    return found.scalar_subquery().is_not(None)

@@ -32,6 +32,7 @@ __all__ = [
     "jobs",
     "metadata",
     "sessions",
+    "turns",
     "workers",
 ]
 
@@ -46,6 +47,9 @@ metadata = MetaData(
 
 Serial = BigInteger().with_variant(Integer(), "sqlite")
 """SQLite numbers rows by itself only in a column of type INTEGER."""
+
+OPEN = "state IN ('queued', 'running')"
+"""Jobs that wait for workers."""
 
 
 def _job(*, key: bool) -> Column[str]:
@@ -92,17 +96,33 @@ jobs = Table(
     Column("typical_seconds", Double),  # median forward calculation of the last finished generation
     Column("served_at", Double),  # a worker last took it up
     Column("rung_at", Double),  # a sweep last rang for it
-    Column("priority", Integer, nullable=False, server_default="0"),
+    Column("priority", Integer, nullable=False, server_default="0"),  # among the jobs of one owner
+    Column("shared_priority", Integer, nullable=False, server_default="0"),  # among owners: an administrator's
+    Column("line", String(80), nullable=False, server_default=""),  # the one of its owner, empty: nobody's
+    Column("place", Double, nullable=False, server_default="0"),  # in this line, the lowest first
     Column(
         "retry_to", String(16)
     ),  # its failures are run again; what it is then: see geoswarm.workers.coordinator.retry
     Column("stopping", Text),  # the stop criteria, where they were changed; null: those of the problem
     Column("versions", Text),  # what it was calculated under: see geoswarm.workers.store.versions
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
+    # what it takes of the disk: the job itself, and each evaluation, about [bytes]
+    Column("document_bytes", BigInteger, nullable=False, server_default="0"),
+    Column("evaluation_bytes", BigInteger, nullable=False, server_default="0"),
     Index("ix_jobs_created_at_id", "created_at", "id"),
     Index("ix_jobs_state_served_at", "state", "served_at"),
     Index("ix_jobs_owner_created_at_id", "owner", "created_at", "id"),
+    Index("ix_jobs_line_place", "line", "place", postgresql_where=text(OPEN), sqlite_where=text(OPEN)),
+    Index("ix_jobs_place", "place", postgresql_where=text(OPEN), sqlite_where=text(OPEN)),
 )
+
+turns = Table(
+    "turns",
+    metadata,
+    Column("line", String(80), primary_key=True),
+    Column("served_at", Double),  # a worker last took up one of its jobs
+)
+"""The lines in which jobs wait, one for each owner; they are served in turn."""
 
 generations = Table(
     "generations",

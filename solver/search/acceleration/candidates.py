@@ -89,6 +89,7 @@ class Arms:
     random: np.random.Generator
     covariance: CovarianceMoves | None
     taken: list[FloatArray] = field(default_factory=list)
+    _table: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 1)))
     _minima: dict[float | None, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _surfaces: dict[float | None, ResidualSurface] = field(default_factory=dict)
     _searched: int = 0
@@ -179,9 +180,15 @@ class Arms:
         """Return the point that would be evaluated, if it may be and lies apart from all others."""
         known = self.knowledge
         point = known.snapped(candidate)
-        near = [float(np.abs(known.evaluated - point).max(axis=1).min())]
-        near += [float(np.abs(other - point).max()) for other in self.taken]
-        return point if min(near) > apart and known.admissible(point) else None
+        if _any_within(known.evaluated, point, apart) or _any_within(self._taken_points(), point, apart):
+            return None
+        return point if known.admissible(point) else None
+
+    def _taken_points(self) -> FloatArray:
+        """All points taken, shape (t, d); kept as one array, as it is asked for far more often than it grows."""
+        if len(self._table) != len(self.taken):
+            self._table = np.array(self.taken)
+        return self._table
 
     def _first_new(self, candidates: Iterable[FloatArray], apart: float) -> FloatArray | None:
         return next((p for c in candidates if (p := self._new(c, apart)) is not None), None)
@@ -318,6 +325,17 @@ class Arms:
     def _occupied(self) -> FloatArray:
         # the selected points suffice here: what matters is the distance to the known regions
         return np.concatenate([self.knowledge.points, *[p[None] for p in self.taken]])
+
+
+def _any_within(points: FloatArray, point: FloatArray, apart: float) -> bool:
+    """Whether a point, shape (d,), differs from one of others, shape (n, d), by at most ``apart`` in each coordinate.
+
+    One coordinate leaves few of thousands to be looked at.
+    """
+    if len(points) == 0:
+        return False
+    left = points[np.abs(points[:, 0] - point[0]) <= apart]
+    return bool((np.abs(left - point) <= apart).all(axis=1).any())
 
 
 def _away_from(known: FloatArray, points: FloatArray) -> FloatArray:

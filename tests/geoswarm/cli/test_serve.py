@@ -133,6 +133,18 @@ def test_worker_needs_a_broker(capsys: pytest.CaptureFixture[str]) -> None:
     assert "GEOSWARM_BROKER_URL" in capsys.readouterr().err
 
 
+def test_a_worker_makes_no_database_of_its_own(
+    tmp_path: Path, fresh_redis_url: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "other.db"
+    for command in ("worker", "sweep"):
+        assert main([command, "--broker", fresh_redis_url, "--database", f"sqlite:///{file}"]) == 2
+        error = capsys.readouterr().err
+        assert f"there is no database {file}" in error
+        assert "Traceback" not in error
+        assert not file.exists()
+
+
 def test_no_service_is_one_message(free_port: int, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", "--url", f"http://127.0.0.1:{free_port}"]) == 2
     error = capsys.readouterr().err

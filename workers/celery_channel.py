@@ -1,0 +1,31 @@
+"""Reads rings from Redis; what is no message of Celery is dropped in place of ending the worker."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from kombu.transport import redis
+
+__all__ = ["ForgivingChannel", "forgive"]
+
+log = logging.getLogger(__name__)
+
+NO_MESSAGE = (ValueError, TypeError, KeyError, AttributeError, IndexError, RecursionError)
+"""What decoding raises for text that is no JSON, or JSON that is no message."""
+
+
+class ForgivingChannel(redis.Channel):
+    """A channel on which a message that cannot be read is lost, as any ring may be: the sweep rings again."""
+
+    def _brpop_read(self, **options: Any) -> bool:
+        try:
+            return bool(super()._brpop_read(**options))  # type: ignore[no-untyped-call]  # kombu has no types
+        except NO_MESSAGE as error:
+            log.warning("a message in the queue cannot be read and was dropped: %s: %s", type(error).__name__, error)
+            return True
+
+
+def forgive() -> None:
+    """Let the connections of this process to Redis use such channels, whatever their address looks like."""
+    redis.Transport.Channel = ForgivingChannel
