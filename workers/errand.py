@@ -8,12 +8,13 @@ from collections.abc import Callable, Sequence
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.runner.evaluator import Evaluator, Limits, NeverMind, NoProcessError
+from geoswarm.solver.runner.evaluator import Evaluator, NeverMind, NoProcessError
 from geoswarm.solver.runner.nurse_link import POLL_SECONDS
 from geoswarm.workers.coordinator.ending import changed_criteria
 from geoswarm.workers.coordinator.machine import GenerationJoined, Job, apply
 from geoswarm.workers.coordinator.work import Claim, HandIn, Leap, Result, joined
 from geoswarm.workers.heart import Heart
+from geoswarm.workers.limits import limits_of
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.tally import tally
 from geoswarm.workers.tracing import record_span
@@ -132,9 +133,7 @@ class Errand:
             job_id,
             self._calibration,
             positions,
-            Limits.of(self._calibration.problem).within(
-                self._settings.evaluation_seconds, self._settings.evaluation_memory_mb
-            ),
+            limits_of(self._calibration.problem, self._settings),
             budget=max(began + self._settings.chunk_seconds - time.monotonic(), 0.0),
             unwanted=self._look,
         )

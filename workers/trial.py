@@ -10,9 +10,10 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.check import CheckReport, check_problem
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, Limits
+from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
+from geoswarm.workers.limits import limits_of
 from geoswarm.workers.settings import Settings
 
 __all__ = ["TrialBench"]
@@ -54,12 +55,7 @@ class TrialBench:
             self._evaluator = Runner(self._settings.passed_environment) if self._settings.isolate else InlineEvaluator()
             self._evaluator.start()
         make_ready(self._evaluator, calibration.problem)
-        settings = self._settings
-        limits = (
-            Limits.of(calibration.problem)
-            .within(settings.evaluation_seconds, settings.evaluation_memory_mb)
-            .within(settings.check_seconds)
-        )
+        limits = limits_of(calibration.problem, self._settings).within(self._settings.check_seconds)
         name = f"test run {self._number}"
         (outcome,) = self._evaluator.run(name, calibration, position[np.newaxis], limits, fields=fields)
         return outcome.evaluation
