@@ -18,6 +18,7 @@ from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.check import CheckReport
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.solver.problem.extremes import extreme_issues
 from geoswarm.workers.access import LOCAL, Principal
 from geoswarm.workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
 from geoswarm.workers.coordinator.runtime import Runtime
@@ -118,9 +119,12 @@ class JobService(JobRecords):
         IdempotencyConflictError
             When the key was used before, with another problem.
         ProblemError
-            When a job to start from is not there or offers nothing.
+            When a job to start from is not there or offers nothing, or a weight or an error of readings is beyond
+            what can be calculated with.
         QuotaExceededError
         """
+        if extreme := extreme_issues(problem):
+            raise ProblemError(extreme)
         owner = self.principal.owner
         # Each owner has keys of their own: nobody may find another's job by guessing one.
         stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
