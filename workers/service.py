@@ -19,6 +19,7 @@ from geoswarm.solver.check import CheckReport
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.problem.extremes import extreme_issues
+from geoswarm.solver.warm_start import forward_model_hash
 from geoswarm.workers.access import LOCAL, Principal
 from geoswarm.workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
 from geoswarm.workers.coordinator.runtime import Runtime
@@ -105,7 +106,7 @@ class JobService(JobRecords):
     def warm_starts(self, problem: Problem) -> builtins.list[WarmStart]:
         """Return earlier jobs of the same forward model whose runs a problem could learn from, newest first."""
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
-        return self.store.read(lambda connection: find_warm_starts(connection, problem, owner))
+        return find_warm_starts(self.store, problem, owner, self._shelf)
 
     def close(self) -> None:
         """End what test runs have started."""
@@ -143,9 +144,10 @@ class JobService(JobRecords):
             "idempotency_key": stored_key,
             "owner": owner,
             "body_hash": _body_hash(problem),
+            "forward_hash": forward_model_hash(problem),
         }
 
-        offer = self.store.read(lambda c: find_offer(c, problem, self._row)) if problem.warm_start else None
+        offer = find_offer(self.store, problem, self._row) if problem.warm_start else None
 
         def work(connection: Connection) -> tuple[JobView, bool]:
             same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)

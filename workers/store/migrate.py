@@ -14,7 +14,7 @@ from geoswarm.workers.settings import mask_url
 
 __all__ = ["HEAD", "upgrade"]
 
-HEAD = "0007"
+HEAD = "0009"
 """Revision that this program works with: the newest in ``migrations/versions``."""
 
 log = logging.getLogger(__name__)

@@ -98,6 +98,7 @@ jobs = Table(
     ),  # its failures are run again; what it is then: see geoswarm.workers.coordinator.retry
     Column("stopping", Text),  # the stop criteria, where they were changed; null: those of the problem
     Column("versions", Text),  # what it was calculated under: see geoswarm.workers.store.versions
+    Column("forward_hash", String(64)),  # of the forward model's section; null: not looked at since the last upgrade
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     Index("ix_jobs_created_at_id", "created_at", "id"),
     Index("ix_jobs_state_served_at", "state", "served_at"),
