@@ -264,6 +264,7 @@ def install_error_handlers(app: FastAPI, pages: Callable[[Request, DetailError],
         detail = "Something went wrong in the service. The log has the cause under the given instance."
         response = detail_response(DetailError(500, detail), instance=occurrence)
         add_security_headers(response.headers)  # this answer does not pass the gate
+        response.headers["Connection"] = "close"  # which the server does after an error that it did not expect
         return response
 
     for kind in TRANSLATED:

@@ -15,11 +15,13 @@ from collections import deque
 from collections.abc import AsyncGenerator, Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import takewhile
 from typing import TypeVar
 
 import anyio
 import anyio.to_thread
 
+from geoswarm.api.event_text import BatchTexts, thinned
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.service import JobService
 from geoswarm.workers.store.event_bell import EventBell
@@ -36,6 +38,7 @@ RETRY_SECONDS = 2.0
 READING_THREADS = 4
 EXISTENCE_SECONDS = 2.0  # how soon listeners learn that their job was deleted
 GATHER_SECONDS = 0.005
+PACE_SECONDS = 0.1  # between two looks that find news: of a busy job one batch tells them all
 QUIET_SECONDS = 1.0  # between two looks while the database tells of events by itself
 
 T = TypeVar("T")
@@ -56,13 +59,19 @@ class _Tail:
     changed: asyncio.Event = field(default_factory=asyncio.Event)
     listeners: int = 0
     gone: bool = False
+    caught_up: bool = False  # what comes now has just happened
+    texts: BatchTexts = field(default_factory=BatchTexts)
 
     def wake(self) -> None:
         changed, self.changed = self.changed, asyncio.Event()
         changed.set()
 
+    def after(self, last: int) -> list[EventView]:
+        """Events that follow one, looked for from the newest: most listeners lack only a few."""
+        return list(takewhile(lambda event: event.id > last, reversed(self.events)))[::-1]
+
     def add(self, batch: list[EventView]) -> None:
-        self.events.extend(batch)
+        self.events.extend(thinned(batch) if self.caught_up else batch)
         self.last = batch[-1].id
         while len(self.events) > KEPT_EVENTS:
             self.floor = self.events.popleft().id
@@ -121,16 +130,18 @@ class EventFeed:
         """
         return await self._in_thread(lambda: self._service.get(job_id).state in ENDED_STATES)
 
-    async def listen(self, job_id: str, after: int) -> AsyncGenerator[EventView | None, None]:
+    async def listen(self, job_id: str, after: int) -> AsyncGenerator[str | None, None]:
         """Yield the events that follow ``after`` as they come, None as a sign of life in silence.
 
-        Ends after the event that ends the job, when the job is deleted, and when the feed is closed.
+        The events of a batch are one text, which is written once for all listeners of a job. Of many generations at
+        once some are left out, never the last one. Ends after the event that ends the job, when the job is deleted,
+        and when the feed is closed.
         """
         tail = self._join(job_id, after)
         try:
             while not self._closed:
                 changed = tail.changed
-                batch = [event for event in tail.events if event.id > after]
+                batch = tail.after(after)
                 if after < tail.floor:  # further back than what is kept
                     try:
                         batch = await self.read(job_id, after) or batch
@@ -138,12 +149,12 @@ class EventFeed:
                         return
                     except StoreUnavailableError:
                         batch = []
-                for event in batch:
-                    yield event
-                    after = event.id
                 if batch:
+                    yield tail.texts.of(batch)
+                    after = batch[-1].id
                     if ends_job(batch[-1]):
                         return
+                    await asyncio.sleep(0)  # others first
                     continue
                 if tail.gone:
                     return
@@ -199,6 +210,7 @@ class EventFeed:
         check_at = time.monotonic() + EXISTENCE_SECONDS
         while True:
             self._rung.clear()
+            looked = time.monotonic()
             watched = {job_id: (tail, tail.last) for job_id, tail in self._tails.items()}
             try:
                 count = await self._look(watched)
@@ -213,7 +225,8 @@ class EventFeed:
                 patience = QUIET_SECONDS if self._bell is not None and self._bell.live else self._poll
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(self._rung.wait(), patience)
-                    await asyncio.sleep(GATHER_SECONDS)  # whoever or whatever else comes now shares the query
+                    pause = looked + PACE_SECONDS - time.monotonic() if count else 0.0
+                    await asyncio.sleep(max(pause, GATHER_SECONDS))  # what else comes now shares the query
 
     async def _look(self, watched: Mapping[str, tuple[_Tail, int]]) -> int:
         """Give every tail its new events; return how many came."""
@@ -226,6 +239,9 @@ class EventFeed:
             tail, last = watched[job_id]
             if self._tails.get(job_id) is tail and tail.last == last:  # nobody left and came back meanwhile
                 tail.add(batch)
+        if len(news) < BATCH:
+            for tail, _ in watched.values():
+                tail.caught_up = True
         return len(news)
 
     async def _find_deleted(self, watched: Mapping[str, tuple[_Tail, int]]) -> None:

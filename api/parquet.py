@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from typing import IO, Any
@@ -13,6 +12,7 @@ from geoswarm.workers.views import EvaluationView
 __all__ = ["parquet_available", "parquet_pieces"]
 
 ROWS_A_GROUP = 5000
+VALUES_A_GROUP = 400_000  # of calculated series, as Python's numbers some 10 MB
 PIECE = 1 << 18
 IN_MEMORY = 16 << 20
 
@@ -76,9 +76,8 @@ def _write(
     fields = [pa.field(header, kind(place, name)) for header, place, name in columns]
     fields += [pa.field(f"response.{name}", pa.list_(pa.float64())) for name in series]
     schema = pa.schema(fields)
-    remaining = iter(views)
     with pq.ParquetWriter(file, schema, compression="zstd") as writer:
-        while group := list(itertools.islice(remaining, ROWS_A_GROUP)):
+        for group in _groups(views, series):
             cells = [[_cell(view, place, name) for view in group] for _, place, name in columns]
             cells += [[None if v.responses is None else v.responses[name]["y"] for v in group] for name in series]
             arrays = [pa.array(column, type=field.type) for column, field in zip(cells, schema, strict=True)]
@@ -89,3 +88,17 @@ def _cell(view: EvaluationView, place: str, name: str) -> Any:
     if place == "parameter":
         return view.parameters.get(name)
     return view.misfits.get(name) if place == "misfit" else getattr(view, name)
+
+
+def _groups(views: Iterable[EvaluationView], series: Sequence[str]) -> Iterator[list[EvaluationView]]:
+    """Rows that are written at once: fewer where the responses of ``series`` are long."""
+    group: list[EvaluationView] = []
+    values = 0
+    for view in views:
+        group.append(view)
+        values += 0 if view.responses is None else sum(len(view.responses[name]["y"]) for name in series)
+        if len(group) >= ROWS_A_GROUP or values >= VALUES_A_GROUP:
+            yield group
+            group, values = [], 0
+    if group:
+        yield group

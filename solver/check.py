@@ -10,9 +10,11 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
+from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.consolidation import find_consolidation
+from geoswarm.solver.problem.extremes import extreme_issues
 from geoswarm.solver.runlog import RunLog
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
@@ -109,8 +111,11 @@ def check_problem(
     InfeasibleSpaceError
         When no proposal satisfies the constraints.
     ProblemError
-        When the forward model cannot be prepared for the observed points.
+        When the forward model cannot be prepared for the observed points, or a weight or an error of readings is
+        beyond what can be calculated with.
     """
+    if extreme := extreme_issues(problem):
+        raise ProblemError(extreme)
     calibration = Calibration(problem, choose_seed(problem.seed))
     proposals = calibration.start().positions
     point = middle(calibration)

@@ -13,7 +13,17 @@ from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Offer
 from geoswarm.solver.problem import Problem
 
-__all__ = ["MOST_OFFERED", "EarlierRuns", "best_of", "forward_model_hash", "offer_of"]
+__all__ = [
+    "MOST_OFFERED",
+    "OTHER_MODEL",
+    "EarlierRuns",
+    "best_of",
+    "forward_model_hash",
+    "offer_of",
+    "usable_runs",
+]
+
+OTHER_MODEL = "has another forward model"
 
 MOST_OFFERED = 2000
 """Runs that one calibration takes over at most: the better half are the best, the others spread over the rest."""
@@ -54,20 +64,43 @@ def offer_of(problem: Problem, earlier: EarlierRuns) -> Offer | str:
     the bounds and satisfy the constraints. Measured values and weights may differ: objectives are calculated anew.
     """
     if forward_model_hash(problem) != forward_model_hash(earlier.problem):
-        return "has another forward model"
-    places = _places(problem, earlier.problem)
+        return OTHER_MODEL
+    usable = usable_runs(problem, earlier.problem, earlier.parameters)
+    if isinstance(usable, str):
+        return usable
+    places, chosen, parameters = usable
+    responses = [{series: earlier.responses[i][series][at] for series, at in places.items()} for i in chosen]
+    return Offer(parameters, responses)
+
+
+def usable_runs(
+    problem: Problem, earlier: Problem, runs: FloatArray
+) -> tuple[dict[str, IntArray], list[int], FloatArray] | str:
+    """Tell which runs of an earlier problem with the same forward model can be taken over, or why none can.
+
+    Parameters
+    ----------
+    runs
+        Natural values of the free parameters of the earlier problem, shape (n, d).
+
+    Returns
+    -------
+    tuple or str
+        Indices of the observed points in the earlier curves by series, numbers of the k runs, and their values of the
+        parameters that are free now, shape (k, e).
+    """
+    places = _places(problem, earlier)
     if isinstance(places, str):
         return places
     chosen, parameters = [], []
-    for number, free in enumerate(earlier.parameters):
-        point = _point(problem, earlier.problem.values(free.tolist()))
+    for number, free in enumerate(runs):
+        point = _point(problem, earlier.values(free.tolist()))
         if point is not None:
             chosen.append(number)
             parameters.append(point)
     if not chosen:
         return "has no run inside the bounds with the same values of all parameters that are not free here"
-    responses = [{series: earlier.responses[i][series][at] for series, at in places.items()} for i in chosen]
-    return Offer(np.array(parameters), responses)
+    return places, chosen, np.array(parameters)
 
 
 def best_of(problem: Problem, offers: Sequence[Offer]) -> Offer | None:
@@ -99,9 +132,10 @@ def _places(problem: Problem, earlier: Problem) -> dict[str, IntArray] | str:
                 return f"has other points or inputs of {observation.series}"
             places[observation.series] = np.arange(len(x))
             continue
-        if x is None or not set(observation.x.tolist()) <= set(x):
+        first = {value: place for place, value in reversed(list(enumerate(x or ())))}
+        if not all(value in first for value in observation.x.tolist()):
             return f"has no responses at all observed points of {observation.series}"
-        places[observation.series] = np.array([x.index(value) for value in observation.x.tolist()], dtype=np.int64)
+        places[observation.series] = np.array([first[value] for value in observation.x.tolist()], dtype=np.int64)
     return places
 
 

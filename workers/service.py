@@ -18,6 +18,8 @@ from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.check import CheckReport
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.solver.problem.extremes import extreme_issues
+from geoswarm.solver.warm_start import forward_model_hash
 from geoswarm.workers.access import LOCAL, Principal
 from geoswarm.workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
 from geoswarm.workers.coordinator.runtime import Runtime
@@ -105,7 +107,7 @@ class JobService(JobRecords):
     def warm_starts(self, problem: Problem) -> builtins.list[WarmStart]:
         """Return earlier jobs of the same forward model whose runs a problem could learn from, newest first."""
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
-        return self.store.read(lambda connection: find_warm_starts(connection, problem, owner))
+        return find_warm_starts(self.store, problem, owner, self._shelf)
 
     def close(self) -> None:
         """End what test runs have started."""
@@ -119,15 +121,18 @@ class JobService(JobRecords):
         IdempotencyConflictError
             When the key was used before, with another problem.
         ProblemError
-            When a job to start from is not there or offers nothing.
+            When a job to start from is not there or offers nothing, or a weight or an error of readings is beyond
+            what can be calculated with.
         QuotaExceededError
         StoreUnavailableError
             Also when the disk has less left than its reserve.
         """
+        if extreme := extreme_issues(problem):
+            raise ProblemError(extreme)
         owner = self.principal.owner
         # Each owner has keys of their own: nobody may find another's job by guessing one.
         stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
-        offer = self.store.read(lambda c: find_offer(c, problem, self._row)) if problem.warm_start else None
+        offer = find_offer(self.store, problem, self._row) if problem.warm_start else None
         documents = {
             "problem": pack_json(problem.document()),
             "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
@@ -148,6 +153,7 @@ class JobService(JobRecords):
             "idempotency_key": stored_key,
             "owner": owner,
             "body_hash": _body_hash(problem),
+            "forward_hash": forward_model_hash(problem),
             **documents,
             **size,
         }

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from sqlalchemy import Connection
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Linearisation, Samples, reweight
 from geoswarm.solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
@@ -38,7 +40,12 @@ from geoswarm.workers.store.selection import (
 )
 from geoswarm.workers.store.versions import recorded_versions, version_warnings
 
-__all__ = ["StatisticsDesk", "StoredJob"]
+__all__ = ["MOST_VALUES", "StatisticsDesk", "StoredJob"]
+
+MOST_VALUES = 4_000_000
+"""Calculated values that are read of a job: evaluations times points, about 32 MB."""
+
+_ABOUT = 1.5  # whole generations are read while they are not more than so many times what is wanted
 
 FindRow = Callable[[Connection, str], Any]
 
@@ -262,36 +269,57 @@ def _read(connection: Connection, row: Any) -> StoredJob:
 
 
 def _samples(connection: Connection, row: Any, problem: Problem) -> tuple[Samples, dict[str, int]]:
-    good: list[Any] = []
+    series = [observation.series for observation in problem.observations]
+    points = sum(observation.x.size for observation in problem.observations)
+    most = max(min(MOST_READ, MOST_VALUES // points), 1)
+    numbers = chosen_generations(connection, row, most, sampled=isinstance(problem.method, MonteCarloMethod))
+    every = _every(row, numbers, most)
+    best = (row.best_generation, row.best_particle)
     failures: Counter[str] = Counter()
-    sampled = isinstance(problem.method, MonteCarloMethod)
-    numbers = chosen_generations(connection, row, MOST_READ, sampled=sampled)
-    for evaluation in read_evaluations(connection, row.id, numbers):
-        if evaluation.state == "finished":
-            good.append(evaluation)
-        elif evaluation.state == "failed":
-            failures[evaluation.reason] += 1
+    places: list[tuple[int, int]] = []
+    parameters: list[FloatArray] = []
+    objectives: list[float] = []
+    misfits: list[dict[str, float]] = []
+    responses: dict[str, list[FloatArray]] = {name: [] for name in series}
+    for place, found in enumerate(read_evaluations(connection, row.id, numbers)):
+        if found.state == "failed":
+            failures[found.reason] += 1
+        key = (found.generation, found.particle)
+        if found.state != "finished" or (place % every and key != best):
+            continue
+        places.append(key)
+        parameters.append(unpack_array(found.parameters))
+        objectives.append(found.objective)
+        misfits.append(unpack_json(found.misfits))
+        calculated = unpack_responses(found.responses)
+        for name in series:
+            responses[name].append(calculated[name])
     left_out = 0
-    if numbers is not None:
+    if numbers is not None or every > 1:
         failures = Counter(counted_failures(connection, row.id))
-        left_out = max(row.evaluations - row.failed_evaluations - len(good), 0)
-    responses = [unpack_responses(row.responses) for row in good]
-    misfits = [unpack_json(row.misfits) for row in good]
+        left_out = max(row.evaluations - row.failed_evaluations - len(places), 0)
     samples = Samples.from_arrays(
         problem,
-        np.array([unpack_array(row.parameters) for row in good]),
-        np.array([row.objective for row in good], dtype=np.float64),
-        misfits={o.series: np.array([m[o.series] for m in misfits], dtype=np.float64) for o in problem.observations},
+        np.array(parameters),
+        np.array(objectives, dtype=np.float64),
+        misfits={name: np.array([m[name] for m in misfits], dtype=np.float64) for name in series},
         responses={
-            o.series: np.array([r[o.series] for r in responses], dtype=np.float64).reshape(-1, o.x.size)
+            o.series: np.array(responses.pop(o.series), dtype=np.float64).reshape(-1, o.x.size)
             for o in problem.observations
         },
-        generations=np.array([row.generation for row in good], dtype=np.int64),
-        particles=np.array([row.particle for row in good], dtype=np.int64),
+        generations=np.array([generation for generation, _ in places], dtype=np.int64),
+        particles=np.array([particle for _, particle in places], dtype=np.int64),
         failed=failures.total(),
         left_out=left_out,
     )
     return samples, dict(failures)
+
+
+def _every(row: Any, numbers: Sequence[int] | None, most: int) -> int:
+    """Which part of the evaluations in chosen generations is taken: one of so many, where generations are large."""
+    evaluations: int = row.evaluations
+    share = 1.0 if numbers is None else len(numbers) / max(row.generations, 1)
+    return max(math.ceil(share * evaluations / (_ABOUT * most)), 1)
 
 
 def _best(connection: Connection, job_id: str, job: Any, problem: Problem) -> BestFit | None:

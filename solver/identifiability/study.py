@@ -54,7 +54,7 @@ ON_BOUND = (
 
 
 SELECTED = (
-    "The history is long: {read} of its {total} successful evaluations were read, in whole generations, {rule}. "
+    "The history is long: {read} of its {total} successful evaluations were read, {rule}. "
     "Counts, correlations and widths are of these."
 )
 

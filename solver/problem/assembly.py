@@ -15,6 +15,7 @@ from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import built, find_spec, parse_spec
+from geoswarm.solver.problem.extremes import extreme_issues
 from geoswarm.solver.problem.feasibility import estimates_in_conflict, infeasibility
 from geoswarm.solver.problem.follow_up_checks import follow_up_issues
 from geoswarm.solver.problem.issues import describe, issues_of, validated
@@ -87,7 +88,10 @@ def load_problem(path: str | Path) -> Problem:
     """
     path = Path(path)
     document = read_problem_file(path)
-    return _Assembly({"name": path.stem, **document}, path.parent).problem()
+    problem = _Assembly({"name": path.stem, **document}, path.parent).problem()
+    if extreme := extreme_issues(problem):
+        raise ProblemError(extreme)
+    return problem
 
 
 @dataclass

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from geoswarm.solver.report.compression import CompressionCurve
+from geoswarm.solver.report.extent import set_limits
 from geoswarm.solver.report.style import (
     BLUE,
     ORANGE,
@@ -36,7 +37,7 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
         if curve.measured.size:
             plot_measured(axes, curve.measured_stress, curve.measured)
         low, high = float(curve.stress.min()), float(max(curve.stress.max(), curve.preconsolidation))
-        axes.set_xlim(min(low, curve.preconsolidation) / 1.4, high * 1.4)
+        set_limits(axes, "x", min(low, curve.preconsolidation) / 1.4, high * 1.4, log=True)
         if curve.preconsolidation > _BEYOND * curve.stress[0]:  # normally consolidated from the start: nothing to mark
             if curve.interval is not None:
                 axes.axvspan(*curve.interval, color=ORANGE, alpha=0.18, linewidth=0.0, zorder=1)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.report.curves import SeriesCurve
+from geoswarm.solver.report.extent import set_limits
 from geoswarm.solver.report.style import (
     BLUE,
     GREEN,
@@ -58,7 +59,8 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
             _residuals(lower, curve)
             if _crowded(curve):
                 plain_ticks(lower, "x", log=True, most=6)
-                upper.set_xlim(curve.measured_x[curve.measured_x > 0].min() * 0.7, curve.measured_x.max() * 1.4)
+                first = float(curve.measured_x[curve.measured_x > 0].min())
+                set_limits(upper, "x", first * 0.7, float(curve.measured_x.max()) * 1.4, log=True)
             else:
                 plain_ticks(lower, "x", log=False, most=6)
             upper.tick_params(labelbottom=False)
@@ -136,10 +138,10 @@ def _stage(axes: Axes, curve: SeriesCurve, start: float, end: float) -> None:
     axes.plot(x, curve.y[along], color=BLUE, linewidth=1.5)
     plot_measured(axes, curve.measured_x[inside] - start, curve.measured_y[inside])
     first = float((curve.measured_x[inside] - start).min())
-    axes.set_xlim(first * 0.6, (end - start) * 1.5)
+    set_limits(axes, "x", first * 0.6, (end - start) * 1.5, log=True)
     shown = np.concatenate([curve.y[along & (curve.x - start >= first * 0.6)], curve.measured_y[inside]])
     margin = 0.12 * float(np.ptp(shown)) or 1.0
-    axes.set_ylim(float(shown.min()) - margin, float(shown.max()) + margin)
+    set_limits(axes, "y", float(shown.min()) - margin, float(shown.max()) + margin)
     plain_ticks(axes, "x", log=True, most=4)
     plain_ticks(axes, "y", log=False, most=3)
     axes.tick_params(labelsize=7)

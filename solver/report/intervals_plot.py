@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from geoswarm.solver.report.extent import set_limits
 from geoswarm.solver.report.labels import ParameterLabel
 from geoswarm.solver.report.style import BLUE, GRID, ORANGE, drawing, head, plain_ticks
 
@@ -61,10 +62,7 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
         for index, row in enumerate(rows):
             axes = figure.add_subplot(len(rows), 1, index + 1)
             axes.set_ylim(-1.0, 1.0)
-            margin = (row.upper / row.lower) ** 0.03 if row.log else 0.03 * (row.upper - row.lower)
-            axes.set_xlim(
-                (row.lower / margin, row.upper * margin) if row.log else (row.lower - margin, row.upper + margin)
-            )
+            set_limits(axes, "x", row.lower, row.upper, log=row.log, margin=0.03)
             axes.barh(0.0, row.upper - row.lower, left=row.lower, height=0.5, color=GRID, label="search range")
             if row.good_fits is not None:
                 low, high = row.good_fits

@@ -14,6 +14,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.identifiability import Correlation, Correlations, Filtered, Projection, Samples
+from geoswarm.solver.report.extent import drawable, set_limits
 from geoswarm.solver.report.labels import ParameterLabel
 from geoswarm.solver.report.style import (
     GRID,
@@ -148,9 +149,9 @@ def _norm(data: MatrixData) -> Normalize:
     top = data.filtered.threshold.value
     found = data.filtered.samples.objectives
     low = float(found.min()) if found.size else top / 10.0
-    if low > 0.0 and top / low > 3.0:
-        return LogNorm(low, top)
-    return Normalize(min(low, 0.999 * top), top)
+    if low > 0.0 and top / 3.0 > low:
+        return LogNorm(*drawable(low, top, log=True))
+    return Normalize(*drawable(min(low, 0.999 * top), top))
 
 
 def _draw(axes: Axes, x: FloatArray, y: FloatArray, objectives: FloatArray, good: BoolArray, norm: Normalize) -> None:
@@ -177,7 +178,7 @@ def _projection(axes: Axes, data: MatrixData, index: int, shown: IntArray, good:
     axes.stairs(envelope, edges, baseline=None, color=ORANGE, linewidth=1.3, zorder=4)
     axes.axhline(threshold, color=MUTED, linestyle="--", linewidth=0.8, zorder=3)
     _limits(axes, samples, index, "x")
-    axes.set_ylim((lowest * 0.7 if log else min(0.0, lowest)), top)
+    set_limits(axes, "y", lowest * 0.7 if log else min(0.0, lowest), top, log=log)
     axes.yaxis.tick_right()
     plain_ticks(axes, "y", log=log, most=4)
     axes.tick_params(axis="y", labelsize=6.5, pad=1.5, length=2)
@@ -239,12 +240,7 @@ def _rgb(colour: str) -> tuple[float, float, float]:
 
 def _limits(axes: Axes, samples: Samples, index: int, which: str) -> None:
     lower, upper, log = float(samples.lower[index]), float(samples.upper[index]), samples.scales[index] == "log"
-    if log:
-        margin = (upper / lower) ** 0.02
-        limits = lower / margin, upper * margin
-    else:
-        limits = lower - 0.02 * (upper - lower), upper + 0.02 * (upper - lower)
-    (axes.set_xlim if which == "x" else axes.set_ylim)(*limits)
+    set_limits(axes, which, lower, upper, log=log, margin=0.02)
     plain_ticks(axes, which, log=log, most=4, inset=True)
 
 

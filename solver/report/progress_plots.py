@@ -9,6 +9,7 @@ import numpy as np
 
 from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.local import GenerationRecord
+from geoswarm.solver.report.extent import set_limits
 from geoswarm.solver.report.labels import ParameterLabel
 from geoswarm.solver.report.style import BLUE, GRID, MUTED, ORANGE, drawing, finish, head, plain_ticks, with_unit
 
@@ -124,8 +125,7 @@ def traces_figure(
             axes.step([n for n, _ in best], [v for _, v in best], where="post", color=BLUE, linewidth=1.6)
             lower, upper = float(samples.lower[index]), float(samples.upper[index])
             log = samples.scales[index] == "log"
-            margin = (upper / lower) ** 0.03 if log else 0.03 * (upper - lower)
-            axes.set_ylim((lower / margin, upper * margin) if log else (lower - margin, upper + margin))
+            set_limits(axes, "y", lower, upper, log=log, margin=0.03)
             for bound in (lower, upper):
                 axes.axhline(bound, color=GRID, linewidth=1.0, linestyle=":")
             plain_ticks(axes, "y", log=log, most=4)

@@ -177,15 +177,17 @@ def plain_ticks(axes: Axes, which: str, *, log: bool, most: int = 4, inset: bool
     low, high = sorted(axes.get_xlim() if which == "x" else axes.get_ylim())
     if not log:
         axis.set_major_locator(MaxNLocator(most, min_n_ticks=1 if whole else 2, integer=whole))
-    elif high / low < 20.0:  # little more than a decade: numbers in between say more than powers
+    elif high / 20.0 < low:  # little more than a decade: numbers in between say more than powers
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=most + 4))
     else:
         axis.set_major_locator(LogLocator(numticks=most))
     margin = 0.07 if inset else -1.0
 
     def written(value: float, _position: object) -> str:
-        place = np.log(value / low) / np.log(high / low) if log else (value - low) / (high - low)
-        return tick_text(value) if margin <= place <= 1.0 - margin else ""
+        if log and value <= 0.0:  # a power of ten below the smallest number
+            return ""
+        first, at, last = np.log([low, value, high]) if log else (low, value, high)
+        return tick_text(value) if margin <= (at - first) / (last - first) <= 1.0 - margin else ""
 
     axis.set_major_formatter(FuncFormatter(written))
     if log:

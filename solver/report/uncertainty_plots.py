@@ -11,6 +11,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.global_sensitivity import GlobalSensitivity
 from geoswarm.solver.identifiability.posterior import Posterior
 from geoswarm.solver.identifiability.profiles import Profile
+from geoswarm.solver.report.extent import set_limits
 from geoswarm.solver.report.labels import ParameterLabel
 from geoswarm.solver.report.style import (
     BLUE,
@@ -74,7 +75,7 @@ def profiles_figure(
             )
             axes.axhline(profile.limit, color=ORANGE, linestyle="--", linewidth=1.1, label="limit of the interval")
             plain_ticks(axes, "x", log=logs[profile.parameter] and _wide(values), most=3)
-            axes.set_ylim(lowest - 0.08 * (top - lowest), top)
+            set_limits(axes, "y", lowest - 0.08 * (top - lowest), top)
             plain_ticks(axes, "y", log=False, most=4)
             axes.set_xlabel(labels[profile.parameter].axis)
             axes.set_ylabel(with_unit("objective f", unit))
@@ -139,7 +140,7 @@ def posterior_figure(title: str, posterior: Posterior, labels: Labels, logs: Map
             axes.axvline(float(np.median(posterior.parameters[:, index])), color=ORANGE, linewidth=1.2)
             plain_ticks(axes, "x", log=logs[name] and _wide(posterior.parameters[:, index]), most=3)
             plain_ticks(axes, "y", log=False, most=3)
-            axes.set_ylim(0.0, 1.15 * float(density.max()))
+            set_limits(axes, "y", 0.0, 1.15 * float(density.max()))
             axes.set_xlabel(labels[name].axis)
             axes.set_ylabel("share of sample [-]")
             finish(axes, legend=False)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import logging
+import socket
 import sqlite3
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from tests.api.conftest import API, App, line_problem
+from tests.api.conftest import API, App, line_problem, live_server
 
 
 def test_an_unknown_route_points_to_the_list_of_routes(app: App) -> None:
@@ -79,6 +80,20 @@ def test_an_unexpected_error_is_logged_with_its_id_and_told_without_a_traceback(
     assert "Traceback" not in answer.text
     assert detail["instance"].startswith("urn:uuid:")
     assert any(detail["instance"] in record.getMessage() and record.exc_info for record in caplog.records)
+
+
+def test_an_unexpected_error_says_that_the_connection_ends(tmp_path: Path) -> None:
+    service = BrokenService(ZeroDivisionError(), tmp_path)
+    with live_server(service) as server:
+        port = server.listener.getsockname()[1]
+        with socket.create_connection(("127.0.0.1", port), timeout=30) as connection:
+            connection.sendall(f"GET {API}/jobs/x HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            answer = b"".join(iter(lambda: connection.recv(65536), b""))  # until the service closes it
+    head, _, body = answer.partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 500")
+    assert b"connection: close" in head.lower().split(b"\r\n")
+    assert b"urn:uuid:" in body
+    service.close()
 
 
 def test_an_unavailable_database_is_503(tmp_path: Path) -> None:

@@ -5,15 +5,22 @@ from __future__ import annotations
 import asyncio
 import json
 import threading
+import time
 from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
 from typing import Any
 
 import httpx
 import pytest
 
 from geoswarm.api import ApiSettings
+from geoswarm.api.event_text import MOST_GENERATIONS, BatchTexts, encode_event, thinned
+from geoswarm.api.feed import EventFeed
+from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.engine import Engine
 from geoswarm.workers.service import JobService
+from geoswarm.workers.store.event_bell import insert_events
+from geoswarm.workers.views import EventView
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
 
 
@@ -168,3 +175,76 @@ def test_a_listener_that_leaves_stops_the_poller(server: LiveServer) -> None:
     wait_until(lambda: server.feed.watched == 1)
     stream.close()  # type: ignore[attr-defined]
     wait_until(lambda: server.feed.watched == 0)
+
+
+def event(number: int, kind: str = "generation") -> EventView:
+    return EventView(number, kind, {"number": number}, datetime.now(UTC))
+
+
+def test_of_many_generations_at_once_some_are_told_and_the_last() -> None:
+    batch = [event(number, "state" if number in (7, 180, 200) else "generation") for number in range(201)]
+    told = [one.id for one in thinned(batch)]
+    assert {7, 180, 199, 200} <= set(told)
+    assert told == sorted(set(told))
+    assert len(told) <= MOST_GENERATIONS + 4
+    assert thinned(batch[:MOST_GENERATIONS]) == batch[:MOST_GENERATIONS]
+
+
+def test_a_batch_is_written_once_for_all() -> None:
+    texts, batch = BatchTexts(), [event(1), event(2)]
+    assert texts.of(batch) is texts.of(list(batch))
+    assert texts.of(batch) == "".join(map(encode_event, batch))
+
+
+def test_many_watchers_of_a_busy_job_do_not_hold_up_the_loop(service: JobService) -> None:
+    """200 streams of a job with some 400 generations a second: the loop comes round soon, all hear the end."""
+    service.submit(parse_problem(line_problem()))
+    job = service.list().items[0].id
+    last = 3000
+    done = threading.Event()
+
+    def work() -> None:
+        for first in range(0, last, 20):
+            rows = [
+                {
+                    "job_id": job,
+                    "kind": "generation",
+                    "data": json.dumps({"number": n, "parameters": {"a": 0.1, "b": 0.2}}),
+                    "created_at": 1.0,
+                }
+                for n in range(first, first + 20)
+            ]
+            service.store.write(lambda connection, rows=rows: insert_events(connection, rows))
+            time.sleep(0.05)
+        done.set()
+
+    async def follow() -> tuple[list[int], float, int]:
+        feed = EventFeed(service, poll_seconds=0.01)
+        heard = [0] * 200
+        texts = 0
+
+        async def watch(place: int) -> None:
+            nonlocal texts
+            async for text in feed.listen(job, 0):
+                if text is not None:
+                    texts += 1
+                    heard[place] = int(text.rsplit("id: ", 1)[1].partition("\n")[0])
+
+        watching = [asyncio.create_task(watch(place)) for place in range(200)]
+        thread = threading.Thread(target=work)
+        thread.start()
+        longest = 0.0
+        while not done.is_set() or min(heard) < max(heard) or max(heard) < last:
+            before = time.monotonic()
+            await asyncio.sleep(0.005)
+            longest = max(longest, time.monotonic() - before)
+        feed.close()
+        await asyncio.gather(*watching)
+        thread.join()
+        return heard, longest, texts
+
+    heard, longest, texts = asyncio.run(asyncio.wait_for(follow(), 120))
+    assert len(set(heard)) == 1
+    assert heard[0] >= last
+    assert texts < 60_000  # one for each event and listener would be 600 000
+    assert longest < 2.0

@@ -186,6 +186,23 @@ def test_parquet_has_the_numbers_of_the_csv_and_the_responses(done: tuple[App, s
     assert pq.read_table(io.BytesIO(good.content)).num_rows == sum(float(row["objective"]) <= 1.0 for row in rows)
 
 
+def test_parquet_of_long_responses_is_written_in_small_groups(
+    done: tuple[App, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import pyarrow.parquet as pq
+
+    monkeypatch.setattr("geoswarm.api.parquet.VALUES_A_GROUP", 30)
+    app, path = done
+    content = app.get(f"{path}/evaluations", params={"format": "parquet", "responses": True}).content
+    file = pq.ParquetFile(io.BytesIO(content))
+    points = len(file.read()["response.y"][0].as_py())
+    sizes = [file.metadata.row_group(number).num_rows for number in range(file.num_row_groups)]
+    assert len(sizes) > 1
+    assert all((size - 1) * points < 30 for size in sizes)
+    without = app.get(f"{path}/evaluations", params={"format": "parquet"}).content
+    assert pq.ParquetFile(io.BytesIO(without)).num_row_groups == 1
+
+
 def test_without_pyarrow_parquet_is_not_available(done: tuple[App, str], monkeypatch: pytest.MonkeyPatch) -> None:
     app, path = done
     monkeypatch.setattr("geoswarm.api.routes.results.parquet_available", lambda: False)

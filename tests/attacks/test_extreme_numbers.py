@@ -43,7 +43,7 @@ JOBS = {
     ),
 }
 NUMBERS = (5e-324, 1e-300, 1e-150, 1.0, 1e150, 1e300, 1.7e308)
-GETS = ("", "/evaluations", "/statistics", "/uncertainty", "/posterior", "/figures", "/fit", "/points")
+GETS = ("", "/evaluations", "/statistics", "/uncertainty", "/posterior", "/figures", "/fit", "/points", "/report.html")
 
 
 @pytest.fixture(scope="module")
@@ -96,3 +96,32 @@ def test_numbers_of_other_weights(app: App, path: str, name: str) -> None:
         }[name]
         answer = app.post(f"{path}/reweight", json=given)
         assert answer.status_code in (200, 404, 409, 422), (number, answer.text)
+
+
+@pytest.mark.parametrize(
+    ("name", "path"),
+    [
+        ("precise", "observations[0].error"),
+        ("imprecise", "observations[0].error"),
+        ("heavy", "observations[0].weight"),
+        ("light", "observations[0].weight"),
+    ],
+)
+@pytest.mark.parametrize("route", ["/jobs", "/problems/check"])
+def test_weights_and_errors_beyond_what_can_be_squared_are_refused(app: App, name: str, path: str, route: str) -> None:
+    answer = app.post(f"{API}{route}", json=JOBS[name])
+    assert answer.status_code == 422, answer.text
+    (issue,) = answer.json()["issues"]
+    assert issue["path"] == path
+    assert "1e-150 to 1e+150" in issue["message"]
+    assert "accepted" in issue["message"]
+
+
+def test_an_error_is_judged_by_the_readings(app: App) -> None:
+    answer = app.post(f"{API}/problems/check", json=job(1e100, error=1e-100))
+    assert answer.status_code == 422, answer.text
+    assert "1e-150 times the largest reading" in answer.text
+    points = {"x": X, "y": X, "weight": [1.0, 1.0, 0.0, 1e-200, 1.0, 1.0]}
+    answer = app.post(f"{API}/problems/check", json=line_problem(observations=[{"series": "y", "points": points}]))
+    assert answer.status_code == 422, answer.text
+    assert "weights of points" in answer.text

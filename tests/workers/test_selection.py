@@ -10,6 +10,8 @@ from geoswarm.solver.identifiability import analyse
 from geoswarm.solver.identifiability.study import SWARM_BIAS
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
+from geoswarm.workers.shelf import Shelf
+from geoswarm.workers.statistics import StatisticsDesk, StoredJob
 from geoswarm.workers.store import Store, jobs, selection
 from tests.workers.hand import Hand, finish, runtime_for
 from tests.workers.problems import calibration, line
@@ -73,9 +75,36 @@ def test_statistics_say_what_they_rest_on(
     problem = SAMPLED if sampled else SWARM
     found = analyse(calibration(problem), stored.samples)
     rule = "spread evenly" if sampled else "half with the lowest objectives, half spread evenly"
-    assert (
-        f"{stored.samples.size} of its 200 successful evaluations were read, in whole generations, {rule}"
-        in found.warnings[0]
-    )
+    assert f"{stored.samples.size} of its 200 successful evaluations were read, {rule}" in found.warnings[0]
     assert (SWARM_BIAS in found.warnings) is not sampled
     assert found.to_json()["samples"]["left_out"] == stored.samples.left_out
+
+
+def test_long_responses_make_fewer_evaluations(
+    monkeypatch: pytest.MonkeyPatch, service: JobService, job: tuple[str, bool]
+) -> None:
+    job_id, _ = job
+    points = sum(o.x.size for o in service.statistics.stored(job_id).problem.observations)
+    monkeypatch.setattr("geoswarm.workers.statistics.MOST_VALUES", 50 * points)
+    stored = StatisticsDesk(service.store, service._row, Shelf()).stored(job_id)
+    assert stored.samples.size + stored.samples.left_out == 200
+    assert 40 <= stored.samples.size <= 75
+    assert float(stored.samples.objectives.min()) == service.get(job_id).objective
+    assert any("of its 200 successful evaluations were read" in text for text in analysed(stored))
+
+
+def test_a_large_generation_is_thinned(
+    monkeypatch: pytest.MonkeyPatch, store: Store, settings: Settings, service: JobService
+) -> None:
+    problem = line(method={"kind": "monte_carlo", "samples": 200, "batch": 200}, stopping={})
+    job_id = service.submit(problem)[0].id
+    finish(Hand(runtime_for(store, settings), job_id, "w1", calibration(problem)))
+    monkeypatch.setattr("geoswarm.workers.statistics.MOST_READ", 20)
+    stored = service.statistics.stored(job_id)
+    assert stored.samples.size + stored.samples.left_out == 200
+    assert 20 <= stored.samples.size <= 31
+    assert float(stored.samples.objectives.min()) == service.get(job_id).objective
+
+
+def analysed(stored: StoredJob) -> tuple[str, ...]:
+    return analyse(calibration(stored.problem), stored.samples).warnings

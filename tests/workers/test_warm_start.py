@@ -6,14 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sqlalchemy import select, update
 
 from geoswarm.solver.calibration import Offer
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.local import calibrate
-from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.warm_start import EarlierRuns, best_of, offer_of
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
 from geoswarm.workers.access import Principal
 from geoswarm.workers.service import JobService
+from geoswarm.workers.store import Store, offers
+from geoswarm.workers.store.tables import jobs
 from geoswarm.workers.store.workers import see_worker
 from tests.solver.problems import decay_document
 from tests.workers.conftest import MakeWorker
@@ -129,3 +132,46 @@ def test_an_automatic_generation_has_the_size_that_was_recorded(service: JobServ
     assert history(service, job) == [
         (r.evaluation.parameters.tolist(), r.evaluation.objective) for r in calibrate(fixed).history
     ]
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_documents_of_earlier_jobs_are_not_read_again_for_each_question(
+    service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sampling = document(method={"kind": "monte_carlo", "samples": 10}, stopping=None)
+    source = run(service, make_worker, sampling)
+    other = document(method={"kind": "monte_carlo", "samples": 10}, stopping=None)
+    other["forward_model"] = {"kind": "formula", "series": {"y": "0.5 * amplitude * exp(-rate * x)"}}
+    different = run(service, make_worker, other)
+    read: list[str] = []
+    stored_problem = offers._stored_problem
+
+    def count(store: Store, job_id: str) -> Problem:
+        read.append(job_id)
+        return stored_problem(store, job_id)
+
+    monkeypatch.setattr(offers, "_stored_problem", count)
+    problem = parse_problem(document())
+    for _ in range(3):
+        (found,) = service.warm_starts(problem)
+        assert (found.job, found.evaluations) == (source, 10)
+    assert read == [source]
+    read.clear()
+    with pytest.raises(ProblemError, match="has another forward model"):
+        service.submit(parse_problem(document(warm_start={"jobs": [different]})))
+    assert not read
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_jobs_from_before_the_hash_are_looked_at_once(service: JobService, make_worker: MakeWorker) -> None:
+    source = run(service, make_worker, document(method={"kind": "monte_carlo", "samples": 10}, stopping=None))
+    problem = parse_problem(document())
+
+    def stored() -> str | None:
+        return service.store.read(lambda c: c.scalar(select(jobs.c.forward_hash).where(jobs.c.id == source)))
+
+    assert stored() == forward_model_hash(problem)
+    service.store.write(lambda c: c.execute(update(jobs).values(forward_hash=None)))
+    (found,) = service.warm_starts(problem)
+    assert found.job == source
+    assert stored() == forward_model_hash(problem)

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import logging
+import re
 import sqlite3
 import time
 from pathlib import Path
 
 from sqlalchemy import Connection, Engine, inspect, text
+from sqlalchemy.exc import OperationalError, ProgrammingError
 
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.settings import mask_url
+from geoswarm.workers.store.tables import metadata
 
 __all__ = ["HEAD", "upgrade"]
 
-HEAD = "0008"
+HEAD = "0009"
 """Revision that this program works with: the newest in ``migrations/versions``."""
 
 log = logging.getLogger(__name__)
 
 ADVISORY_LOCK = 7_265_100_831  # any number that no other program uses on this database
 WAL_TRIES = 100
+_MISFIT = re.compile(r"already exists|duplicate column|does not exist|no such (table|column)")
 
 
 def upgrade(engine: Engine) -> None:
@@ -33,6 +37,7 @@ def upgrade(engine: Engine) -> None:
     """
     with engine.connect() as connection:
         if _revision(connection) == HEAD:
+            _check_tables(connection)
             return
     if engine.dialect.name == "sqlite":
         _use_write_ahead_log(engine)
@@ -56,7 +61,24 @@ def _revision(connection: Connection) -> str | None:
             )
         return None
     revision: str | None = connection.scalar(text("SELECT version_num FROM alembic_version"))
+    if revision is None and "jobs" in tables:
+        raise _disagreement(connection, None, "there are tables already")
     return revision
+
+
+def _check_tables(connection: Connection) -> None:
+    """Make sure that the tables of the newest schema are there."""
+    missing = sorted(set(metadata.tables) - set(inspect(connection).get_table_names()))
+    if missing:
+        raise _disagreement(connection, HEAD, f"it has no table {', '.join(missing)}")
+
+
+def _disagreement(connection: Connection, revision: str | None, why: str) -> StoreUnavailableError:
+    label = "is empty" if revision is None else f"says {revision}"
+    return StoreUnavailableError(
+        f"database {mask_url(str(connection.engine.url))}: its tables do not fit its schema version (table "
+        f"alembic_version {label}): {why}; restore a backup of all its tables, or use an empty database"
+    )
 
 
 def _run_migrations(connection: Connection) -> None:
@@ -70,6 +92,7 @@ def _run_migrations(connection: Connection) -> None:
     config.set_main_option("script_location", str(Path(__file__).with_name("migrations")).replace("%", "%%"))
     config.set_main_option("path_separator", "os")
     config.attributes["connection"] = connection
+    revision = _revision(connection)
     try:
         command.upgrade(config, HEAD)
     except CommandError as error:
@@ -77,6 +100,11 @@ def _run_migrations(connection: Connection) -> None:
             f"database {mask_url(str(connection.engine.url))} cannot be brought to schema {HEAD}"
             f" (written by a newer geoswarm?): {error}"
         ) from error
+    except (OperationalError, ProgrammingError) as error:
+        cause = str(error.orig).partition("\n")[0]
+        if error.connection_invalidated or not _MISFIT.search(cause):
+            raise
+        raise _disagreement(connection, revision, cause) from error
     log.info("database schema brought to %s", HEAD)
 
 

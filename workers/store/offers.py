@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
-from sqlalchemy import Connection, insert, select
+from sqlalchemy import Connection, insert, select, update
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Offer
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.problem import ParticleSwarmMethod, Problem, parse_problem
-from geoswarm.solver.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
+from geoswarm.solver.problem import ParticleSwarmMethod, Points, Problem, parse_problem
+from geoswarm.solver.warm_start import OTHER_MODEL, EarlierRuns, best_of, forward_model_hash, offer_of, usable_runs
 from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.shelf import Shelf
 from geoswarm.workers.store.codec import pack_array, pack_responses, unpack_array, unpack_problem, unpack_responses
+from geoswarm.workers.store.database import Record, Store
 from geoswarm.workers.store.jobs import get_problem
 from geoswarm.workers.store.tables import evaluations, jobs, offers
 
@@ -21,6 +25,9 @@ __all__ = ["MOST_READ", "WarmStart", "find_offer", "find_warm_starts", "read_off
 
 MOST_READ = 20_000
 """Evaluations of an earlier job that are looked at: its first ones."""
+
+MOST_VALUES = 4_000_000
+"""Calculated values that are read of them at most: fewer evaluations where responses are long."""
 
 _LOOKED_AT, _SUGGESTED, _COUNTED = 50, 5, 2000  # newest jobs of the kind; those named; evaluations of each
 
@@ -34,7 +41,7 @@ class WarmStart:
     evaluations: int
 
 
-def find_offer(connection: Connection, problem: Problem, visible: Callable[[Connection, str], object]) -> Offer | None:
+def find_offer(store: Store, problem: Problem, visible: Callable[[Connection, str], object]) -> Offer | None:
     """Return what the jobs that a problem starts from offer to it.
 
     Parameters
@@ -49,13 +56,13 @@ def find_offer(connection: Connection, problem: Problem, visible: Callable[[Conn
     """
     found: list[Offer] = []
     issues: list[Issue] = []
+    wanted = forward_model_hash(problem)
     for number, job_id in enumerate(problem.warm_start):
         try:
-            visible(connection, job_id)
+            offer = _offer(store, problem, wanted, job_id, visible)
         except JobNotFoundError:
             issues.append(Issue(f"warm_start.jobs[{number}]", f"there is no job {job_id}"))
             continue
-        offer = offer_of(problem, _earlier_runs(connection, job_id))
         if isinstance(offer, str):
             issues.append(Issue(f"warm_start.jobs[{number}]", f"job {job_id} {offer}"))
         else:
@@ -65,50 +72,92 @@ def find_offer(connection: Connection, problem: Problem, visible: Callable[[Conn
     return best_of(problem, found)
 
 
-def find_warm_starts(connection: Connection, problem: Problem, owner: str | None) -> list[WarmStart]:
+def find_warm_starts(store: Store, problem: Problem, owner: str | None, shelf: Shelf) -> list[WarmStart]:
     """Return earlier jobs that have runs for a problem, newest first; none where it would not learn from them.
 
     Parameters
     ----------
     owner
         Whose jobs are looked at; None: all.
+    shelf
+        Keeps what was read of earlier jobs.
     """
     method = problem.method
     if not isinstance(method, ParticleSwarmMethod) or method.acceleration == "none" or problem.warm_start:
         return []
-    statement = select(jobs.c.id, jobs.c.name, jobs.c.problem).where(
+    statement = select(jobs.c.id, jobs.c.name, jobs.c.forward_hash).where(
         jobs.c.forward_model == problem.forward_model.kind, jobs.c.evaluations > jobs.c.failed_evaluations
     )
     if owner is not None:
         statement = statement.where(jobs.c.owner == owner)
     newest = statement.order_by(jobs.c.created_at.desc(), jobs.c.id.desc()).limit(_LOOKED_AT)
     wanted, found = forward_model_hash(problem), []
-    for row in connection.execute(newest).all():
+    for row in store.read(lambda connection: connection.execute(newest).all()):
         try:
-            same = forward_model_hash(parse_problem(unpack_problem(row.problem))) == wanted
-        except ProblemError:  # no longer accepted
+            if (row.forward_hash or _learned_hash(store, row.id)) != wanted:
+                continue
+            earlier = shelf.once((row.id, "earlier"), partial(_slim, store, row.id))
+            runs = store.read(partial(_runs, job_id=row.id, most=_COUNTED, responses=False))
+        except (ProblemError, JobNotFoundError):  # no longer accepted, or deleted meanwhile
             continue
-        if not same:
-            continue
-        offer = offer_of(problem, _earlier_runs(connection, row.id, _COUNTED))
-        if isinstance(offer, Offer):
-            found.append(WarmStart(row.id, row.name, len(offer.parameters)))
+        usable = usable_runs(problem, earlier, _parameters(earlier, runs))
+        if not isinstance(usable, str):
+            found.append(WarmStart(row.id, row.name, len(usable[1])))
         if len(found) == _SUGGESTED:
             break
     return found
 
 
-def _earlier_runs(connection: Connection, job_id: str, most: int = MOST_READ) -> EarlierRuns:
-    row = get_problem(connection, job_id)
+def _offer(
+    store: Store, problem: Problem, wanted: str, job_id: str, visible: Callable[[Connection, str], object]
+) -> Offer | str:
+    """Return what one job offers. Documents are parsed between the transactions, not in one."""
+
+    def known(connection: Connection) -> str | None:
+        visible(connection, job_id)
+        found: str | None = connection.scalar(select(jobs.c.forward_hash).where(jobs.c.id == job_id))
+        return found
+
+    if (store.read(known) or _learned_hash(store, job_id)) != wanted:
+        return OTHER_MODEL
+    earlier = _stored_problem(store, job_id)
+    most = max(min(MOST_READ, MOST_VALUES // sum(o.x.size for o in earlier.observations)), 1)
+    runs = store.read(partial(_runs, job_id=job_id, most=most, responses=True))
+    responses = [unpack_responses(run.responses) for run in runs]
+    return offer_of(problem, EarlierRuns(earlier, _parameters(earlier, runs), responses))
+
+
+def _learned_hash(store: Store, job_id: str) -> str:
+    """Find the hash of a job that was submitted before hashes were stored, and store it."""
+    found = forward_model_hash(_stored_problem(store, job_id))
+    statement = update(jobs).where(jobs.c.id == job_id).values(forward_hash=found)
+    store.write(lambda connection: connection.execute(statement))
+    return found
+
+
+def _stored_problem(store: Store, job_id: str) -> Problem:
+    row = store.read(lambda connection: get_problem(connection, job_id))
     if row is None:
         raise JobNotFoundError(job_id)
-    problem = parse_problem(unpack_problem(row.problem))
-    columns = (evaluations.c.parameters, evaluations.c.responses)
+    return parse_problem(unpack_problem(row.problem))
+
+
+def _slim(store: Store, job_id: str) -> Problem:
+    """The problem of a job without its measurements as they were given, to be kept."""
+    problem = _stored_problem(store, job_id)
+    none = Points([], [], None)
+    return replace(problem, observations=tuple(replace(o, points=none) for o in problem.observations))
+
+
+def _runs(connection: Connection, job_id: str, most: int, *, responses: bool) -> Sequence[Record]:
+    columns = (evaluations.c.parameters, evaluations.c.responses) if responses else (evaluations.c.parameters,)
     condition = (evaluations.c.job_id == job_id) & (evaluations.c.state == "finished")
     order = (evaluations.c.generation, evaluations.c.particle)
-    rows = connection.execute(select(*columns).where(condition).order_by(*order).limit(most)).all()
-    parameters = np.array([unpack_array(r.parameters) for r in rows]).reshape(-1, len(problem.free))
-    return EarlierRuns(problem, parameters, [unpack_responses(r.responses) for r in rows])
+    return connection.execute(select(*columns).where(condition).order_by(*order).limit(most)).all()
+
+
+def _parameters(problem: Problem, runs: Sequence[Record]) -> FloatArray:
+    return np.array([unpack_array(run.parameters) for run in runs]).reshape(-1, len(problem.free))
 
 
 def write_offer(connection: Connection, job_id: str, offer: Offer) -> None:

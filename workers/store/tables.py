@@ -105,6 +105,7 @@ jobs = Table(
     ),  # its failures are run again; what it is then: see geoswarm.workers.coordinator.retry
     Column("stopping", Text),  # the stop criteria, where they were changed; null: those of the problem
     Column("versions", Text),  # what it was calculated under: see geoswarm.workers.store.versions
+    Column("forward_hash", String(64)),  # of the forward model's section; null: not looked at since the last upgrade
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     # what it takes of the disk: the job itself, and each evaluation, about [bytes]
     Column("document_bytes", BigInteger, nullable=False, server_default="0"),
