@@ -92,7 +92,8 @@ class KnownEvents(logging.Filter):
     """Leaves out what others log about events that are handled: it would look like a fault of ours.
 
     That a reader of events has gone (asyncio warns with every write until it notices), that a stopping service gave up
-    a request (the server has a line for all of them), and the traceback of a pool process that was killed (Celery's,
+    a request (the server has a line for all of them), that a connection was ready just when its reader gave up (anyio
+    does not mind), and the traceback of a pool process that was killed (Celery's,
     without a line of what was killed); the line that says so stays.
     """
 
@@ -101,6 +102,8 @@ class KnownEvents(logging.Filter):
         if record.name == "asyncio" and record.getMessage().startswith("socket.send() raised exception"):
             return False
         kind = record.exc_info[0] if isinstance(record.exc_info, tuple) else None
+        if record.name == "asyncio" and kind is asyncio.InvalidStateError:
+            return False
         if record.name == "uvicorn.error" and kind is asyncio.CancelledError:
             return False
         if record.name.startswith(("celery", "billiard")) and kind is not None and kind.__name__ == "WorkerLostError":

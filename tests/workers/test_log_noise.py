@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 
 import pytest
@@ -22,6 +23,12 @@ def test_a_reader_that_has_gone_is_no_warning() -> None:
     known = KnownEvents()
     assert not known.filter(record("asyncio", "socket.send() raised exception."))
     assert known.filter(record("asyncio", "Task was destroyed but it is pending!"))
+
+
+def test_a_connection_that_was_ready_too_late_is_no_error() -> None:
+    message = "Exception in callback Future.set_result(None)"
+    assert not KnownEvents().filter(record("asyncio", message, asyncio.InvalidStateError("invalid state")))
+    assert KnownEvents().filter(record("asyncio", message, ValueError("a bug")))
 
 
 @pytest.mark.parametrize(("error", "kept"), [(WorkerLostError("signal 9"), False), (ValueError("a bug"), True)])
