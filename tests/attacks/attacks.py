@@ -1,12 +1,15 @@
 """What a bad neighbour does to a service over HTTP; each attack takes a few seconds and ends by itself.
 
 An attack is given the service and a submit key of its own. It raises when the service answers what it never should.
+``python -m tests.attacks.attacks`` runs some at once: in a process of their own, so that nobody else waits for them.
 """
 
 from __future__ import annotations
 
+import json
 import random
 import socket
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -298,3 +301,27 @@ def _(service: Service, key: str) -> None:
 def _(service: Service, key: str) -> None:
     del key
     Attacker(service, None).many(100, "GET", "/health/ready")
+
+
+def main(given: dict[str, Any]) -> int:
+    """Run attacks at once, each with a key of its own; return how many saw what they should not."""
+    service = Service(**given["service"])
+    wrong: list[str] = []
+
+    def run(name: str) -> None:
+        try:
+            ATTACKS[name](service, service.key_of("attacker-" + name.replace(" ", "-")))
+        except Exception as error:  # noqa: BLE001  told by the exit code and this line
+            wrong.append(name)
+            sys.stderr.write(f"{name}: {error!r}\n")
+
+    threads = [threading.Thread(target=run, args=(name,)) for name in given["names"]]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return len(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main(json.loads(sys.argv[1])))

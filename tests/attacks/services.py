@@ -17,7 +17,7 @@ import httpx
 
 from tests.integration.engines import wait_for
 
-__all__ = ["Service", "serving"]
+__all__ = ["ROOT", "Service", "serving"]
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import pytest
@@ -15,11 +19,13 @@ from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.processes import descendants, memory_of
 from tests.attacks.attacks import API, ATTACKS, line
-from tests.attacks.services import Service, serving
+from tests.attacks.services import ROOT, Service, serving
 from tests.integration.engines import wait_for
 from tests.servers import free_port
 
 AT_ONCE = 10
+ENOUGH = 100  # answers for a percentile
+MOST_ROUNDS = 5
 MOST_MEMORY = 1000.0  # MiB, of the process that answers
 MOST_LOG = 2_000_000  # bytes, of one attack
 MOST_DISK = 2_000_000_000  # bytes, of everything
@@ -89,6 +95,7 @@ class Neighbour:
         assert self.jobs
         waits, usual = sorted(self.waits), sorted(calm.waits)
         slow, slow_usually = (w[int(0.99 * len(w))] for w in (waits, usual))
+        print(f"99 % of GETs: {slow:.3f} s ({slow_usually:.3f} s calm), {len(waits)} of them; {self.memory:.0f} MiB")
         # Attackers need the processor, too: where a calm answer takes long already, the machine is busy with others.
         assert slow < max(LONGEST_WAIT, 20.0 * slow_usually), (slow, slow_usually)
         assert self.memory < MOST_MEMORY
@@ -116,21 +123,12 @@ def attacked(folder: Path) -> Iterator[tuple[Service, Neighbour, Neighbour]]:
 
 
 def run(service: Service, names: list[str]) -> None:
-    """Run attacks at once, each with a key of its own."""
-    wrong: list[str] = []
-
-    def one(name: str) -> None:
-        try:
-            ATTACKS[name](service, service.key_of("attacker-" + name.replace(" ", "-")))
-        except Exception as error:  # noqa: BLE001  told below
-            wrong.append(f"{name}: {error!r}")
-
-    threads = [threading.Thread(target=one, args=(name,)) for name in names]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not wrong
+    """Run attacks at once, in a process of their own."""
+    given = json.dumps({"service": asdict(service), "names": names})
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests" / "models")])}
+    command = [sys.executable, "-m", "tests.attacks.attacks", given]
+    done = subprocess.run(command, env=environment, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def log_size(folder: Path) -> int:
@@ -155,8 +153,10 @@ def test_an_attack_is_not_noticed(name: str, tmp_path: Path) -> None:
     with attacked(tmp_path) as (service, calm, neighbour):
         before = log_size(tmp_path)
         with neighbour:
-            run(service, [name])
-            wait_for(lambda: neighbour.jobs or neighbour.wrong, "a job of the neighbour", 240.0)
+            for _ in range(MOST_ROUNDS):
+                run(service, [name])
+                if len(neighbour.waits) >= ENOUGH and neighbour.jobs:
+                    break
         neighbour.judge(calm)
         assert log_size(tmp_path) - before < MOST_LOG
 
