@@ -8,12 +8,13 @@ import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any, TypeAlias
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, with_further_tries
 from geoswarm.solver.errors import WorkerLostError
+from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.problem.running import Limits
 
@@ -29,6 +30,9 @@ EvaluateChunk: TypeAlias = Callable[[FloatArray], list[Evaluation]]
 _SECONDS_PER_TASK = 0.05
 """Shorter evaluations are handed out several at a time."""
 
+_START_SECONDS = 3.0
+"""What it takes to start processes, about."""
+
 WATCHED = sys.platform == "linux"
 """Whether this system lets processes be watched as :mod:`geoswarm.solver.runner` does it."""
 
@@ -43,30 +47,52 @@ def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Ite
     """Give a function that evaluates all positions of a generation, shape (n, d), and returns them in order.
 
     One worker is this very process, unless the problem limits an evaluation. Several are watched processes: a run that
-    exceeds a limit or ends its process is a failed evaluation. On systems other than Linux limits do not hold, and the
-    processes are a plain pool: one that dies ends the calibration.
+    exceeds a limit or ends its process is a failed evaluation. As they take seconds to start, our own quick models
+    begin in this process. On systems other than Linux limits do not hold, and the processes are a plain pool: one that
+    dies ends the calibration.
     """
     if workers < 1:
         raise ValueError(f"workers is {workers}, at least 1 is needed")
-    watched = WATCHED and (workers > 1 or calibration.problem.limits != Limits())
-    if workers == 1 and not watched:
+    limited = WATCHED and calibration.problem.limits != Limits()
+    here = None if workers == 1 and not limited else _seconds_here(calibration, limited)
+    with ExitStack() as started:
+        shared: _Shared | None = None
 
-        def evaluate_here(positions: FloatArray) -> list[Evaluation]:
-            evaluations = []
-            for position in positions:
+        def evaluate(positions: FloatArray) -> list[Evaluation]:
+            nonlocal here, shared
+            evaluations: list[Evaluation] = []
+            while len(evaluations) < len(positions) and (here is None or here > 0.0):
+                position = positions[len(evaluations)]
                 evaluations.append(_evaluate(calibration, position))
                 finished(position, evaluations[-1])
-            return evaluations
+                here = None if here is None else here - evaluations[-1].seconds
+            if len(evaluations) == len(positions):
+                return evaluations
+            if shared is None:
+                shared = started.enter_context(_shared(calibration, workers, finished))
+            return evaluations + shared(positions[len(evaluations) :])
 
-        yield evaluate_here
-    elif watched:
-        from geoswarm.solver.runner.team import Team
+        yield evaluate
 
-        with Team(calibration, workers) as team:
-            yield _Shared(team.threads, workers, team.evaluate, finished)
-    else:
+
+def _seconds_here(calibration: Calibration, limited: bool) -> float:
+    """How long evaluations are made in this process before others are started for them [s]."""
+    problem = calibration.problem
+    own = problem.forward_model.quick and not is_foreign(problem.document()["forward_model"])
+    return _START_SECONDS if own and not limited else 0.0
+
+
+@contextmanager
+def _shared(calibration: Calibration, workers: int, finished: Finished) -> Iterator[_Shared]:
+    """Start processes."""
+    if not WATCHED:
         with _pool(calibration, workers, finished) as shared:
             yield shared
+        return
+    from geoswarm.solver.runner.team import Team
+
+    with Team(calibration, workers) as team:
+        yield _Shared(team.threads, workers, team.evaluate, finished)
 
 
 class _Shared:

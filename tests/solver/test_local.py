@@ -45,6 +45,7 @@ def test_finds_the_parameters_of_exact_data() -> None:
     assert result.seed == 11
 
 
+@pytest.mark.usefixtures("processes_at_once")
 def test_the_same_seed_gives_the_same_history_for_any_number_of_workers() -> None:
     problem = decay_problem(stopping={"max_evaluations": 60})
     single = calibrate(problem)
@@ -74,6 +75,28 @@ def test_failed_evaluations_do_not_stop_the_search() -> None:
     assert 0 < result.failed_evaluations < result.evaluations
 
 
+@pytest.fixture
+def processes_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes are started for the first evaluation, however quick."""
+    monkeypatch.setattr(evaluators, "_START_SECONDS", 0.0)
+
+
+def test_quick_runs_need_no_processes() -> None:
+    below = []
+    problem = decay_problem(stopping={"max_evaluations": 60})
+    calibrate(problem, workers=2, on_generation=lambda _: below.extend(descendants(os.getpid())))
+    assert not below
+
+
+def test_processes_take_over_when_quick_runs_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = decay_problem(stopping={"max_evaluations": 60})
+    single = calibrate(problem)
+    seconds = sum(record.evaluation.seconds for record in single.history)
+    monkeypatch.setattr(evaluators, "_START_SECONDS", seconds / 3)
+    assert bits(calibrate(problem, workers=2)) == bits(single)
+
+
+@pytest.mark.usefixtures("processes_at_once")
 def test_killed_worker_processes_change_nothing() -> None:
     problem = decay_problem(stopping={"max_evaluations": 60})
     killed = []
@@ -118,6 +141,7 @@ def test_failed_evaluations_get_their_further_tries(workers: int, tmp_path: Path
     assert (result.evaluations, result.failed_evaluations) == (4, 0)
 
 
+@pytest.mark.usefixtures("processes_at_once")
 def test_an_interrupt_ends_all_processes() -> None:
     def interrupt(_: GenerationRecord) -> None:
         raise KeyboardInterrupt
@@ -127,12 +151,14 @@ def test_an_interrupt_ends_all_processes() -> None:
     assert not descendants(os.getpid())
 
 
+@pytest.mark.usefixtures("processes_at_once")
 def test_where_processes_are_not_watched_a_pool_gives_the_same_history(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(evaluators, "WATCHED", False)
     problem = decay_problem(stopping={"max_evaluations": 24})
     assert bits(calibrate(problem, workers=2)) == bits(calibrate(problem))
 
 
+@pytest.mark.usefixtures("processes_at_once")
 def test_a_killed_process_of_a_pool_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(evaluators, "WATCHED", False)
 
