@@ -39,17 +39,19 @@ servers:
 demo: setup  ## calibrate the published oedometer test in the embedded service (needs no server)
 	@$(BIN)/geoswarm demo
 
-check: $(INSTALLED)  ## format, lint, types, import rules, spelling
+check: $(INSTALLED)  ## format, lint, generated client, types, import rules, spelling
 	@$(BIN)/ruff format --check --quiet . || { echo 'ruff format: run `make format`'; exit 1; }
 	$(BIN)/ruff check --quiet .
+	$(BIN)/python scripts/generate_client.py --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/codespell
-	echo 'check: format, lint, types, import rules and spelling are in order'
+	echo 'check: format, lint, generated client, types, import rules and spelling are in order'
 
-format: $(INSTALLED)  ## put the sources in the house's format
+format: $(INSTALLED)  ## put the sources in the house's format and renew the generated client
 	@$(BIN)/ruff check --fix --quiet . || true
 	$(BIN)/ruff format --quiet .
+	$(BIN)/python scripts/generate_client.py
 
 test: setup servers check  ## all checks and the tests, without the long studies
 	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "not slow"

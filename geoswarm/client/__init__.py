@@ -1,19 +1,22 @@
 """The Python client of a geoswarm service: :class:`Client` and :class:`AsyncClient` with the same methods.
 
 ==============  =====================================================================
-``sync``        :class:`Client`
-``aio``         :class:`AsyncClient`
-``calls``       what is asked and how answers are read, without any input or output
-``models``      frozen records of the answers; those with arrays in ``points``, ``fit``, ``bodies``
+``_async``      :class:`AsyncClient`, written by hand
+``_sync``       :class:`Client`, generated from it by ``scripts/generate_client.py``
+``calls``       how requests are put together and answers are read, without any input or output
+``models``      frozen records of the answers; those with arrays in ``points``, ``fit``, ``bodies``,
+                those of keys and operations in ``administration``
 ``errors``      the tree of errors
+``follow``      when to take up an event stream again, when to give up
 ``sse``         reads an event stream
 ==============  =====================================================================
 """
 
 from __future__ import annotations
 
+from geoswarm.client._async.client import AsyncClient
+from geoswarm.client._sync.client import Client
 from geoswarm.client.administration import Key, NewKey, Operations, Session
-from geoswarm.client.aio import AsyncClient
 from geoswarm.client.bodies import Displacement, Mesh, MeshFields, Phase
 from geoswarm.client.errors import (
     ConflictError,
@@ -52,7 +55,6 @@ from geoswarm.client.models import (
     Worker,
 )
 from geoswarm.client.points import PointParameter, Points, PointSeries
-from geoswarm.client.sync import Client
 
 __all__ = [
     "AsyncClient",

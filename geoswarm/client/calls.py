@@ -1,10 +1,9 @@
-"""What is asked of the service and how its answers are read; no input or output, so that both clients share it."""
+"""How requests are put together and answers are read; no input or output, so that both clients share it."""
 
 from __future__ import annotations
 
 import json
 import os
-import uuid
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -26,60 +25,30 @@ from geoswarm.client.errors import (
     ServerError,
     UnauthorizedError,
 )
-from geoswarm.client.models import (
-    Attempt,
-    Best,
-    CheckResult,
-    Evaluation,
-    ForwardModel,
-    ForwardModelInfo,
-    Generation,
-    Health,
-    Job,
-    Page,
-    Retry,
-    WarmStart,
-    Worker,
-)
 from geoswarm.environment import SecretFileError, secret
 
 __all__ = [
     "API",
     "DEFAULT_URL",
-    "Call",
     "JSON_BODY",
+    "Call",
+    "Noise",
     "Problem",
     "Query",
     "SortKey",
-    "attempts",
-    "best",
-    "change",
-    "change_stopping",
-    "check",
     "connection_failed",
     "connection_settings",
-    "delete",
     "error_of",
-    "evaluations",
-    "evaluations_file",
-    "events",
-    "forward_model",
-    "forward_models",
-    "generations",
-    "get",
-    "health",
     "job_path",
-    "list_jobs",
+    "noise_query",
     "not_ours",
+    "nothing",
     "plain",
     "present",
-    "problem",
+    "problem_text",
     "read_json",
     "reader",
-    "retry_failed",
-    "submit",
-    "warm_starts",
-    "workers",
+    "view_query",
 ]
 
 DEFAULT_URL = "http://127.0.0.1:8765"
@@ -89,8 +58,12 @@ T = TypeVar("T")
 Problem = Mapping[str, Any] | str | Path
 """A problem as a mapping, or the path of a problem file."""
 
-Json = Mapping[str, Any]
 Query = str | int | float | list[str]
+JSON_BODY = {"Content-Type": "application/json"}
+
+Noise = Mapping[str, float] | float | None
+"""Known standard deviation of a reading, base units: one for all series, or one each."""
+
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
 
@@ -158,35 +131,38 @@ def read_json(kind: Any, text: bytes, response: httpx.Response) -> Any:
         raise not_ours(response, str(error).splitlines()[0]) from None
 
 
-def reader(kind: Any, item: str | None = None) -> Callable[[httpx.Response], Any]:
+def reader(kind: type[T], item: str | None = None) -> Callable[[httpx.Response], T]:
     """How to read an answer, or one item of it, as a record."""
+    record: Any = kind
 
     def read(response: httpx.Response) -> Any:
         if item is None:
-            return read_json(kind, response.content, response)
+            return read_json(record, response.content, response)
         try:
-            return _adapter(kind).validate_python(response.json()[item])
+            return _adapter(record).validate_python(response.json()[item])
         except (ValueError, LookupError, TypeError) as error:
             raise not_ours(response, str(error).splitlines()[0]) from None
 
     return read
 
 
-def _nothing(_: httpx.Response) -> None:
-    return None
+def nothing(_: httpx.Response) -> None:
+    """How to read an answer whose content does not matter, or is streamed."""
 
 
 def job_path(job_id: str) -> str:
+    """Path of a job."""
     if not job_id:
         raise ValueError("job_id is empty; give the id of a job")
     return f"{API}/jobs/{quote(job_id, safe='')}"
 
 
 def present(**query: Any) -> dict[str, Query]:
+    """What was given: everything but None."""
     return {name: value for name, value in query.items() if value is not None}
 
 
-def _problem_text(problem: Problem) -> str:
+def problem_text(problem: Problem) -> str:
     """A problem as JSON with its measured points in it.
 
     Raises
@@ -212,123 +188,19 @@ def plain(value: Any) -> Any:
     raise TypeError(f"a problem cannot hold {value!r} ({type(value).__name__})")
 
 
-JSON_BODY = {"Content-Type": "application/json"}
+def view_query(threshold: float | None, noise: Noise, posterior: bool) -> dict[str, Query]:
+    """How the results of a job are looked at, as a query."""
+    query: dict[str, Query] = present(threshold=threshold)
+    if posterior:
+        query["posterior"] = "true"
+    return query | noise_query(noise)
 
 
-def submit(problem: Problem, idempotency_key: str | None) -> Call[Job]:
-    """Create a job; without a key a fresh one is used, so that a repeated request never creates two."""
-    key = idempotency_key or str(uuid.uuid4())
-    headers = {**JSON_BODY, "Idempotency-Key": key}
-    return Call("POST", f"{API}/jobs", reader(Job), headers=headers, content=_problem_text(problem))
-
-
-def check(problem: Problem) -> Call[CheckResult]:
-    """Validate, run once, estimate."""
-    content = _problem_text(problem)
-    return Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
-
-
-def warm_starts(problem: Problem) -> Call[tuple[WarmStart, ...]]:
-    """Name earlier jobs to learn from."""
-    content = _problem_text(problem)
-    read = reader(tuple[WarmStart, ...], "items")
-    return Call("POST", f"{API}/problems/warm-starts", read, headers=JSON_BODY, content=content)
-
-
-def list_jobs(**filters: Any) -> Call[Page[Job]]:
-    """List jobs."""
-    return Call("GET", f"{API}/jobs", reader(Page[Job]), present(**filters))
-
-
-def get(job_id: str) -> Call[Job]:
-    """Show a job."""
-    return Call("GET", job_path(job_id), reader(Job))
-
-
-def problem(job_id: str) -> Call[dict[str, Any]]:
-    """Show the problem of a job."""
-    return Call("GET", f"{job_path(job_id)}/problem", reader(dict[str, Any]))
-
-
-def change(job_id: str, action: Literal["cancel", "pause", "resume"]) -> Call[Job]:
-    """Cancel, pause or resume."""
-    return Call("POST", f"{job_path(job_id)}/{action}", reader(Job))
-
-
-def change_stopping(job_id: str, stopping: Mapping[str, Any]) -> Call[Job]:
-    """Replace the stop criteria."""
-    content = json.dumps({"stopping": dict(stopping)}, default=plain)
-    return Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content)
-
-
-def retry_failed(job_id: str) -> Call[Retry]:
-    """Run failed evaluations again."""
-    return Call("POST", f"{job_path(job_id)}/retry-failed", reader(Retry))
-
-
-def attempts(job_id: str, generation: int, particle: int) -> Call[tuple[Attempt, ...]]:
-    """Show the tries at an evaluation."""
-    path = f"{job_path(job_id)}/evaluations/{generation:d}/{particle:d}/attempts"
-    return Call("GET", path, reader(tuple[Attempt, ...], "items"))
-
-
-def delete(job_id: str) -> Call[None]:
-    """Delete an ended job."""
-    return Call("DELETE", job_path(job_id), _nothing)
-
-
-def best(job_id: str) -> Call[Best]:
-    """Show the best evaluation."""
-    return Call("GET", f"{job_path(job_id)}/best", reader(Best))
-
-
-def generations(
-    job_id: str, after: int, limit: int, diversity: bool, points: int | None
-) -> Call[tuple[Generation, ...]]:
-    """Show generations."""
-    query = present(after=after, limit=limit, diversity=True if diversity else None, points=points)
-    return Call("GET", f"{job_path(job_id)}/generations", reader(tuple[Generation, ...], "items"), query)
-
-
-def evaluations(job_id: str, **filters: Any) -> Call[Page[Evaluation]]:
-    """Show one page of evaluations."""
-    query = present(**filters, format="json")
-    query["responses"] = "true" if query.get("responses") else "false"
-    return Call("GET", f"{job_path(job_id)}/evaluations", reader(Page[Evaluation]), query)
-
-
-def evaluations_file(job_id: str, form: Literal["csv", "parquet"], responses: bool, **filters: Any) -> Call[None]:
-    """Stream all evaluations as CSV or Parquet."""
-    query = present(**filters, format=form)
-    if responses:
-        query["responses"] = "true"
-    return Call("GET", f"{job_path(job_id)}/evaluations", _nothing, query)
-
-
-def events(job_id: str, after: int) -> Call[None]:
-    """Stream events."""
-    headers = {"Accept": "text/event-stream", "Last-Event-ID": str(after)}
-    return Call("GET", f"{job_path(job_id)}/events", _nothing, headers=headers)
-
-
-def forward_models() -> Call[tuple[ForwardModelInfo, ...]]:
-    """List kinds of forward model."""
-    return Call("GET", f"{API}/forward-models", reader(tuple[ForwardModelInfo, ...], "items"))
-
-
-def forward_model(kind: str) -> Call[ForwardModel]:
-    """Show a kind of forward model."""
-    return Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", reader(ForwardModel))
-
-
-def workers() -> Call[tuple[Worker, ...]]:
-    """List workers."""
-    return Call("GET", f"{API}/workers", reader(tuple[Worker, ...], "items"))
-
-
-def health() -> Call[Health]:
-    """Show health; unavailable is an answer, not an error."""
-    return Call("GET", "/health/ready", reader(Health), accepted=frozenset({503}))
+def noise_query(noise: Noise) -> dict[str, Query]:
+    """A known standard deviation as a query: one number, or ``series=number`` each."""
+    if noise is None:
+        return {}
+    return {"noise": [f"{k}={v!r}" for k, v in noise.items()] if isinstance(noise, Mapping) else repr(float(noise))}
 
 
 ERRORS: dict[int, type[HttpError]] = {

@@ -7,6 +7,7 @@ import csv
 import inspect
 import json
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -27,23 +28,38 @@ from geoswarm.workers.engine import Engine
 from tests.api.conftest import LiveServer, line_problem, live_server
 
 
-def public(kind: type) -> dict[str, inspect.Signature]:
-    return {
-        name: inspect.signature(member)
-        for name, member in inspect.getmembers(kind, inspect.isfunction)
-        if not name.startswith("_")
-    }
+def public(kind: type) -> dict[str, Callable[..., object]]:
+    return {name: member for name, member in inspect.getmembers(kind, inspect.isfunction) if not name.startswith("_")}
+
+
+def parameters(method: Callable[..., object]) -> list[inspect.Parameter]:
+    """All but ``self``, whose annotation tells the clients apart."""
+    return list(inspect.signature(method).parameters.values())[1:]
 
 
 def test_both_clients_have_the_same_methods() -> None:
     ours, theirs = public(AsyncClient), public(Client)
     assert set(ours) == set(theirs)
     assert len(ours) == 52
-    for name, signature in ours.items():
-        assert signature.parameters == theirs[name].parameters, name
-        expected = theirs[name].return_annotation.replace("Iterator[", "AsyncIterator[")
-        assert signature.return_annotation == expected, name
-        assert inspect.getdoc(getattr(AsyncClient, name)) == inspect.getdoc(getattr(Client, name)), name
+    for name, method in ours.items():
+        twin = theirs[name]
+        assert parameters(method) == parameters(twin), name
+        expected = inspect.signature(twin).return_annotation.replace("Iterator[", "AsyncIterator[")
+        assert inspect.signature(method).return_annotation == expected, name
+        assert inspect.iscoroutinefunction(method) != inspect.isasyncgenfunction(method), name
+        assert inspect.isasyncgenfunction(method) == inspect.isgeneratorfunction(twin), name
+        assert not inspect.iscoroutinefunction(twin), name
+        assert inspect.getdoc(method) == inspect.getdoc(twin) != "", name
+
+
+def test_both_clients_are_made_from_the_same_settings() -> None:
+    ours = [
+        str(parameter).replace("AsyncBaseTransport", "BaseTransport") for parameter in parameters(AsyncClient.__init__)
+    ]
+    assert ours == [str(parameter) for parameter in parameters(Client.__init__)]
+    told = (inspect.getdoc(AsyncClient) or "").partition("Parameters")[2]
+    assert told
+    assert told == (inspect.getdoc(Client) or "").partition("Parameters")[2]
 
 
 def test_submit_wait_and_read_the_result(server: LiveServer, tmp_path: Path) -> None:

@@ -1,0 +1,15 @@
+"""The asynchronous client; the synchronous one is generated from it by ``scripts/generate_client.py``.
+
+==============  ===================================================================================
+``client``      :class:`~geoswarm.client.AsyncClient`: all that the service can be asked, as one table
+``connection``  address, key, timeouts; sends one request and reads its answer
+``jobs``        submit, find, steer and delete jobs
+``following``   follow the events of a job, wait for its end
+``results``     what a job has evaluated, its fit, and the bodies behind it
+``analysis``    statistics, uncertainty and reports of a job
+``drafts``      problems before they are jobs: check, examples, files of measurements
+``service``     forward models, workers, health, keys, operations
+==============  ===================================================================================
+
+The methods are plain functions: ``self`` is the connection, which is all that they need.
+"""

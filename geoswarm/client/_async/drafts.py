@@ -1,0 +1,68 @@
+"""Problems before they are jobs: drafts, files of measurements, examples, and what a problem would do and cost."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from geoswarm.client._async.connection import AsyncConnection
+from geoswarm.client.calls import API, JSON_BODY, Call, Problem, present, problem_text, reader
+from geoswarm.client.models import CheckResult, WarmStart
+
+__all__ = [
+    "check",
+    "example",
+    "examples",
+    "problem_schema",
+    "read_measurements",
+    "read_problem",
+    "warm_starts",
+]
+
+_Object = dict[str, Any]
+
+
+async def check(self: AsyncConnection, problem: Problem) -> CheckResult:
+    """Validate a problem, let the service make one test run and estimate the cost."""
+    content = await asyncio.to_thread(problem_text, problem)
+    call = Call("POST", f"{API}/problems/check", reader(CheckResult), headers=JSON_BODY, content=content)
+    return await self._send(call)
+
+
+async def warm_starts(self: AsyncConnection, problem: Problem) -> tuple[WarmStart, ...]:
+    """Return earlier jobs of the same forward model whose stored evaluations a search could learn from."""
+    content = await asyncio.to_thread(problem_text, problem)
+    read = reader(tuple[WarmStart, ...], "items")
+    return await self._send(Call("POST", f"{API}/problems/warm-starts", read, headers=JSON_BODY, content=content))
+
+
+async def read_problem(self: AsyncConnection, text: str) -> _Object:
+    """Read a problem as YAML: the document, all mistakes with their lines, the forward model's parameters."""
+    headers = {"Content-Type": "application/yaml"}
+    return await self._send(Call("POST", f"{API}/problems/read", reader(_Object), headers=headers, content=text))
+
+
+async def read_measurements(self: AsyncConnection, path: str | Path, sheet: str | None = None) -> _Object:
+    """Let the service read a CSV or XLSX file: columns, numbers and probable units."""
+    path = Path(path)
+    query = present(name=path.name, sheet=sheet)
+    headers = {"Content-Type": "application/octet-stream"}
+    content = await asyncio.to_thread(path.read_bytes)
+    return await self._send(Call("POST", f"{API}/measurements", reader(_Object), query, headers, content))
+
+
+async def examples(self: AsyncConnection) -> list[_Object]:
+    """List the examples that the service has."""
+    return await self._send(Call("GET", f"{API}/examples", reader(list[_Object], "items")))
+
+
+async def example(self: AsyncConnection, name: str) -> _Object:
+    """Show an example; its ``problem`` can be submitted."""
+    return await self._send(Call("GET", f"{API}/examples/{quote(name, safe='')}", reader(_Object)))
+
+
+async def problem_schema(self: AsyncConnection) -> _Object:
+    """Show the JSON schema of the problem file with all forward models of the service."""
+    return await self._send(Call("GET", f"{API}/problems/schema", reader(_Object)))

@@ -1,0 +1,128 @@
+"""Jobs: from the problem that is submitted to the end, and how to steer and find them."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import uuid
+from collections.abc import AsyncIterator, Mapping
+from typing import Any, Literal
+
+from geoswarm.client._async.connection import AsyncConnection
+from geoswarm.client.calls import (
+    API,
+    JSON_BODY,
+    Call,
+    Problem,
+    SortKey,
+    job_path,
+    nothing,
+    plain,
+    present,
+    problem_text,
+    reader,
+)
+from geoswarm.client.models import Job, Page, Retry
+
+__all__ = [
+    "cancel",
+    "change_stopping",
+    "delete",
+    "get",
+    "iterate_jobs",
+    "list_jobs",
+    "pause",
+    "problem",
+    "resume",
+    "retry_failed",
+    "submit",
+]
+
+
+async def submit(self: AsyncConnection, problem: Problem, idempotency_key: str | None = None) -> Job:
+    """Submit a problem, a mapping or the path of a problem file; files with measurements are sent along.
+
+    The same ``idempotency_key`` with the same problem gives the same job, however often it is sent.
+    """
+    content = await asyncio.to_thread(problem_text, problem)
+    headers = {**JSON_BODY, "Idempotency-Key": idempotency_key or str(uuid.uuid4())}
+    return await self._send(Call("POST", f"{API}/jobs", reader(Job), headers=headers, content=content))
+
+
+async def list_jobs(
+    self: AsyncConnection,
+    *,
+    state: str | None = None,
+    search: str | None = None,
+    owner: str | None = None,
+    sort: SortKey | None = None,
+    order: Literal["ascending", "descending"] | None = None,
+    trend: int | None = None,
+    limit: int = 50,
+    cursor: str | None = None,
+) -> Page[Job]:
+    """List jobs, newest first unless ``sort`` says otherwise.
+
+    Parameters
+    ----------
+    state, search, owner
+        Only jobs in this state, with this text in name, model, method or owner, of this owner.
+    sort, order
+        Newest, best or largest first, names from A to Z, unless ``order`` says otherwise.
+    trend
+        Most values of each job's convergence; none when not given.
+    """
+    query = present(state=state, q=search, owner=owner, sort=sort, order=order, trend=trend, limit=limit, cursor=cursor)
+    return await self._send(Call("GET", f"{API}/jobs", reader(Page[Job]), query))
+
+
+async def iterate_jobs(self: AsyncConnection, *, state: str | None = None) -> AsyncIterator[Job]:
+    """Go through all jobs, newest first."""
+    cursor = None
+    while True:
+        page = await list_jobs(self, state=state, limit=200, cursor=cursor)
+        for item in page.items:
+            yield item
+        if (cursor := page.next_cursor) is None:
+            return
+
+
+async def get(self: AsyncConnection, job_id: str) -> Job:
+    """Show a job."""
+    return await self._send(Call("GET", job_path(job_id), reader(Job)))
+
+
+async def problem(self: AsyncConnection, job_id: str) -> dict[str, Any]:
+    """Show the problem of a job, complete: it can be submitted again."""
+    return await self._send(Call("GET", f"{job_path(job_id)}/problem", reader(dict[str, Any])))
+
+
+async def cancel(self: AsyncConnection, job_id: str) -> Job:
+    """End a job now; what it has found stays."""
+    return await self._send(Call("POST", f"{job_path(job_id)}/cancel", reader(Job)))
+
+
+async def pause(self: AsyncConnection, job_id: str) -> Job:
+    """Hold a job."""
+    return await self._send(Call("POST", f"{job_path(job_id)}/pause", reader(Job)))
+
+
+async def resume(self: AsyncConnection, job_id: str) -> Job:
+    """Go on with a paused job."""
+    return await self._send(Call("POST", f"{job_path(job_id)}/resume", reader(Job)))
+
+
+async def change_stopping(self: AsyncConnection, job_id: str, stopping: Mapping[str, Any]) -> Job:
+    """Replace all stop criteria of a job; one that has finished or was cancelled goes on where it was."""
+    content = json.dumps({"stopping": dict(stopping)}, default=plain)
+    return await self._send(Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content))
+
+
+async def retry_failed(self: AsyncConnection, job_id: str) -> Retry:
+    """Run the failed evaluations of a paused or ended job again, and only them."""
+    return await self._send(Call("POST", f"{job_path(job_id)}/retry-failed", reader(Retry)))
+
+
+async def delete(self: AsyncConnection, job_id: str) -> None:
+    """Delete an ended job with everything that belongs to it."""
+    await self._send(Call("DELETE", job_path(job_id), nothing))
