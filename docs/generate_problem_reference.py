@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from geoswarm.solver.problem.follow_ups import FOLLOW_UPS
+from geoswarm.solver.methods.registry import kinds_of
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "problem-file.md"
@@ -193,7 +193,7 @@ def page() -> str:
         FOLLOW_UP,
         *(
             f"### kind: {kind}\n\n{fields(definitions[method.__name__], definitions)}"
-            for kind, method in FOLLOW_UPS.items()
+            for kind, method in kinds_of("follow_up").items()
         ),
         "## stopping",
         STOPPING,

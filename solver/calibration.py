@@ -15,21 +15,12 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, in_words, message_of
-from geoswarm.solver.follow_up import DESIGN_COMPLETED, FollowUp
+from geoswarm.solver.methods.base import Task
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.offer import Offer
-from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem, Stopping
+from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import Failures
-from geoswarm.solver.search import (
-    MonteCarlo,
-    MonteCarloSettings,
-    ParticleSwarm,
-    Runs,
-    SamplingDesign,
-    Search,
-    Snapshot,
-    SwarmSettings,
-)
+from geoswarm.solver.search import Runs, Search, Snapshot
 from geoswarm.solver.space import search_space
 from geoswarm.solver.stopping import (
     MaxEvaluations,
@@ -42,9 +33,6 @@ from geoswarm.solver.stopping import (
 )
 
 __all__ = [
-    "POLISHED",
-    "POLISH_UNFINISHED",
-    "SAMPLES_COMPLETED",
     "Best",
     "Calibration",
     "Evaluation",
@@ -55,12 +43,6 @@ __all__ = [
     "stop_criteria",
     "with_further_tries",
 ]
-
-SAMPLES_COMPLETED = "samples_completed"
-POLISHED = "polished"
-POLISH_UNFINISHED = "polish_unfinished"
-
-_LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,15 +177,8 @@ class Calibration:
             rows = np.array([self.objective.weighted_residuals(r) for r in offer.responses])
             self.offered = Runs.of(offer.parameters, rows)
         self._run = problem.model.prepare(self.grids)
-        method = problem.method
-        self._design = (
-            SamplingDesign(self.space, monte_carlo_settings(problem, method), seed)
-            if isinstance(method, MonteCarloMethod)
-            else None
-        )
-        self.follow_up = (
-            None if isinstance(method, ParticleSwarmMethod | MonteCarloMethod) else FollowUp(self.space, method, seed)
-        )
+        initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
+        self._maker = problem.method.maker(Task(self.space, seed, initial, problem.planned_evaluations, self.offered))
 
     def start(self, slots: int = 1) -> Progress:
         """Ask for generation 0.
@@ -219,7 +194,7 @@ class Calibration:
         InfeasibleSpaceError
             When no feasible proposal is found.
         """
-        search = self._new_search(slots)
+        search = self._maker.start(slots)
         return Progress(0, self._positions(search), 0, 0, None, 0, search.snapshot())
 
     def evaluate(self, parameters: FloatArray) -> Evaluation:
@@ -227,7 +202,8 @@ class Calibration:
 
         Never raises for a failed forward run: the failure is in the returned evaluation.
         """
-        if self.follow_up is not None and not self.space.feasible(parameters):  # a search never asks for such
+        follows_up = self.problem.method.role == "follow_up"
+        if follows_up and not self.space.feasible(parameters):  # a search never asks for such
             return Evaluation(parameters, None, {}, {}, "infeasible", "the constraints do not hold there", 0.0)
         return self.evaluate_values(self.problem.values(parameters.tolist()))
 
@@ -254,10 +230,7 @@ class Calibration:
     @property
     def accelerated(self) -> bool:
         """Whether the search learns from all runs so far: then :meth:`advance` needs them."""
-        method = self.problem.method
-        if isinstance(method, ParticleSwarmMethod):
-            return method.acceleration != "none"
-        return self.follow_up is not None and self.follow_up.learns
+        return self.problem.method.learns
 
     def advance(
         self,
@@ -285,7 +258,7 @@ class Calibration:
         if self.accelerated and runs is None:
             raise ValueError("an accelerated search needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
-        search = self._restore(progress.snapshot)
+        search = self._maker.restore(progress.snapshot)
         search.tell(told, runs)
         best, stagnation = _update_best(progress, told)
         positions = self._positions(search)
@@ -299,16 +272,11 @@ class Calibration:
         )
         reasons = satisfied_reasons(self.criteria if criteria is None else criteria, status)
         method = self.problem.method
-        if isinstance(method, MonteCarloMethod) and evaluations == method.samples:
-            reasons = (SAMPLES_COMPLETED, *(r for r in reasons if r != MaxEvaluations.reason))
-        if isinstance(method, ParticleSwarmMethod) and not len(positions):
-            converged = isinstance(search, ParticleSwarm) and search.converged
-            reasons = (
-                POLISHED if converged else POLISH_UNFINISHED,
-                *(r for r in reasons if r != MaxEvaluations.reason),
-            )
-        elif self.follow_up is not None and len(positions) == 0:
-            reasons = (DESIGN_COMPLETED,)
+        own = method.end_reason(search, evaluations, over=not len(positions))
+        if own is not None:
+            # Of a follow-up nothing else counts: nobody set its number of evaluations.
+            others = () if method.role == "follow_up" else reasons
+            reasons = (own, *(r for r in others if r != MaxEvaluations.reason))
         following = Progress(
             generation=search.generation,
             positions=positions,
@@ -319,26 +287,6 @@ class Calibration:
             snapshot=search.snapshot(),
         )
         return Step(following, reasons)
-
-    def _new_search(self, slots: int) -> Search:
-        method = self.problem.method
-        if isinstance(method, ParticleSwarmMethod):
-            initial = np.array([np.nan if p.initial is None else p.initial for p in self.problem.free])
-            return ParticleSwarm(self.space, swarm_settings(method, slots), self.seed, initial, self.offered)
-        if isinstance(method, MonteCarloMethod):
-            return MonteCarlo(self.space, monte_carlo_settings(self.problem, method), self.seed, self._design)
-        assert self.follow_up is not None
-        return self.follow_up.search()
-
-    def _restore(self, snapshot: Snapshot) -> Search:
-        method = self.problem.method
-        if isinstance(method, ParticleSwarmMethod):
-            return ParticleSwarm.restore(self.space, swarm_settings(method), self.seed, snapshot)
-        if isinstance(method, MonteCarloMethod):
-            settings = monte_carlo_settings(self.problem, method)
-            return MonteCarlo.restore(self.space, settings, self.seed, snapshot, self._design)
-        assert self.follow_up is not None
-        return self.follow_up.search(snapshot)
 
     def _positions(self, search: Search) -> FloatArray:
         positions = search.ask()
@@ -374,38 +322,6 @@ def stop_criteria(stopping: Stopping) -> tuple[StopCriterion, ...]:
     if stopping.stagnation_generations is not None:
         criteria.append(StagnationGenerations(stopping.stagnation_generations))
     return tuple(criteria)
-
-
-def particles_for(slots: int) -> int:
-    """Size of a generation that keeps ``slots`` busy: the least multiple of them from 8 on, 200 at most."""
-    return min(slots * -(-_LEAST_AUTOMATIC // slots), _MOST_AUTOMATIC)
-
-
-def swarm_settings(method: ParticleSwarmMethod, slots: int = 1) -> SwarmSettings:
-    """Translate the ``method`` section of a swarm; a coefficient not given takes the default of its form."""
-    constriction = method.form == "constriction"
-    coefficient = 2.05 if constriction else 1.49618
-    return SwarmSettings(
-        particles=particles_for(slots) if method.particles == "auto" else method.particles,
-        form=method.form,
-        cognitive_coefficient=_or(method.cognitive_coefficient, coefficient),
-        social_coefficient=_or(method.social_coefficient, coefficient),
-        inertia_weight=_or(method.inertia_weight, 0.7298),
-        topology=method.topology,
-        boundary=method.boundary,
-        max_velocity=method.max_velocity,
-        acceleration=method.acceleration,
-        polish=method.polish,
-    )
-
-
-def monte_carlo_settings(problem: Problem, method: MonteCarloMethod) -> MonteCarloSettings:
-    """Translate the ``method`` section of a sampling; no more points than ``max_evaluations`` are ever drawn."""
-    return MonteCarloSettings(problem.planned_evaluations or method.samples, method.sampling, method.batch)
-
-
-def _or(value: float | None, default: float) -> float:
-    return default if value is None else value
 
 
 def choose_seed(seed: int | None) -> int:

@@ -154,7 +154,7 @@ def search_seconds(calibration: Calibration, run: Evaluation) -> float:
     Only a search that learns from all runs takes any time that counts. Its responses are those of the ``run``, scaled
     by what the proposals are.
     """
-    if not calibration.accelerated or calibration.follow_up is not None or run.reason is not None:
+    if not calibration.accelerated or calibration.problem.method.role == "follow_up" or run.reason is not None:
         return 0.0
     progress, log = calibration.start(), RunLog(calibration)
     stored: list[list[dict[str, FloatArray]]] = []

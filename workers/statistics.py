@@ -17,7 +17,7 @@ from geoswarm.solver.identifiability import Linearisation, Samples, reweight
 from geoswarm.solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
 from geoswarm.solver.identifiability.posterior import Posterior, sample_posterior
 from geoswarm.solver.identifiability.weighting import Weighting
-from geoswarm.solver.problem import MonteCarloMethod, Problem, parse_problem
+from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.shelf import Shelf
@@ -272,7 +272,7 @@ def _samples(connection: Connection, row: Any, problem: Problem) -> tuple[Sample
     series = [observation.series for observation in problem.observations]
     points = sum(observation.x.size for observation in problem.observations)
     most = max(min(MOST_READ, MOST_VALUES // points), 1)
-    numbers = chosen_generations(connection, row, most, sampled=isinstance(problem.method, MonteCarloMethod))
+    numbers = chosen_generations(connection, row, most, sampled=problem.method.role == "sampling")
     every = _every(row, numbers, most)
     best = (row.best_generation, row.best_particle)
     failures: Counter[str] = Counter()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import singledispatch
 from typing import Any, Literal
 
 import numpy as np
@@ -15,7 +16,6 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.follow_up import profile_search, sensitivity_search
 from geoswarm.solver.identifiability.bending import measure_bending, with_profiles
 from geoswarm.solver.identifiability.differences import residual_rows
 from geoswarm.solver.identifiability.errors import StatisticsError
@@ -26,15 +26,11 @@ from geoswarm.solver.identifiability.profiles import Profile, profile_settings, 
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.sensitivity import from_evaluations
 from geoswarm.solver.identifiability.stored_fit import fit_of_samples
-from geoswarm.solver.problem import (
-    FollowUpMethod,
-    MonteCarloMethod,
-    ParticleSwarmMethod,
-    Problem,
-    ProfileMethod,
-    SensitivityMethod,
-    parse_problem,
-)
+from geoswarm.solver.methods.base import FollowUpMethod, Method
+from geoswarm.solver.methods.global_designs import GlobalMethod
+from geoswarm.solver.methods.profile import ProfileMethod
+from geoswarm.solver.methods.sensitivity import SensitivityMethod
+from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.search import Runs
 
 __all__ = [
@@ -104,7 +100,7 @@ NO_FINDINGS = Findings()
 def follow_up_of(problem: Problem) -> FollowUpMethod | None:
     """The method of a follow-up; None for a search or a sampling."""
     method = problem.method
-    return None if isinstance(method, ParticleSwarmMethod | MonteCarloMethod) else method
+    return method if isinstance(method, FollowUpMethod) else None
 
 
 def same_question(problem: Problem, other: Problem) -> bool:
@@ -222,23 +218,39 @@ def findings_of(
     """
     calibration = Calibration(problem, seed)
     method = problem.method
-    if isinstance(method, ParticleSwarmMethod | MonteCarloMethod):
+    if method.role != "follow_up":
         raise StatisticsError(f"a job with method {method.kind} is no follow-up")
-    if isinstance(method, SensitivityMethod):
-        return _sensitivity(calibration, method, evaluations, noise, level)
-    if isinstance(method, ProfileMethod):
-        return _profiles(calibration, method, evaluations, noise)
-    return _indices(calibration, evaluations)
+    return examine(method, calibration, evaluations, noise, level)
 
 
-def _sensitivity(
+@singledispatch
+def examine(
+    method: Method,
     calibration: Calibration,
-    method: SensitivityMethod,
     evaluations: Sequence[Evaluation],
     noise: Mapping[str, float] | float | None,
     level: float,
 ) -> Findings:
-    search = sensitivity_search(calibration.space, method)
+    """Say what the evaluations of a follow-up tell; each method registers a function of its own.
+
+    Raises
+    ------
+    StatisticsError
+        When the method has none.
+    """
+    del calibration, evaluations, noise, level
+    raise StatisticsError(f"nobody has said what the evaluations of method {method.kind} tell")
+
+
+@examine.register
+def _sensitivity(
+    method: SensitivityMethod,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+    level: float,
+) -> Findings:
+    search = method.search(calibration.space)
     start = evaluations[0].objective if evaluations else None
     position = first = last_difference = 0
     while (due := search.ask()) is not None:
@@ -268,13 +280,15 @@ def _sensitivity(
     return Findings(found, last[0].objective, start, responses=dict(last[0].responses), fit=found.fit)
 
 
+@examine.register
 def _profiles(
-    calibration: Calibration,
     method: ProfileMethod,
+    calibration: Calibration,
     evaluations: Sequence[Evaluation],
     noise: Mapping[str, float] | float | None,
+    level: float,  # noqa: ARG001  the form of all
 ) -> Findings:
-    search = profile_search(calibration.space, method)
+    search = method.search(calibration.space)
     position = 0
     while (due := search.ask()) is not None and position + len(due) <= len(evaluations):
         _tell(calibration, search, evaluations[position : position + len(due)], len(due))
@@ -289,11 +303,15 @@ def _profiles(
     return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes), fit=fit)
 
 
-def _indices(calibration: Calibration, evaluations: Sequence[Evaluation]) -> Findings:
-    follow_up = calibration.follow_up
-    assert follow_up is not None
-    assert follow_up.points is not None
-    plan = follow_up.points
+@examine.register
+def _indices(
+    method: GlobalMethod,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,  # noqa: ARG001
+    level: float,  # noqa: ARG001
+) -> Findings:
+    plan = method.points(calibration.space, calibration.seed)
     if len(evaluations) < len(plan.positions):
         return Findings(notes=(f"{len(evaluations)} of {len(plan.positions)} evaluations of the design are done",))
     found, notes = [], []

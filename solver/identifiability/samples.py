@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.local import CalibrationResult, EvaluationRecord
-from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
+from geoswarm.solver.problem import Problem
 
 __all__ = ["Samples", "Source"]
 
@@ -107,12 +107,12 @@ class Samples:
             objectives=objectives[good],
             misfits={k: np.asarray(v, dtype=np.float64)[good] for k, v in (misfits or {}).items()},
             responses={k: np.asarray(v, dtype=np.float64)[good] for k, v in (responses or {}).items()},
-            unbiased=np.full(int(good.sum()), isinstance(problem.method, MonteCarloMethod)),
+            unbiased=np.full(int(good.sum()), problem.method.role == "sampling"),
             generations=(np.zeros(count, dtype=np.int64) if generations is None else np.asarray(generations))[good],
             particles=(index if particles is None else np.asarray(particles))[good],
             failed=failed + int(count - good.sum()),
             left_out=left_out,
-            planned=not isinstance(problem.method, MonteCarloMethod | ParticleSwarmMethod),
+            planned=problem.method.role == "follow_up",
         )
 
     @classmethod

@@ -2,21 +2,13 @@
 
 from geoswarm.solver.problem.assembly import load_problem, parse_problem
 from geoswarm.solver.problem.draft import Draft, LocatedIssue, draft_of_document, draft_of_text
-from geoswarm.solver.problem.follow_ups import (
-    FollowUpMethod,
-    GlobalMethod,
-    MorrisMethod,
-    ProfileMethod,
-    SensitivityMethod,
-    SobolMethod,
-)
 from geoswarm.solver.problem.measurements import Measurements, read_measurements
 from geoswarm.solver.problem.observations import Observation, Points
 from geoswarm.solver.problem.parameters import FixedParameter, FreeParameter, LinkedParameter, Parameter
 from geoswarm.solver.problem.problem import Problem
 from geoswarm.solver.problem.reading import MAX_BYTES, read_document
 from geoswarm.solver.problem.schema import problem_schema
-from geoswarm.solver.problem.sections import MonteCarloMethod, ParticleSwarmMethod, Stopping
+from geoswarm.solver.problem.sections import Stopping
 from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, TableError
 from geoswarm.solver.problem.writing import problem_yaml
 
@@ -25,22 +17,14 @@ __all__ = [
     "MAX_TABLE_BYTES",
     "Draft",
     "FixedParameter",
-    "FollowUpMethod",
     "FreeParameter",
-    "GlobalMethod",
     "LinkedParameter",
     "LocatedIssue",
     "Measurements",
-    "MonteCarloMethod",
-    "MorrisMethod",
     "Observation",
     "Parameter",
-    "ParticleSwarmMethod",
     "Points",
     "Problem",
-    "ProfileMethod",
-    "SensitivityMethod",
-    "SobolMethod",
     "Stopping",
     "TableError",
     "draft_of_document",

@@ -15,9 +15,10 @@ from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import built, find_spec, parse_spec
+from geoswarm.solver.methods.base import Method
+from geoswarm.solver.methods.registry import UnknownMethodError, find_method, kinds
 from geoswarm.solver.problem.extremes import extreme_issues
 from geoswarm.solver.problem.feasibility import estimates_in_conflict, infeasibility
-from geoswarm.solver.problem.follow_up_checks import follow_up_issues
 from geoswarm.solver.problem.issues import describe, issues_of, validated
 from geoswarm.solver.problem.observations import Observation, Points, build_observations, read_points
 from geoswarm.solver.problem.parameters import (
@@ -34,12 +35,9 @@ from geoswarm.solver.problem.problem import Problem
 from geoswarm.solver.problem.reading import plain_document, read_problem_file
 from geoswarm.solver.problem.running import Failures, Limits
 from geoswarm.solver.problem.sections import (
-    METHODS,
     PARAMETER_FORMS,
-    Method,
     ObservationSection,
     ParameterSection,
-    ParticleSwarmMethod,
     ProblemFile,
     Settings,
     Stopping,
@@ -144,7 +142,7 @@ class _Assembly:
             size_issues(problem)
             or infeasibility(problem)
             or estimates_in_conflict(problem)
-            or follow_up_issues(problem)
+            or problem.method.issues(problem)
         )
         if unsatisfiable:
             raise ProblemError(unsatisfiable)
@@ -354,34 +352,29 @@ class _Assembly:
         section = self.document.get("method", {"kind": "particle_swarm"})
         kind = section.get("kind") if isinstance(section, dict) else None
         if not isinstance(section, dict):
-            self._report("method", f"must be a mapping with a kind of {', '.join(METHODS)}, not {describe(section)}")
-        elif not isinstance(kind, str) or kind not in METHODS:
+            self._report("method", f"must be a mapping with a kind of {', '.join(kinds())}, not {describe(section)}")
+        elif not isinstance(kind, str) or kind not in kinds():
             given = "is missing" if "kind" not in section else f"unknown kind {describe(kind).removeprefix('text ')}"
-            hint = did_you_mean(kind, METHODS) if isinstance(kind, str) else ""
-            self._report("method.kind", f"{given}{hint}; known: {', '.join(METHODS)}")
+            hint = did_you_mean(kind, kinds()) if isinstance(kind, str) else ""
+            self._report("method.kind", f"{given}{hint}; known: {', '.join(kinds())}")
         else:
-            return self._validated(METHODS[kind], section, "method")
+            try:
+                return self._validated(find_method(kind), section, "method")
+            except UnknownMethodError as error:  # installed, but broken
+                self._report("method.kind", str(error))
         return None
 
     def _warm_start(self, method: Method | None) -> tuple[str, ...]:
         if self.document.get("warm_start") is None:
             return ()
         section = self._validated(WarmStart, self.document["warm_start"], "warm_start")
-        if method is not None and not (isinstance(method, ParticleSwarmMethod) and method.acceleration != "none"):
+        if method is not None and not method.takes_offers:
             self._report("warm_start", "needs method particle_swarm with acceleration: response_surface")
         return tuple(section.jobs) if section else ()
 
     def _check_stopping(self, method: Method | None, stopping: Stopping | None) -> None:
-        if not isinstance(method, ParticleSwarmMethod) or stopping is None:
-            return
-        if stopping.is_empty:
-            criteria = ", ".join(Stopping.model_fields)
-            self._report("stopping", f"a particle swarm needs at least one criterion: {criteria}")
-        elif stopping.max_evaluations is not None and stopping.max_evaluations < (
-            least := 2 if method.particles == "auto" else method.particles
-        ):
-            message = f"must be at least the number of particles ({least}), not {stopping.max_evaluations}"
-            self._report("stopping.max_evaluations", message)
+        if method is not None and stopping is not None:
+            self.issues += method.stopping_issues(stopping)
 
 
 def _preparation_issues(model: ForwardModel, observations: tuple[Observation, ...]) -> list[Issue]:

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.problem.base import Section
+from geoswarm.solver.section import Section
 
 __all__ = ["MANY_POINTS", "Readings", "Resample", "many_points_warning", "prepared"]
 

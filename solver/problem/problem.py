@@ -9,6 +9,7 @@ from typing import Any
 
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ParameterInfo
+from geoswarm.solver.methods.base import Method
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.parameters import (
     FixedParameter,
@@ -19,7 +20,7 @@ from geoswarm.solver.problem.parameters import (
     outside_limits,
 )
 from geoswarm.solver.problem.running import Failures, Limits
-from geoswarm.solver.problem.sections import Method, MonteCarloMethod, ParticleSwarmMethod, Stopping
+from geoswarm.solver.problem.sections import Stopping
 from geoswarm.solver.problem.weighting import Weighting
 
 __all__ = ["Problem"]
@@ -98,10 +99,7 @@ class Problem:
     def planned_evaluations(self) -> int | None:
         """Number of evaluations after which a job ends at the latest; None when no number limits it."""
         limit = self.stopping.max_evaluations
-        if isinstance(self.method, ParticleSwarmMethod):
-            return limit
-        method = self.method
-        planned = method.samples if isinstance(method, MonteCarloMethod) else method.planned(len(self.free))
+        planned = self.method.planned(len(self.free))
         return min((n for n in (limit, planned) if n is not None), default=None)
 
     def values(self, free_values: Sequence[float]) -> dict[str, float]:

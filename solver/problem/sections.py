@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, Union
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.forward.registry import AnyForwardModelSpec
-from geoswarm.solver.problem.base import Section
+from geoswarm.solver.methods.base import Method
+from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
+from geoswarm.solver.methods.registry import built_in_methods
 from geoswarm.solver.problem.cells import moment_in
-from geoswarm.solver.problem.follow_ups import FOLLOW_UPS, FollowUpMethod
 from geoswarm.solver.problem.preparation import Resample
 from geoswarm.solver.problem.running import Failures, Limits
 from geoswarm.solver.problem.weighting import Weighting
+from geoswarm.solver.section import Section
 
 __all__ = [
-    "METHODS",
     "FixedSection",
     "FreeSection",
     "LinkedSection",
-    "Method",
     "MethodSection",
-    "MonteCarloMethod",
     "ObservationSection",
     "PARAMETER_FORMS",
     "ParameterSection",
-    "ParticleSwarmMethod",
     "PointsSection",
     "ProblemFile",
     "Settings",
@@ -157,110 +155,10 @@ class ObservationSection(Section):
         return self
 
 
-Particles: TypeAlias = Annotated[
-    Annotated[int, Field(ge=2, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
-    Discriminator(lambda value: "auto" if isinstance(value, str) else "number"),
-]
-
-
-class ParticleSwarmMethod(Section):
-    """Particle swarm: generations of particles, each evaluated in parallel."""
-
-    kind: Literal["particle_swarm"] = "particle_swarm"
-    particles: Particles = Field(
-        10,
-        description="particles in a generation; auto: chosen once, at the start, from the evaluations that can run at "
-        "once then (a multiple of them, at least 8)",
-    )
-    form: Literal["constriction", "inertia_weight"] = Field("constriction", description="form of the velocity equation")
-    inertia_weight: float | None = Field(
-        None, ge=0, le=1, description="w; 0.7298 if absent; only with form inertia_weight"
-    )
-    cognitive_coefficient: float | None = Field(
-        None, ge=0, le=10, description="pull to the particle's own best; 2.05 (constriction) or 1.49618 if absent"
-    )
-    social_coefficient: float | None = Field(
-        None, ge=0, le=10, description="pull to the best of the neighbourhood; 2.05 (constriction) or 1.49618 if absent"
-    )
-    topology: Literal["global", "ring"] = Field(
-        "global", description="whose best a particle knows: all or two neighbours"
-    )
-    boundary: Literal["reflect", "absorb", "resample"] = Field("reflect", description="what happens at the bounds")
-    max_velocity: float = Field(
-        0.5, gt=0, le=1, description="largest step as a fraction of the range between the bounds"
-    )
-    acceleration: Literal["none", "response_surface"] = Field(
-        "response_surface",
-        description="aims most particles at what all runs so far promise; none: the textbook swarm",
-    )
-    polish: bool = Field(
-        False,
-        description="where an accelerated search would begin again elsewhere: polish the best by Levenberg-Marquardt "
-        "steps and end",
-    )
-
-    @field_validator("inertia_weight")
-    @classmethod
-    def _only_with_its_form(cls, value: float | None, info: Any) -> float | None:
-        if value is not None and info.data.get("form") == "constriction":
-            raise PydanticCustomError("form", "only used with form: inertia_weight; leave it out or set form")
-        return value
-
-    @field_validator("polish")
-    @classmethod
-    def _only_accelerated(cls, value: bool, info: Any) -> bool:
-        if value and info.data.get("acceleration") == "none":
-            raise PydanticCustomError("polish", "needs the stored responses of acceleration: response_surface")
-        return value
-
-    @model_validator(mode="after")
-    def _constriction_exists(self) -> ParticleSwarmMethod:
-        if self.form == "constriction":
-            cognitive = 2.05 if self.cognitive_coefficient is None else self.cognitive_coefficient
-            social = 2.05 if self.social_coefficient is None else self.social_coefficient
-            if not cognitive + social > 4:
-                raise PydanticCustomError(
-                    "constriction",
-                    "form constriction needs cognitive_coefficient + social_coefficient above 4, not {total}",
-                    {"total": f"{cognitive + social:g}"},
-                )
-        return self
-
-
-LARGEST_DESIGN = 1_000_000
-"""Samples that a Latin hypercube or Sobol design may have."""
-
-
-class MonteCarloMethod(Section):
-    """Monte Carlo sampling of the space between the bounds, for the statistics."""
-
-    kind: Literal["monte_carlo"] = "monte_carlo"
-    samples: int = Field(ge=1, le=10_000_000, description="number of evaluations")
-    sampling: Literal["random", "latin_hypercube", "sobol"] = Field("random", description="how the points are chosen")
-    batch: int = Field(50, ge=1, le=1000, description="evaluations in a generation")
-
-    @model_validator(mode="after")
-    def _design_fits(self) -> MonteCarloMethod:
-        if self.sampling != "random" and self.samples > LARGEST_DESIGN:
-            raise PydanticCustomError(
-                "design",
-                "sampling {sampling} draws its points as a whole and takes at most {most} samples, not {samples}; "
-                "sampling: random has no such limit",
-                {"sampling": self.sampling, "most": LARGEST_DESIGN, "samples": self.samples},
-            )
-        return self
-
-
-Method: TypeAlias = ParticleSwarmMethod | MonteCarloMethod | FollowUpMethod
-
-METHODS: dict[str, type[Method]] = {
-    "particle_swarm": ParticleSwarmMethod,
-    "monte_carlo": MonteCarloMethod,
-    **FOLLOW_UPS,
-}
-"""Methods by kind."""
-
-MethodSection: TypeAlias = Annotated[Method, Field(discriminator="kind")]
+if TYPE_CHECKING:
+    MethodSection: TypeAlias = Method
+else:
+    MethodSection = Annotated[Union[built_in_methods()], Field(discriminator="kind")]  # noqa: UP007  of a tuple
 
 
 class Stopping(Section):

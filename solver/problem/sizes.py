@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.problem.problem import Problem
-from geoswarm.solver.problem.sections import MonteCarloMethod
 
 __all__ = ["MAX_DESIGN_VALUES", "MAX_POINTS", "MAX_VALUES", "point_issues", "size_issues"]
 
@@ -32,15 +31,13 @@ def point_issues(counts: Iterable[int]) -> list[Issue]:
 def size_issues(problem: Problem) -> list[Issue]:
     """What is wrong with the size of a sound problem."""
     method, free = problem.method, len(problem.free)
-    if isinstance(method, MonteCarloMethod) and method.sampling != "random":
-        values = method.samples * free
-        if values > MAX_DESIGN_VALUES:
-            message = (
-                f"{method.samples} samples of {free} free parameters are {values} values, which sampling "
-                f"{method.sampling} draws as a whole; at most {MAX_DESIGN_VALUES} are accepted; sampling: random has "
-                "no such limit"
-            )
-            return [Issue("method.samples", message)]
+    values = method.drawn_at_once * free
+    if values > MAX_DESIGN_VALUES:
+        message = (
+            f"{method.drawn_at_once} samples of {free} free parameters are {values} values, which {method.in_words()} "
+            f"draws as a whole; at most {MAX_DESIGN_VALUES} are accepted; sampling: random has no such limit"
+        )
+        return [Issue("method.samples", message)]
     planned = problem.planned_evaluations
     points = sum(observation.x.size for observation in problem.observations)
     if planned is not None and planned * points > MAX_VALUES:

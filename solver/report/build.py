@@ -23,7 +23,7 @@ from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.polish import Polished, polish
 from geoswarm.solver.identifiability.stored import jacobian_from_samples
 from geoswarm.solver.local import CalibrationResult
-from geoswarm.solver.problem import ParticleSwarmMethod, Problem
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.content import Content, report_content
 from geoswarm.solver.report.figures import FigureSet
 from geoswarm.solver.report.html import html_fragment, html_report
@@ -159,7 +159,7 @@ def report_of_result(
         quick model, from stored runs otherwise. By default after a swarm only: the best of a sampling is no optimum.
     """
     samples = Samples.from_result(problem, result)
-    wanted = isinstance(problem.method, ParticleSwarmMethod) if linearise is None else linearise
+    wanted = problem.method.role == "search" if linearise is None else linearise
     found = linearise_here(problem, samples, result.seed) if wanted and samples.size else None
     stored = linearise_stored(problem, samples, result.seed) if wanted and found is None else None
     record = record_of_result(problem, result)
@@ -170,7 +170,7 @@ def linearise_stored(
     problem: Problem, samples: Samples, seed: int, *, noise: Mapping[str, float] | float | None = None
 ) -> Linearisation | None:
     """Linearise at the best sample of a swarm without a forward run; None where they are not dense enough."""
-    if not isinstance(problem.method, ParticleSwarmMethod) or not samples.responses or samples.size == 0:
+    if problem.method.role != "search" or not samples.responses or samples.size == 0:
         return None
     calibration = Calibration(problem, seed)
     try:

@@ -17,7 +17,7 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.identifiability.posterior import sample_posterior
 from geoswarm.solver.local import GenerationRecord
-from geoswarm.solver.problem import ParticleSwarmMethod, Problem, parse_problem
+from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.build import Report, linearise_here, linearise_stored
 from geoswarm.solver.report.folder_findings import findings_of_folder
 from geoswarm.solver.report.folder_tables import column, read_table
@@ -111,7 +111,7 @@ def report_of_folder(
         findings = findings_of_folder(folder, problem, noise=noise)
     except (KeyError, ValueError, TypeError) as error:
         raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
-    swarm = isinstance(problem.method, ParticleSwarmMethod) and samples.size > 0
+    swarm = problem.method.role == "search" and samples.size > 0
     examine = swarm and findings.linearisation is None
     optimum = linearise_here(problem, samples, seed, noise=noise) if examine else None
     stored_runs = examine and optimum is None

@@ -10,8 +10,8 @@ import numpy as np
 
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.identifiability.follow_ups import Findings, findings_of, follow_up_of, join_findings, same_question
+from geoswarm.solver.methods.registry import kinds_of
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.problem.follow_ups import FOLLOW_UPS
 from geoswarm.solver.report.folder_tables import column, read_table
 from geoswarm.solver.report.tables import parameter_column
 
@@ -56,7 +56,7 @@ def findings_of_folder(folder: Path, problem: Problem, *, noise: Mapping[str, fl
     if follow_up_of(problem) is not None:
         return _read(folder, problem, noise)
     parts = []
-    for kind in FOLLOW_UPS:
+    for kind in kinds_of("follow_up"):
         file = folder / kind / "problem.json"
         if file.is_file():
             follow_up = parse_problem(json.loads(file.read_text(encoding="utf-8")))

@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.identifiability.polish import Polished
 from geoswarm.solver.local import CalibrationResult, GenerationRecord
-from geoswarm.solver.problem import MonteCarloMethod, ParticleSwarmMethod, Problem
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.versions import versions
 
 __all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]
@@ -127,21 +127,6 @@ def environment() -> dict[str, str]:
         return dict(versions())
 
 
-_FOLLOW_UPS = {
-    "sensitivity": "follow-up: sensitivities at an optimum",
-    "profile": "follow-up: profile objectives",
-    "sobol": "follow-up: Sobol indices",
-    "morris": "follow-up: Morris' elementary effects",
-}
-
-
 def method_in_words(problem: Problem) -> str:
     """Return the search method in a few words."""
-    method = problem.method
-    if isinstance(method, MonteCarloMethod):
-        return f"Monte Carlo sampling ({method.sampling.replace('_', ' ')}), {method.samples} samples"
-    if not isinstance(method, ParticleSwarmMethod):
-        return _FOLLOW_UPS[method.kind]
-    form = method.form.replace("_", " ")
-    count = "as many particles as workers suggested" if method.particles == "auto" else f"{method.particles} particles"
-    return f"particle swarm ({form}, {method.topology}), {count}"
+    return problem.method.in_words()

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Progress, choose_seed, swarm_settings
+from geoswarm.solver.calibration import Calibration, Progress, choose_seed
+from geoswarm.solver.methods.particle_swarm import swarm_settings
 from geoswarm.solver.errors import DivergedError
-from geoswarm.solver.problem import ParticleSwarmMethod
+from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from tests.solver.problems import decay_problem
 
 

@@ -13,7 +13,7 @@ from sqlalchemy import Connection, update
 
 from geoswarm.solver.calibration import Progress, stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.problem import MonteCarloMethod, Problem, Stopping, parse_problem
+from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.stopping import StopCriterion, SwarmStatus, satisfied_reasons
 from geoswarm.workers.coordinator.machine import GoOnRequested, Transition, apply
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError
@@ -66,7 +66,7 @@ def change_stopping(
     wanted = stopping.model_dump(mode="json", exclude_none=True)
     problem = parse_problem(unpack_problem(stored.problem) | {"stopping": wanted})
     planned = problem.planned_evaluations
-    if isinstance(problem.method, MonteCarloMethod) and planned != row.max_evaluations:
+    if problem.method.role == "sampling" and planned != row.max_evaluations:
         raise ProblemError(
             [
                 Issue(

@@ -8,8 +8,8 @@ from typing import Any
 from sqlalchemy import Connection, select
 
 from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.methods.registry import kinds_of
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.problem.follow_ups import FOLLOW_UPS
 from geoswarm.workers.store.codec import unpack_array, unpack_json, unpack_responses
 from geoswarm.workers.store.selection import read_evaluations
 from geoswarm.workers.store.tables import jobs
@@ -44,7 +44,7 @@ def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
     columns = (jobs.c.id, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
     rows = connection.execute(
         select(*columns)
-        .where(jobs.c.method.in_(list(FOLLOW_UPS)), named, owned)
+        .where(jobs.c.method.in_(kinds_of("follow_up")), named, owned)
         .order_by(jobs.c.created_at.desc(), jobs.c.id)
         .limit(_MOST)
     )

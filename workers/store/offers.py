@@ -12,7 +12,7 @@ from sqlalchemy import Connection, insert, select, update
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Offer
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.problem import ParticleSwarmMethod, Points, Problem, parse_problem
+from geoswarm.solver.problem import Points, Problem, parse_problem
 from geoswarm.solver.warm_start import OTHER_MODEL, EarlierRuns, best_of, forward_model_hash, offer_of, usable_runs
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.shelf import Shelf
@@ -83,7 +83,7 @@ def find_warm_starts(store: Store, problem: Problem, owner: str | None, shelf: S
         Keeps what was read of earlier jobs.
     """
     method = problem.method
-    if not isinstance(method, ParticleSwarmMethod) or method.acceleration == "none" or problem.warm_start:
+    if not method.takes_offers or problem.warm_start:
         return []
     statement = select(jobs.c.id, jobs.c.name, jobs.c.forward_hash).where(
         jobs.c.forward_model == problem.forward_model.kind, jobs.c.evaluations > jobs.c.failed_evaluations

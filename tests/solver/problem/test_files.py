@@ -9,15 +9,9 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.problem import (
-    FixedParameter,
-    FreeParameter,
-    LinkedParameter,
-    MonteCarloMethod,
-    ParticleSwarmMethod,
-    load_problem,
-    parse_problem,
-)
+from geoswarm.solver.methods.monte_carlo import MonteCarloMethod
+from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
+from geoswarm.solver.problem import FixedParameter, FreeParameter, LinkedParameter, load_problem, parse_problem
 
 HERE = Path(__file__).parent
 GOOD = sorted(path for path in (HERE / "good").iterdir() if path.suffix in (".yaml", ".json"))

@@ -1,0 +1,13 @@
+"""Methods: each module declares a section of the problem file, what it plans, its words, and makes its search.
+
+===========================  ==========================================================
+``base``                     what every method declares
+``registry``                 finds built-in methods and those of other packages
+``particle_swarm``           a search
+``differential_evolution``   a search
+``monte_carlo``              a sampling
+``sensitivity``              a follow-up: derivatives at an optimum
+``profile``                  a follow-up: profile objectives
+``global_designs``           follow-ups: Sobol indices, elementary effects of Morris
+===========================  ==========================================================
+"""

@@ -1,0 +1,103 @@
+"""Designs for global sensitivity: Sobol indices, elementary effects of Morris."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
+
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.extras import has, needs_extra
+from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task
+
+if TYPE_CHECKING:
+    from geoswarm.solver.problem import Problem
+    from geoswarm.solver.search import SearchSpace, Snapshot
+    from geoswarm.solver.search.follow_ups import DesignSearch, GlobalPoints
+
+__all__ = ["GlobalMethod", "MorrisMethod", "SobolMethod"]
+
+
+class GlobalMethod(FollowUpMethod):
+    """A design over the whole space."""
+
+    further: ClassVar[int]
+    """Evaluations of a base point, or a trajectory, beside one a parameter."""
+
+    if TYPE_CHECKING:  # each declares its fields in its own order
+        kind: Literal["sobol", "morris"]
+        samples: int
+        batch: int
+
+    def planned(self, free: int) -> int | None:
+        """Return the number of evaluations."""
+        return self.samples * (free + self.further)
+
+    def in_words(self) -> str:
+        """Name it."""
+        return f"follow-up: {self.title}"
+
+    def issues(self, problem: Problem) -> list[Issue]:  # noqa: ARG002
+        """It needs a library."""
+        return [] if has("SALib") else [Issue("method.kind", needs_extra(f"the method {self.kind}", "SALib"))]
+
+    def points(self, space: SearchSpace, seed: int) -> GlobalPoints:
+        """Draw the points of the design."""
+        from geoswarm.solver.search.follow_ups import GlobalPoints
+
+        return GlobalPoints(space, self.kind, self.samples, seed)
+
+    def maker(self, task: Task) -> Maker:
+        """Prepare to make it for a job."""
+        return _DesignMaker(self, task)
+
+
+class SobolMethod(GlobalMethod):
+    """Sobol indices over the whole space, the share of the variation by parameter; samples (d + 2) evaluations."""
+
+    title: ClassVar[str] = "Sobol indices"
+
+    kind: Literal["sobol"] = "sobol"
+    samples: int = Field(256, ge=8, le=2**17, description="base points, a power of two")
+    batch: int = Field(200, ge=1, le=1000, description="evaluations in a generation")
+    of: str | None = Field(None, min_length=1, max_length=64, description=OF_JOB)
+    further: ClassVar[int] = 2
+    """Evaluations of a base point beside one a parameter."""
+
+    @field_validator("samples")
+    @classmethod
+    def _power_of_two(cls, value: int) -> int:
+        if value & (value - 1):
+            raise PydanticCustomError("power_of_two", "must be a power of two, not {value}", {"value": value})
+        return value
+
+
+class MorrisMethod(GlobalMethod):
+    """Elementary effects of Morris over the whole space, a cheap screening; samples (d + 1) evaluations."""
+
+    title: ClassVar[str] = "Morris' elementary effects"
+
+    kind: Literal["morris"] = "morris"
+    samples: int = Field(20, ge=8, le=100_000, description="trajectories")
+    batch: int = Field(200, ge=1, le=1000, description="evaluations in a generation")
+    of: str | None = Field(None, min_length=1, max_length=64, description=OF_JOB)
+    further: ClassVar[int] = 1
+    """Evaluations of a trajectory beside one a parameter."""
+
+
+class _DesignMaker:
+    def __init__(self, method: GlobalMethod, task: Task) -> None:
+        self._points = method.points(task.space, task.seed)
+        self._batch = method.batch
+
+    def start(self, slots: int) -> DesignSearch:  # noqa: ARG002  (the form of all makers)
+        return self._search(None)
+
+    def restore(self, snapshot: Snapshot) -> DesignSearch:
+        return self._search(snapshot)
+
+    def _search(self, snapshot: Snapshot | None) -> DesignSearch:
+        from geoswarm.solver.search.follow_ups import DesignSearch
+
+        return DesignSearch(self._points, self._batch, snapshot)

@@ -1,0 +1,82 @@
+"""Sensitivities at an optimum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from pydantic import Field
+
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task, in_order
+
+if TYPE_CHECKING:
+    from geoswarm.solver.problem import Problem
+    from geoswarm.solver.search import SearchSpace, Snapshot
+    from geoswarm.solver.search.follow_ups import SensitivitySearch
+
+__all__ = ["SensitivityMethod"]
+
+
+class SensitivityMethod(FollowUpMethod):
+    """Sensitivities at an optimum by differences of fourth order, 4 d + 1 evaluations a step.
+
+    Without a step, one is found for each parameter: further generations move only those parameters whose derivative is
+    not certain yet, and a last one, of 2 d evaluations, lies at the ends of the intervals that they give.
+    """
+
+    title: ClassVar[str] = "sensitivities at an optimum"
+
+    kind: Literal["sensitivity"] = "sensitivity"
+    at: dict[str, float] = Field(min_length=1, description="the optimum: values of all free parameters")
+    step: float | None = Field(
+        None,
+        gt=0,
+        le=0.1,
+        description="largest difference, in parts of the range in search coordinates; where absent, it is found for "
+        "each parameter, and it takes some more evaluations",
+    )
+    polish: bool = Field(
+        False, description="go to the minimum first by Levenberg-Marquardt steps, one generation of 2 d + 1 each"
+    )
+    of: str | None = Field(None, min_length=1, max_length=64, description=OF_JOB)
+
+    def planned(self, free: int) -> int | None:
+        """Number of evaluations at most; None when it is not known before."""
+        return None if self.polish or self.step is None else 4 * free + 1
+
+    @property
+    def learns(self) -> bool:
+        """Unless all differences are known before."""
+        return self.polish or self.step is None
+
+    def in_words(self) -> str:
+        """Name it."""
+        return "follow-up: sensitivities at an optimum"
+
+    def issues(self, problem: Problem) -> list[Issue]:
+        """Compare the optimum with the parameters."""
+        return self.issues_at(self.at, problem)
+
+    def search(self, space: SearchSpace, snapshot: Snapshot | None = None) -> SensitivitySearch:
+        """Begin, or go on."""
+        from geoswarm.solver.search.follow_ups import SensitivitySearch, SensitivitySettings
+
+        settings = SensitivitySettings(in_order(space, self.at), self.step, self.polish)
+        return SensitivitySearch(space, settings, snapshot)
+
+    def maker(self, task: Task) -> Maker:
+        """Prepare to make it for a job."""
+        return _SensitivityMaker(self, task)
+
+
+@dataclass(frozen=True, slots=True)
+class _SensitivityMaker:
+    method: SensitivityMethod
+    task: Task
+
+    def start(self, slots: int) -> SensitivitySearch:  # noqa: ARG002  (the form of all makers)
+        return self.method.search(self.task.space)
+
+    def restore(self, snapshot: Snapshot) -> SensitivitySearch:
+        return self.method.search(self.task.space, snapshot)
