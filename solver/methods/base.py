@@ -125,12 +125,12 @@ class SearchMethod(Method):
 
     @property
     @abstractmethod
-    def members(self) -> tuple[int, str]:
+    def least(self) -> tuple[int, str]:
         """How many evaluations a generation has at least, and what they are called."""
 
     def stopping_issues(self, stopping: Stopping) -> list[Issue]:
         """It needs a criterion, and a generation must fit."""
-        least, name = self.members
+        least, name = self.least
         if stopping.is_empty:
             criteria = ", ".join(type(stopping).model_fields)
             return [Issue("stopping", f"a {self.title} needs at least one criterion: {criteria}")]

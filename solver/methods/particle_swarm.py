@@ -92,7 +92,7 @@ class ParticleSwarmMethod(SearchMethod):
         return self
 
     @property
-    def members(self) -> tuple[int, str]:
+    def least(self) -> tuple[int, str]:
         """Particles."""
         return (2 if self.particles == "auto" else self.particles), "particles"
 

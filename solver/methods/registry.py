@@ -16,6 +16,7 @@ __all__ = ["BUILT_IN", "GROUP", "UnknownMethodError", "built_in_methods", "find_
 GROUP = "geoswarm.methods"
 BUILT_IN = {
     "particle_swarm": "geoswarm.solver.methods.particle_swarm:ParticleSwarmMethod",
+    "differential_evolution": "geoswarm.solver.methods.differential_evolution:DifferentialEvolutionMethod",
     "monte_carlo": "geoswarm.solver.methods.monte_carlo:MonteCarloMethod",
     "sensitivity": "geoswarm.solver.methods.sensitivity:SensitivityMethod",
     "profile": "geoswarm.solver.methods.profile:ProfileMethod",

@@ -8,9 +8,8 @@ import pytest
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Progress, choose_seed
-from geoswarm.solver.methods.particle_swarm import swarm_settings
 from geoswarm.solver.errors import DivergedError
-from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
+from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod, swarm_settings
 from tests.solver.problems import decay_problem
 
 
