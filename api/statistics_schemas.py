@@ -32,7 +32,7 @@ class SampleCounts(Answer):
     total: int
     failed: int
     left_out: int = Field(description="successful ones of a long history that were not read")
-    source: Literal["monte_carlo", "particle_swarm", "mixed", "follow_up"]
+    source: str = Field(description="kind of the method they come from; follow_up: of any; mixed: of several")
     kept: int = Field(description="good fits: at or below the threshold")
     kept_unbiased: int = Field(description="those of a Monte Carlo sampling")
 

@@ -32,6 +32,16 @@ __all__ = [
 STATES = ("queued", "running", "paused", "finished", "failed", "cancelled")
 
 
+def _searches(method: str) -> bool:
+    """Whether a method of the service, which need not be installed here, is a search."""
+    from geoswarm.solver.methods.registry import UnknownMethodError, find_method
+
+    try:
+        return find_method(method).role == "search"
+    except UnknownMethodError:
+        return False
+
+
 def jsonable(record: Any) -> Any:
     """Return a record of the client as JSON values; times in ISO 8601."""
     return _plain(asdict(record))
@@ -103,7 +113,7 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
             reasons, failed = failures_of(client, found)
             more["failures"] = {"reasons": dict(reasons), "items": [jsonable(evaluation) for evaluation in failed]}
         last = client.generations(found.id, after=max(-1, found.generations - 2), limit=1, diversity=True)
-        scatter = last[0].diversity if last and found.method == "particle_swarm" else None
+        scatter = last[0].diversity if last and _searches(found.method) else None
         try:
             best = client.best(found.id)
         except NotFoundError:

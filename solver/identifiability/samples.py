@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from geoswarm.solver.problem import Problem
 
 __all__ = ["Samples", "Source"]
 
-Source: TypeAlias = Literal["monte_carlo", "particle_swarm", "mixed", "follow_up"]
+Source: TypeAlias = str
+"""Kind of the method that the samples come from; ``follow_up`` for all follow-ups, ``mixed`` for several methods."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +49,8 @@ class Samples:
         Successful evaluations of a long history that were not read.
     planned
         Positions of a follow-up (sensitivities, profiles, a design), neither sampled nor searched.
+    method
+        Kind of the method that asked for them, of the first where there are several.
     """
 
     names: tuple[str, ...]
@@ -64,6 +67,7 @@ class Samples:
     failed: int = 0
     left_out: int = 0
     planned: bool = False
+    method: str = "particle_swarm"
 
     @classmethod
     def from_arrays(
@@ -113,6 +117,7 @@ class Samples:
             failed=failed + int(count - good.sum()),
             left_out=left_out,
             planned=problem.method.role == "follow_up",
+            method=problem.method.kind,
         )
 
     @classmethod
@@ -223,11 +228,9 @@ class Samples:
     @property
     def source(self) -> Source:
         """Where the samples come from."""
-        if self.unbiased.all():
-            return "monte_carlo"
-        if self.planned:
+        if self.planned and not self.unbiased.all():
             return "follow_up"
-        return "mixed" if self.unbiased.any() else "particle_swarm"
+        return "mixed" if self.unbiased.any() and not self.unbiased.all() else self.method
 
     @property
     def best(self) -> int:

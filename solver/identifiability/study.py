@@ -22,18 +22,9 @@ from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.verdicts import Verdict, judge
 from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
+from geoswarm.solver.methods.registry import find_method
 
-__all__ = ["FOLLOW_UP_BIAS", "NOT_AT_OPTIMUM", "SWARM_BIAS", "TOO_FEW_POINTS", "Statistics", "analyse"]
-
-SWARM_BIAS = (
-    "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
-    "describe its path as well as the data. Only the lower envelope can be read as it is."
-)
-
-FOLLOW_UP_BIAS = (
-    "The evaluations are planned positions of a follow-up, neither sampled nor searched: their correlations and widths "
-    "describe the plan. What they were made for stands under uncertainty."
-)
+__all__ = ["NOT_AT_OPTIMUM", "TOO_FEW_POINTS", "Statistics", "analyse"]
 
 NOT_AT_OPTIMUM = (
     "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
@@ -62,8 +53,6 @@ TOO_FEW_POINTS = (
     "Too few measurements: {points} of them cannot determine {free} free parameters, so each value is one of many "
     "that fit. Fix or link some parameters, or add measurements."
 )
-
-_BIASES = {"particle_swarm": SWARM_BIAS, "follow_up": FOLLOW_UP_BIAS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,11 +195,11 @@ def analyse(
         warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
     if points < samples.dimension:
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
-    if samples.source in _BIASES:
-        warnings.insert(0, _BIASES[samples.source])
+    if samples.size and samples.source != "mixed" and (bias := find_method(samples.method).bias):
+        warnings.insert(0, bias)
     if samples.left_out:
         evenly = "spread evenly"
-        rule = evenly if samples.source == "monte_carlo" else f"half with the lowest objectives, half {evenly}"
+        rule = evenly if samples.unbiased.all() else f"half with the lowest objectives, half {evenly}"
         warnings.insert(0, SELECTED.format(read=samples.size, total=samples.size + samples.left_out, rule=rule))
     return Statistics(
         samples=samples,

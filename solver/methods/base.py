@@ -75,6 +75,8 @@ class Method(Section, ABC):
     role: ClassVar[Role]
     title: ClassVar[str]
     """What it is called in sentences: "particle swarm"."""
+    bias: ClassVar[str] = ""
+    """What to keep in mind when its evaluations are taken for samples; empty: nothing."""
 
     kind: str
 
@@ -122,6 +124,10 @@ class SearchMethod(Method):
     """A method that goes for the lowest objective until a stop criterion is satisfied."""
 
     role: ClassVar[Role] = "search"
+    bias: ClassVar[str] = (
+        "The samples are those of a search: they crowd where it was drawn to, so correlations and widths describe its "
+        "path as well as the data. Only the lower envelope can be read as it is."
+    )
 
     @property
     @abstractmethod
@@ -145,6 +151,10 @@ class FollowUpMethod(Method):
     """A method that examines an optimum, or the space around it, by planned evaluations."""
 
     role: ClassVar[Role] = "follow_up"
+    bias: ClassVar[str] = (
+        "The evaluations are planned positions of a follow-up, neither sampled nor searched: their correlations and "
+        "widths describe the plan. What they were made for stands under uncertainty."
+    )
 
     if TYPE_CHECKING:  # each declares the field where it stands in its section
         of: str | None

@@ -30,6 +30,10 @@ class ParticleSwarmMethod(SearchMethod):
     """Particle swarm: generations of particles, each evaluated in parallel."""
 
     title: ClassVar[str] = "particle swarm"
+    bias: ClassVar[str] = (
+        "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
+        "describe its path as well as the data. Only the lower envelope can be read as it is."
+    )
 
     kind: Literal["particle_swarm"] = "particle_swarm"
     particles: Particles = Field(

@@ -6,6 +6,7 @@ from typing import Any
 
 from geoswarm.solver.errors import BrokenForwardModelError
 from geoswarm.solver.forward.registry import find_spec, kinds
+from geoswarm.solver.methods import registry as methods
 from geoswarm.solver.problem.sections import ProblemFile
 
 __all__ = ["problem_schema"]
@@ -31,10 +32,29 @@ def problem_schema() -> dict[str, Any]:
     definitions["forward_model"] = {"oneOf": choices}
     place = schema["properties"]["forward_model"]
     schema["properties"]["forward_model"] = {"$ref": "#/$defs/forward_model", "description": place["description"]}
+    _add_methods(schema, definitions)
     for name, definition in definitions.items():
         if name.startswith("forward_model_"):
             definitions[name] = _with_parts(definition)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _add_methods(schema: dict[str, Any], definitions: dict[str, Any]) -> None:
+    """Add the methods of other packages to the choice of the section ``method``; those that cannot be loaded not."""
+    choice = schema["properties"]["method"]
+    for kind in methods.kinds():
+        if kind in methods.BUILT_IN:
+            continue
+        try:
+            section = methods.find_method(kind).model_json_schema()
+        except methods.UnknownMethodError:
+            continue
+        name = f"method_{kind}"
+        inner = section.pop("$defs", {})
+        definitions |= {f"{name}_{key}": _renamed(value, name) for key, value in inner.items()}
+        definitions[name] = _renamed(section, name) | {"required": ["kind", *section.get("required", [])]}
+        choice["oneOf"].append({"$ref": f"#/$defs/{name}"})
+        choice["discriminator"]["mapping"][kind] = f"#/$defs/{name}"
 
 
 def _renamed(value: Any, prefix: str) -> Any:

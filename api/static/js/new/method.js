@@ -3,8 +3,6 @@ import { element } from "../dom.js";
 import { errorPlace, field } from "./fields.js";
 import { anyField, objectForm, sentence } from "./schema_form.js";
 
-const SEARCHES = ["particle_swarm", "monte_carlo", "sobol", "morris"];
-
 export function methodSection(context, place) {
   const { draft, schemas, root } = context;
 
@@ -12,8 +10,9 @@ export function methodSection(context, place) {
     const { method, stopping, seed, priority, limits, failures, warm_start: earlier } = root.properties;
     const whole = schemas.present(method).schema;
     const kindOf = (one) => schemas.resolve(one.properties.kind).const;
+    const needsOptimum = (one) => (schemas.resolve(one).required ?? []).includes("at"); // a follow-up of another job
     const chosen = draft.read(["method", "kind"]);
-    const offered = { ...whole, description: "", anyOf: whole.anyOf.filter((one) => SEARCHES.includes(kindOf(one)) || kindOf(one) === chosen) };
+    const offered = { ...whole, description: "", anyOf: whole.anyOf.filter((one) => !needsOptimum(one) || kindOf(one) === chosen) };
     place.replaceChildren(
       anyField(context, ["method"], offered, { label: "Method", required: true, lead: ["particles", "acceleration", "sampling"] }),
       element("fieldset", { class: "group" }, element("legend", {}, "Stopping"),
