@@ -80,13 +80,17 @@ def free_port() -> int:
 
 @pytest.fixture
 def misbehaving_models(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The forward models of tests/models are installed, here and in processes that are started meanwhile."""
-    from geoswarm.solver.forward.registry import forget
+    """What tests/models has is installed, here and in processes that are started meanwhile."""
+    from geoswarm.solver.forward import registry as forward_models
+    from geoswarm.solver.methods import registry as methods
 
     folder = str(Path(__file__).parent / "models")
     monkeypatch.syspath_prepend(folder)
     monkeypatch.setenv("PYTHONPATH", folder, prepend=os.pathsep)
-    forget()
+    registries = (forward_models, methods)
+    for registry in registries:
+        registry.forget()
     yield
     monkeypatch.undo()
-    forget()
+    for registry in registries:
+        registry.forget()
