@@ -6,10 +6,10 @@ import base64
 import binascii
 import hashlib
 import hmac
-from collections import OrderedDict
 from dataclasses import dataclass
 
 import anyio.to_thread
+from cachetools import LRUCache
 from starlette.datastructures import Headers
 
 from geoswarm.api.errors import DetailError
@@ -61,7 +61,7 @@ class Authenticator:
         self._requests = RateLimiter(settings.requests_per_second, settings.request_burst)
         self._failures = RateLimiter(FAILURES_PER_SECOND, FAILURE_BURST)
         self._sign_ins = RateLimiter(SIGN_INS_PER_SECOND, SIGN_IN_BURST)
-        self._seen: OrderedDict[bytes, None] = OrderedDict()  # hashes of long keys that were valid here
+        self._seen: LRUCache[bytes, None] = LRUCache(TRUSTED_KEYS)  # hashes of long keys that were valid here
 
     async def asks(self) -> bool:
         """Whether a key is needed now; from the moment when the first one is made, by whatever process.
@@ -128,9 +128,6 @@ class Authenticator:
             raise unauthorized("This API key is not valid, or no longer.", challenge)
         if len(key) >= LONG_KEY:
             self._seen[fingerprint] = None
-            self._seen.move_to_end(fingerprint)
-            if len(self._seen) > TRUSTED_KEYS:
-                self._seen.popitem(last=False)
         return found
 
     async def sign_in(self, key: bytes, address: str, challenge: str) -> Principal:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+from cachetools import FIFOCache
+
 from geoswarm.workers.views import EventView
 
 __all__ = ["MOST_GENERATIONS", "BatchTexts", "encode_event", "thinned"]
@@ -35,13 +37,11 @@ class BatchTexts:
     """Texts of the latest batches of one job."""
 
     def __init__(self) -> None:
-        self._texts: dict[tuple[int, int, int], str] = {}
+        self._texts: FIFOCache[tuple[int, int, int], str] = FIFOCache(_KEPT)
 
     def of(self, batch: Sequence[EventView]) -> str:
         """Return the text of a batch, written by the first who wants it."""
         key = (batch[0].id, batch[-1].id, len(batch))
         if key not in self._texts:
-            while len(self._texts) >= _KEPT:
-                del self._texts[next(iter(self._texts))]
             self._texts[key] = "".join(map(encode_event, batch))
         return self._texts[key]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections import Counter, OrderedDict
+from collections import Counter
 from collections.abc import Callable
 from typing import Literal
+
+from cachetools import LRUCache
 
 __all__ = ["RateLimiter", "Shares"]
 
@@ -28,7 +30,8 @@ class RateLimiter:
         self.rate = rate
         self.burst = burst
         self._clock = clock
-        self._buckets: OrderedDict[str, tuple[float, float]] = OrderedDict()  # client: tokens, when
+        # Client: tokens, when. The longest silent, who is dropped, has a full bucket by now, or nearly so.
+        self._buckets: LRUCache[str, tuple[float, float]] = LRUCache(MOST_CLIENTS)
 
     def take(self, client: str) -> int | None:
         """Take a token; None when there was one, else the whole seconds until there is one."""
@@ -37,9 +40,6 @@ class RateLimiter:
         tokens = self.tokens(client)
         granted = tokens >= 1.0
         self._buckets[client] = (tokens - granted, self._clock())
-        self._buckets.move_to_end(client)
-        if len(self._buckets) > MOST_CLIENTS:  # the longest silent has a full bucket by now, or nearly so
-            self._buckets.popitem(last=False)
         return None if granted else self._seconds(tokens)
 
     def wait(self, client: str) -> int | None:

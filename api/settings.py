@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import ipaddress
-import os
-from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr, ValidationError, field_validator
 
 from geoswarm.api.errors import ApiSettingsError
-from geoswarm.environment import SecretFileError, secret
+from geoswarm.environment import SecretFileError, given_settings, settings_mistakes
 
 __all__ = ["LOOPBACK_HOSTS", "ApiSettings"]
 
@@ -34,6 +32,11 @@ VARIABLES: dict[str, str] = {
     "heavy_seconds": "GEOSWARM_HEAVY_SECONDS",
     "heavy_memory_mb": "GEOSWARM_HEAVY_MEMORY_MB",
 }
+
+
+def _names(value: Any) -> Any:
+    """Names from a list, or in small letters from a text with commas between them."""
+    return [part.strip().lower() for part in value.split(",") if part.strip()] if isinstance(value, str) else value
 
 
 class ApiSettings(BaseModel):
@@ -84,8 +87,8 @@ class ApiSettings(BaseModel):
 
     api_key: SecretStr | None = None
     require_key: bool = False
-    allowed_hosts: frozenset[str] = frozenset()
-    trusted_proxies: tuple[str, ...] = ()
+    allowed_hosts: Annotated[frozenset[str], BeforeValidator(_names)] = frozenset()
+    trusted_proxies: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
     max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
     body_bytes_per_key: int = Field(default=64 * 2**20, ge=1_000)
     body_bytes: int = Field(default=256 * 2**20, ge=1_000)
@@ -110,7 +113,7 @@ class ApiSettings(BaseModel):
         if key is not None:
             text = key.get_secret_value()
             if len(text) < 8 or not text.isascii() or not text.isprintable() or " " in text:
-                raise ValueError("an API key needs at least 8 printable ASCII characters without spaces")
+                raise ValueError("needs at least 8 printable ASCII characters without spaces")
         return key
 
     @field_validator("trusted_proxies")
@@ -120,8 +123,9 @@ class ApiSettings(BaseModel):
             try:
                 ipaddress.ip_network(proxy)
             except ValueError:
+                accepted = "192.0.2.7, 10.0.0.0/8, 2001:db8::/32"
                 raise ValueError(
-                    f"{proxy!r} is no address or network; accepted: 192.0.2.7, 10.0.0.0/8, 2001:db8::/32"
+                    f"must hold addresses: {proxy!r} is no address or network; accepted: {accepted}"
                 ) from None
         return proxies
 
@@ -141,29 +145,11 @@ class ApiSettings(BaseModel):
         Raises
         ------
         ApiSettingsError
-            Naming the variable and what it accepts.
+            Naming the variable, its value unless it is secret, and what it accepts.
         """
-        return cls._from_mapping(os.environ, overrides)
-
-    @classmethod
-    def _from_mapping(cls, environment: Mapping[str, str], overrides: Mapping[str, Any]) -> ApiSettings:
-        values: dict[str, Any] = {
-            field: environment[variable] for field, variable in VARIABLES.items() if environment.get(variable)
-        }
-        if overrides.get("api_key") is None:
-            try:
-                values |= {"api_key": secret(VARIABLES["api_key"], environment)}
-            except SecretFileError as error:
-                raise ApiSettingsError(str(error)) from None
-        for field in ("allowed_hosts", "trusted_proxies"):
-            if field in values:
-                values[field] = [part.strip().lower() for part in values[field].split(",") if part.strip()]
-        values |= {field: value for field, value in overrides.items() if value is not None}
         try:
-            return cls.model_validate(values)
+            return cls(**given_settings(VARIABLES, overrides))
+        except SecretFileError as error:
+            raise ApiSettingsError(str(error)) from None
         except ValidationError as error:
-            lines = []
-            for item in error.errors():
-                field = str(item["loc"][0]) if item["loc"] else "settings"
-                lines.append(f"{VARIABLES.get(field, field)}: {item['msg']}")
-            raise ApiSettingsError("; ".join(lines)) from None
+            raise ApiSettingsError(settings_mistakes(error, VARIABLES, overrides)) from None

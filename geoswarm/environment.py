@@ -1,7 +1,8 @@
-"""Secrets from the environment: a variable, or the file that the variable with ``_FILE`` behind its name points to.
+"""Settings from the environment; secrets from it or from files.
 
-A file is what Docker, Kubernetes and systemd hand secrets over as: it is in no process list, no ``docker inspect`` and
-no environment that a child process inherits.
+A secret stands in a variable, or in the file that the variable with ``_FILE`` behind its name points to. A file is what
+Docker, Kubernetes and systemd hand secrets over as: it is in no process list, no ``docker inspect`` and no environment
+that a child process inherits.
 """
 
 from __future__ import annotations
@@ -9,8 +10,12 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["SECRETS", "SecretFileError", "secret", "without_secrets"]
+if TYPE_CHECKING:
+    from pydantic import ValidationError
+
+__all__ = ["SECRETS", "SecretFileError", "given_settings", "secret", "settings_mistakes", "without_secrets"]
 
 SECRETS = ("GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL", "GEOSWARM_API_KEY")
 """Variables with passwords and keys."""
@@ -51,6 +56,46 @@ def without_secrets(environment: Mapping[str, str]) -> dict[str, str]:
     """Return an environment without the variables of :data:`SECRETS`, and without those that name files with them."""
     hidden = {*SECRETS, *(f"{name}_FILE" for name in SECRETS)}
     return {name: value for name, value in environment.items() if name not in hidden}
+
+
+def given_settings(variables: Mapping[str, str], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that are given: the overrides that are not None, else what the variables hold.
+
+    Parameters
+    ----------
+    variables
+        Name of the variable by field. An empty one counts as not set; one of :data:`SECRETS` may name a file.
+
+    Raises
+    ------
+    SecretFileError
+    """
+    given = {field: value for field, value in overrides.items() if value is not None}
+    for field, variable in variables.items():
+        if field not in given and (value := secret(variable) if variable in SECRETS else os.environ.get(variable)):
+            given[field] = value
+    return given
+
+
+def settings_mistakes(error: ValidationError, variables: Mapping[str, str], overrides: Mapping[str, Any]) -> str:
+    """Tell of each wrong setting its name or that of its variable, its value unless it is secret, and what is accepted.
+
+    Parameters
+    ----------
+    variables, overrides
+        As for :func:`given_settings`.
+    """
+    told = []
+    for item in error.errors(include_url=False):
+        field = str(item["loc"][0]) if item["loc"] else ""
+        variable = variables.get(field, field)
+        name = field if overrides.get(field) is not None else variable
+        if item["type"] == "value_error":  # of our own, with the value where it is no secret
+            told.append(f"{name} {item['ctx']['error']}".lstrip())
+        else:
+            value = "" if variable in SECRETS else f" {item['input']!r:.100}"
+            told.append(f"{name}{value}: {item['msg']}")
+    return "; ".join(told)
 
 
 def _only_line(variable: str, path: Path) -> str:

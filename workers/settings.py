@@ -9,27 +9,28 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
-from geoswarm.environment import SecretFileError, secret
+from geoswarm.environment import SecretFileError, given_settings, settings_mistakes
 from geoswarm.workers.errors import SettingsError
 
 __all__ = ["Settings", "mask_url"]
 
-SECRETS = {"GEOSWARM_DATABASE_URL": "database_url", "GEOSWARM_BROKER_URL": "broker_url"}
-"""Addresses with passwords: also taken from the file that the variable with ``_FILE`` behind its name points to."""
-
-ENVIRONMENT = {
-    "GEOSWARM_WORKERS": "workers",
-    "GEOSWARM_PASS_ENVIRONMENT": "passed_environment",
-    "GEOSWARM_EVALUATION_SECONDS": "evaluation_seconds",
-    "GEOSWARM_EVALUATION_MEMORY_MB": "evaluation_memory_mb",
-    "GEOSWARM_BUILD_MEMORY_MB": "build_memory_mb",
-    "GEOSWARM_CHECK_SECONDS": "check_seconds",
-    "GEOSWARM_DISK_RESERVE_MB": "disk_reserve_mb",
-    "GEOSWARM_QUOTA_JOBS": "quota_jobs",
-    "GEOSWARM_QUOTA_EVALUATIONS": "quota_evaluations",
-    "GEOSWARM_QUOTA_MB": "quota_mb",
-    "GEOSWARM_QUOTA_TOTAL_MB": "quota_total_mb",
+VARIABLES = {
+    "database_url": "GEOSWARM_DATABASE_URL",
+    "broker_url": "GEOSWARM_BROKER_URL",
+    "workers": "GEOSWARM_WORKERS",
+    "passed_environment": "GEOSWARM_PASS_ENVIRONMENT",
+    "evaluation_seconds": "GEOSWARM_EVALUATION_SECONDS",
+    "evaluation_memory_mb": "GEOSWARM_EVALUATION_MEMORY_MB",
+    "build_memory_mb": "GEOSWARM_BUILD_MEMORY_MB",
+    "check_seconds": "GEOSWARM_CHECK_SECONDS",
+    "disk_reserve_mb": "GEOSWARM_DISK_RESERVE_MB",
+    "quota_jobs": "GEOSWARM_QUOTA_JOBS",
+    "quota_evaluations": "GEOSWARM_QUOTA_EVALUATIONS",
+    "quota_mb": "GEOSWARM_QUOTA_MB",
+    "quota_total_mb": "GEOSWARM_QUOTA_TOTAL_MB",
 }
+"""The variable of each setting that an operator chooses; the others are chosen in code."""
+
 DRIVERS = {
     "sqlite": "sqlite",
     "postgresql": "postgresql+psycopg",
@@ -190,31 +191,16 @@ class Settings(BaseModel):
 
     @classmethod
     def from_environment(cls, **overrides: Any) -> Settings:
-        """Read the variables of :data:`SECRETS` and :data:`ENVIRONMENT`; overrides that are not None win.
+        """Read the variables of :data:`VARIABLES`; overrides that are not None win.
 
         Raises
         ------
         SettingsError
-            Names the setting and what would be accepted.
+            Names the setting, its value unless it is secret, and what would be accepted.
         """
-        values: dict[str, Any] = {
-            field: os.environ[variable] for variable, field in ENVIRONMENT.items() if os.environ.get(variable)
-        }
         try:
-            for variable, field in SECRETS.items():
-                if overrides.get(field) is None and (value := secret(variable)) is not None:
-                    values[field] = value
+            return cls(**given_settings(VARIABLES, overrides))
         except SecretFileError as error:
             raise SettingsError(str(error)) from None
-        values |= {field: value for field, value in overrides.items() if value is not None}
-        try:
-            return cls(**values)
         except ValidationError as error:
-            raise SettingsError(
-                "; ".join(_describe(".".join(map(str, e["loc"])), e["msg"]) for e in error.errors(include_input=False))
-            ) from None
-
-
-def _describe(field: str, message: str) -> str:
-    message = message.removeprefix("Value error, ")
-    return f"{field} {message}" if field else message
+            raise SettingsError(settings_mistakes(error, VARIABLES, overrides)) from None

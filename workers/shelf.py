@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Any, TypeVar
+
+from cachetools import LRUCache, cached
 
 __all__ = ["Shelf"]
 
@@ -22,28 +23,18 @@ class Shelf:
     """
 
     def __init__(self, size: int = 16) -> None:
-        self._size = size
-        self._lock = threading.Lock()
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
-        self._at_work: dict[Hashable, threading.Lock] = {}
+        cache: LRUCache[Hashable, Any] = LRUCache(size)
+        self._once = cached(cache, key=_key, condition=threading.Condition())(_make)
 
     def once(self, key: Hashable, make: Callable[[], Made]) -> Made:
         """Return what was made for a key, or make it while other threads that want it wait."""
-        with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                found: Made = self._kept[key]
-                return found
-            working = self._at_work.setdefault(key, threading.Lock())
-        with working:
-            with self._lock:
-                if key in self._kept:
-                    again: Made = self._kept[key]
-                    return again
-            made = make()
-            with self._lock:
-                self._kept[key] = made
-                self._at_work.pop(key, None)
-                while len(self._kept) > self._size:
-                    self._kept.popitem(last=False)
+        made: Made = self._once(key, make)
         return made
+
+
+def _key(key: Hashable, _: Callable[[], Any]) -> Hashable:
+    return key
+
+
+def _make(_: Hashable, make: Callable[[], Any]) -> Any:
+    return make()

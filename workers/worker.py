@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 import time
-from collections import OrderedDict
 from functools import partial
+
+from cachetools import LRUCache
 
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
@@ -69,7 +70,7 @@ class Worker:
         self._evaluator: Evaluator = Runner(settings.passed_environment) if settings.isolate else InlineEvaluator()
         self._live_workers = 1
         self._short = False  # of disk
-        self._calibrations: OrderedDict[str, Calibration] = OrderedDict()
+        self._calibrations: LRUCache[str, Calibration] = LRUCache(CACHED_CALIBRATIONS)
 
     def start(self) -> None:
         """Enter the list of workers, begin the heartbeat, and make ready to evaluate.
@@ -259,7 +260,6 @@ class Worker:
     def _calibration(self, job_id: str) -> Calibration | None:
         """Return the job made ready, from the cache of this process if possible; None: there is no such job."""
         if job_id in self._calibrations:
-            self._calibrations.move_to_end(job_id)
             return self._calibrations[job_id]
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
@@ -271,8 +271,6 @@ class Worker:
         offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
         calibration = Calibration(problem, row.seed, offer)
         self._calibrations[job_id] = calibration
-        if len(self._calibrations) > CACHED_CALIBRATIONS:
-            self._calibrations.popitem(last=False)
         return calibration
 
     def _give_up(self, job_id: str, message: str) -> None:

@@ -1,6 +1,7 @@
 """Reads an event stream (text/event-stream) as the HTML standard describes it.
 
-Some forty lines that need no further dependency; lines come from the HTTP library, which has joined split ones.
+Line by line, so that :class:`geoswarm.client.follow.Follower` hears comments, too: they are the signs of life (why not
+httpx-sse: docs/decisions/0003-dependencies.md). Lines come from the HTTP library, which has joined split ones.
 """
 
 from __future__ import annotations

@@ -66,6 +66,8 @@ class _Workbook:
         self._left = MAX_UNPACKED_BYTES
 
     def read(self, wanted: str | None) -> tuple[list[str], str, list[list[Cell]]]:
+        if "content.xml" in self._archive.namelist():
+            raise TableError(f"{self._name} is an OpenDocument workbook (.ods); save it as .xlsx or .csv")
         book = self._part("xl/workbook.xml")
         targets = {one.get("Id", ""): one.get("Target", "") for one in self._part("xl/_rels/workbook.xml.rels")}
         sheets = {
@@ -97,7 +99,8 @@ class _Workbook:
         self._left -= size  # many sheets may be one and the same large part
         if self._left < 0:
             raise TableError(f"{self._name} unpacks to more than {MAX_UNPACKED_BYTES} bytes before its first cell")
-        content = self._archive.read(place)
+        with self._archive.open(place) as part:
+            content = part.read(size + 1)  # no more than it says: read() unpacks all before it finds too much
         _refuse_definitions(content, self._name)
         return ElementTree.fromstring(content)
 

@@ -1,4 +1,8 @@
-"""Process trees: who belongs to one, how much memory it uses, and its end. Linux tells all; elsewhere less is known."""
+"""Process trees: who belongs to one, how much memory it uses, and its end.
+
+psutil knows that everywhere. Linux tells more (``prctl``), and lists the children of a process, which is ten times as
+quick as psutil's look at all processes.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,8 @@ import signal
 import sys
 import time
 from pathlib import Path
+
+import psutil
 
 __all__ = [
     "adopt_orphans",
@@ -28,7 +34,7 @@ PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
 KILL_SECONDS = 1.5
 MIB = 1024.0 * 1024.0
-PAGE = os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 4096
+CHILDREN_ARE_LISTED = (PROC / "self" / "task" / str(os.getpid()) / "children").exists()
 
 
 def adopt_orphans() -> None:
@@ -57,48 +63,38 @@ def _prctl(option: int, value: int) -> None:
         ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0)
 
 
-def _stat(pid: str) -> list[str] | None:
-    """Return the fields of /proc/PID/stat that follow the name: state, parent, group, session, ..."""
-    try:
-        return (PROC / pid / "stat").read_text(errors="replace").rpartition(")")[2].split()
-    except (OSError, ValueError):
-        return None
-
-
 def descendants(pid: int) -> list[int]:
-    """Return the processes below one, children before grandchildren; zombies are left out."""
+    """Return the processes below one, parents before their children; zombies are left out."""
     found: list[int] = []
+    if not CHILDREN_ARE_LISTED:  # a look at every process of the machine
+        with contextlib.suppress(psutil.Error):
+            for child in psutil.Process(pid).children(recursive=True):
+                with contextlib.suppress(psutil.Error):
+                    found += [child.pid] if child.status() != psutil.STATUS_ZOMBIE else []
+        return found
     parents = [pid]
     while parents:
         below = [child for parent in parents for child in _children(parent)]
-        found += [child for child in below if (fields := _stat(str(child))) is not None and fields[0] != "Z"]
+        found += [child for child in below if _state(child) not in ("", "Z")]
         parents = below
     return found
 
 
 def _children(pid: int) -> list[int]:
-    try:
-        threads = os.listdir(PROC / str(pid) / "task")  # noqa: PTH208  names, many times a second
-        return [
-            int(child)
-            for thread in threads
-            for child in (PROC / str(pid) / "task" / thread / "children").read_text().split()
-        ]
-    except FileNotFoundError:
-        if (PROC / "self" / "task" / str(os.getpid()) / "children").exists():
-            return []  # the process is gone
-    except OSError:
-        return []
-    # A kernel without these lists: look at all processes.
-    stats = ((int(name), _stat(name)) for name in _process_names())
-    return [child for child, fields in stats if fields is not None and int(fields[1]) == pid]
+    """Return the children that the kernel lists by thread: 0.1 ms, where psutil reads all processes for 1 to 2 ms."""
+    found: list[int] = []
+    with contextlib.suppress(OSError):
+        for thread in os.listdir(PROC / str(pid) / "task"):  # noqa: PTH208  names, many times a second
+            with contextlib.suppress(OSError):  # this thread has ended
+                found += map(int, (PROC / str(pid) / "task" / thread / "children").read_text().split())
+    return found
 
 
-def _process_names() -> list[str]:
-    try:
-        return [name for name in os.listdir(PROC) if name.isdigit()]  # noqa: PTH208  names, a hundred times a second
-    except OSError:
-        return []
+def _state(pid: int) -> str:
+    """Return the letter of a process's state; empty when it is gone."""
+    with contextlib.suppress(OSError):
+        return (PROC / str(pid) / "stat").read_text(errors="replace").rpartition(")")[2].split()[0]
+    return ""
 
 
 def kill_descendants(pid: int) -> dict[int, int]:
@@ -134,29 +130,30 @@ def reap() -> dict[int, int]:
 
 def kill_session(session: int) -> None:
     """Kill all processes of a session whose leader is gone."""
-    for name in _process_names():
-        fields = _stat(name)
-        if fields is not None and int(fields[3]) == session and fields[0] != "Z":
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.kill(int(name), signal.SIGKILL)
+    for pid in psutil.pids():
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            if os.getsid(pid) == session:
+                os.kill(pid, signal.SIGKILL)
 
 
 def memory_below(pid: int) -> float:
-    """Return the memory [MiB] of all processes below one; pages that several share are counted once."""
+    """Return the memory [MiB] of all processes below one; pages that several share are counted once (Linux)."""
     return sum(_proportional(child) for child in descendants(pid)) / MIB
 
 
 def memory_of(pid: int) -> float:
     """Return the resident memory [MiB] of a process, shared pages included; quicker than to share them out."""
-    with contextlib.suppress(OSError, ValueError, IndexError):
-        return int((PROC / str(pid) / "statm").read_text().split()[1]) * PAGE / MIB
+    with contextlib.suppress(psutil.Error):
+        return float(psutil.Process(pid).memory_info().rss) / MIB
     return 0.0
 
 
 def _proportional(pid: int) -> float:
-    """Return the proportional set size of a process [byte], 0 when it is gone or nothing is known."""
-    with contextlib.suppress(OSError, ValueError):
-        for line in (PROC / str(pid) / "smaps_rollup").read_text().splitlines():
-            if line.startswith("Pss:"):
-                return float(line.split()[1]) * 1024.0
+    """Return the proportional set size of a process [byte], else its resident memory; 0 when it is gone."""
+    with contextlib.suppress(psutil.Error):
+        process = psutil.Process(pid)
+        try:
+            return float(process.memory_full_info().pss)
+        except (AttributeError, psutil.AccessDenied):  # another system; a process that lets nobody look
+            return float(process.memory_info().rss)
     return 0.0

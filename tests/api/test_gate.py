@@ -122,7 +122,7 @@ def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize(
     ("variable", "value", "said"),
-    [("GEOSWARM_API_KEY", "short", "at least 8"), ("GEOSWARM_MAX_BODY_BYTES", "much", "valid integer")],
+    [("GEOSWARM_API_KEY", "short", "at least 8"), ("GEOSWARM_MAX_BODY_BYTES", "much", "'much': .*valid integer")],
 )
 def test_wrong_settings_name_the_variable(
     monkeypatch: pytest.MonkeyPatch, variable: str, value: str, said: str

@@ -63,6 +63,26 @@ def test_mistakes_name_the_field_and_what_is_accepted(field: str, value: object,
     assert "\n" not in str(caught.value)
 
 
+def test_mistakes_name_variable_and_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GEOSWARM_QUOTA_JOBS", "many")
+    monkeypatch.setenv("GEOSWARM_BROKER_URL", "amqp://u:hunter2@h")
+    with pytest.raises(SettingsError) as caught:
+        Settings.from_environment(disk_reserve_mb=-1, workers=None)
+    assert str(caught.value) == (
+        "GEOSWARM_BROKER_URL must be a Redis address; accepted: redis://, rediss://, redis+socket://, unix://; "
+        "disk_reserve_mb -1: Input should be greater than or equal to 0; "
+        "GEOSWARM_QUOTA_JOBS 'many': Input should be a valid integer, unable to parse string as an integer"
+    )
+
+
+def test_only_what_an_operator_chooses_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GEOSWARM_ISOLATE", "no")
+    monkeypatch.setenv("GEOSWARM_WORKERS", "")
+    assert Settings.from_environment() == Settings()
+    monkeypatch.setenv("GEOSWARM_WORKERS", "1000")
+    assert Settings().workers != 1000  # what code makes reads nothing
+
+
 def test_masked_addresses_hold_no_password() -> None:
     assert mask_url("postgresql://me:secret@host/db") == "postgresql://me:***@host/db"
     assert mask_url("redis://:secret@host:6379/0") == "redis://:***@host:6379/0"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import tracemalloc
 import zipfile
 
 import pytest
@@ -154,11 +155,35 @@ def test_dates_of_a_sheet_follow_its_styles() -> None:
             "has a document type",
         ),
         (workbook(("s", '<row><c t="s"><v>7</v></c></row>')), "no complete XLSX workbook"),
+        (workbook(("s", ""), **{"content.xml": "<a/>"}), r"a.file is an OpenDocument workbook \(.ods\); save it as"),
     ],
 )
 def test_what_cannot_be_read_says_why(content: bytes, message: str) -> None:
     with pytest.raises(TableError, match=message):
         read_measurements(content, "a.file")
+
+
+def test_a_part_that_says_it_is_small_is_not_unpacked_further() -> None:
+    content = workbook(("s", " " * 200_000_000))
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        size = archive.getinfo(SHEET.format(1)).file_size
+    lying = content.replace(size.to_bytes(4, "little"), (5000).to_bytes(4, "little"))
+    tracemalloc.start()
+    with pytest.raises(TableError, match="cannot be read as an XLSX workbook: Bad CRC"):
+        read_measurements(lying, "a.xlsx")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 20e6
+
+
+def test_one_cell_far_away_costs_no_table() -> None:
+    rows = '<row r="1"><c r="A1"><v>1</v></c></row><row r="200000"><c r="AAA200000"><v>2</v></c></row>'
+    tracemalloc.start()
+    _, _, cells = read_workbook(workbook(("s", rows)), "a.xlsx")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert (len(cells), sum(map(len, cells))) == (200_000, 1)
+    assert peak < 200e6
 
 
 def test_an_unknown_sheet_names_the_known_ones() -> None:
