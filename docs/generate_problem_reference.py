@@ -10,7 +10,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from geoswarm.solver.methods.registry import kinds_of
+from geoswarm.solver.methods.base import Role
+from geoswarm.solver.methods.registry import BUILT_IN, find_method, kinds_of
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "problem-file.md"
@@ -143,6 +144,12 @@ def main() -> None:
     PAGE.write_text(page(), encoding="utf-8")
 
 
+def methods(role: Role, definitions: dict[str, Any]) -> list[str]:
+    """Tables of the keys of the built-in methods with a role."""
+    kinds = [kind for kind in kinds_of(role) if kind in BUILT_IN]
+    return [f"### kind: {kind}\n\n{fields(definitions[find_method(kind).__name__], definitions)}" for kind in kinds]
+
+
 def page() -> str:
     """The page as it follows from the models."""
     from geoswarm.solver.expressions import FUNCTIONS, MAX_LENGTH
@@ -186,15 +193,10 @@ def page() -> str:
         "### points",
         fields(definitions["PointsSection"], definitions),
         "## method",
-        "### kind: particle_swarm",
-        fields(definitions["ParticleSwarmMethod"], definitions),
-        "### kind: monte_carlo",
-        fields(definitions["MonteCarloMethod"], definitions),
+        *methods("search", definitions),
+        *methods("sampling", definitions),
         FOLLOW_UP,
-        *(
-            f"### kind: {kind}\n\n{fields(definitions[method.__name__], definitions)}"
-            for kind, method in kinds_of("follow_up").items()
-        ),
+        *methods("follow_up", definitions),
         "## stopping",
         STOPPING,
         fields(definitions["Stopping"], definitions),
