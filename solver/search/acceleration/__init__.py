@@ -6,7 +6,8 @@
 ``local_models``      Gauss-Newton and quadratic models around one run
 ``covariance``        covariance-adapting moves
 ``basins``            restarts that keep the elite
-``candidates``        the arms: ways to find a point that is worth a run
+``arms``              the ways to propose a point, and the patterns in which they take turns
+``candidates``        what each of them finds: a point that is worth a run
 ``proposer``          which particles are aimed where
 ====================  =================================================================
 """

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.search.acceleration.arms import Arm, Local, Plain, Surface
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.local_models import (
     gauss_newton_point,
@@ -110,39 +111,29 @@ class Arms:
         self._bases = known.points[best[:8]]
         self._centres = self._spread_out(best)
 
-    def take(self, arm: str) -> FloatArray | None:
-        """Return the next point of an arm; d is the number of parameters, e the number of its centre, best first.
-
-        ``surface:s`` the lowest new minimum of the surface with compression s, ``surface:plain`` without,
-        ``around:e:reach`` the lowest one in a box around a centre, ``valley`` a low point far from all good runs;
-        ``gauss_newton:e:reach``, ``alike:e:reach`` (slopes from like responses), ``quadratic:e:reach`` of the local
-        models; ``scalar_surface`` of log f; ``covariance``; ``near`` one of the best; ``far`` from everything; ``step``
-        to another value of an integer parameter; ``probe`` a point for better slopes, from the best.
-        """
-        kind, _, detail = arm.partition(":")
-        point: FloatArray | None
-        if kind == "surface":
-            point = self._surface_minimum(None if detail == "plain" else float(detail))
-        elif kind == "valley":
-            point = self._along_valley()
-        elif kind in ("around", "gauss_newton", "alike", "quadratic"):
-            number, _, reach = detail.partition(":")
-            point = self._local(kind, int(number), float(reach))
-        elif kind == "scalar_surface":
-            point = self._scalar_surface()
-        elif kind == "covariance":
-            point = self._covariance()
-        elif kind == "near":
-            point = self._near_point()
-        elif kind == "step":
-            point = self._other_whole_number()
-        elif kind == "probe":
-            point = self._probe()
-        else:
-            point = self._far_point()
+    def take(self, arm: Arm) -> FloatArray | None:
+        """Return the next point of an arm."""
+        point = self._point(arm)
         if point is not None:
             self.taken.append(point)
         return point
+
+    def _point(self, arm: Arm) -> FloatArray | None:
+        match arm:
+            case Surface(compression):
+                return self._surface_minimum(compression)
+            case Local(model, centre, reach):
+                return self._local(model, centre, reach)
+            case Plain(name):
+                return {
+                    "valley": self._along_valley,
+                    "scalar_surface": self._scalar_surface,
+                    "covariance": self._covariance,
+                    "near": self._near_point,
+                    "far": self._far_point,
+                    "step": self._other_whole_number,
+                    "probe": self._probe,
+                }[name]()
 
     @property
     def unexplained(self) -> float:

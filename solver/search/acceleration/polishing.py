@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Polishing", "polish_pattern"]
+__all__ = ["Polishing"]
 
 _WORTH = 1e-3  # a relative decrease of the objective that counts
 _PATIENCE = 2
@@ -33,9 +33,3 @@ class Polishing:
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form."""
         return {"best": self.best, "generations": self.generations, "waiting": self.waiting}
-
-
-def polish_pattern(particles: int) -> tuple[str, ...]:
-    """Arms of a polishing generation: at most half of it steps of quadratic models, the rest probes."""
-    steps = ("quadratic:0:1", "quadratic:0:0.3", "quadratic:0:0.1")[: max(1, particles // 2)]
-    return (*steps, *["probe"] * (particles - len(steps)))

@@ -16,82 +16,30 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.search.acceleration.arms import (
+    COVARIANCE,
+    LATE_PATTERN,
+    MISLED_PATTERN,
+    NEAR,
+    RESTARTED_PATTERN,
+    SCALAR_PATTERN,
+    STEP,
+    VECTOR_PATTERN,
+    Arm,
+    Pattern,
+    polish_pattern,
+    with_like_slopes,
+)
 from geoswarm.solver.search.acceleration.basins import Basins
 from geoswarm.solver.search.acceleration.candidates import Arms, Knowledge, selection
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
-from geoswarm.solver.search.acceleration.polishing import Polishing, polish_pattern
+from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.randomness import proposer_generator
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Proposer", "ProposerState"]
 
-VECTOR_PATTERN = (
-    "surface:1",
-    "surface:plain",
-    "gauss_newton:0:1",
-    "surface:10",
-    "gauss_newton:1:1",
-    "surface:0.1",
-    "gauss_newton:2:1",
-    "gauss_newton:0:0.4",
-    "far",
-    "surface:1",
-    "covariance",
-    "surface:plain",
-)
-SCALAR_PATTERN = (
-    "quadratic:0:1",
-    "scalar_surface",
-    "covariance",
-    "quadratic:0:0.3",
-    "quadratic:1:1",
-    "scalar_surface",
-    "covariance",
-    "covariance",
-    "quadratic:2:1",
-    "far",
-)
-RESTARTED_PATTERN = (
-    "surface:1",
-    "far",
-    "gauss_newton:0:1",
-    "scalar_surface",
-    "surface:plain",
-    "covariance",
-    "gauss_newton:1:1",
-    "far",
-    "quadratic:0:1",
-    "gauss_newton:2:1",
-    "gauss_newton:0:0.4",
-    "covariance",
-)
-MISLED_PATTERN = (
-    "gauss_newton:0:1",
-    "surface:1",
-    "probe",
-    "surface:plain",
-    "gauss_newton:1:1",
-    "probe",
-    "gauss_newton:2:1",
-    "surface:10",
-    "probe",
-    "gauss_newton:0:0.4",
-    "far",
-    "covariance",
-)
-LATE_PATTERN = (
-    "around:0:0.03",
-    "surface:10",
-    "valley",
-    "around:1:0.1",
-    "around:0:0.1",
-    "around:1:0.03",
-    "gauss_newton:0:1",
-    "surface:plain",
-    "gauss_newton:0:0.4",
-    "around:2:0.1",
-)
 FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
@@ -261,7 +209,7 @@ class Proposer:
                 SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, told)
             )
             if whole:
-                pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, "step") if k % 3 == 1 else (a,)))
+                pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
         proposals = self._fill(arms, pattern, slots + len(repeated), generation)
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
@@ -269,17 +217,17 @@ class Proposer:
         self.state = ProposerState(
             share=self.state.share if polishing else share,
             basins=basins,
-            aimed={particle: arm for particle, (arm, _) in aimed.items()},
+            aimed={particle: str(arm) for particle, (arm, _) in aimed.items()},
             covariance=None if arms.covariance is None else arms.covariance.state(),
             polishing=polishing,
             hold_out=hold_out,
         )
         return {particle: point for particle, (_, point) in aimed.items()}
 
-    def _fill(self, arms: Arms, pattern: tuple[str, ...], slots: int, generation: int) -> list[tuple[str, FloatArray]]:
+    def _fill(self, arms: Arms, pattern: Pattern, slots: int, generation: int) -> list[tuple[Arm, FloatArray]]:
         # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
         first = 0 if 2 * slots >= len(pattern) else (generation * slots) % len(pattern)
-        proposals: list[tuple[str, FloatArray]] = []
+        proposals: list[tuple[Arm, FloatArray]] = []
         while len(proposals) < slots:
             before = len(proposals)
             for wanted in (*pattern[first:], *pattern[:first]):
@@ -287,7 +235,7 @@ class Proposer:
                     break
                 arm, point = wanted, arms.take(wanted)
                 if point is None:
-                    arm, point = "near", arms.take("near")
+                    arm, point = NEAR, arms.take(NEAR)
                 if point is not None:
                     proposals.append((arm, self._search(point)))
             if len(proposals) == before:
@@ -295,7 +243,7 @@ class Proposer:
         return proposals
 
     @staticmethod
-    def _vector_pattern(basins: Basins, generation: int, hold_out: float, told: float) -> tuple[str, ...]:
+    def _vector_pattern(basins: Basins, generation: int, hold_out: float, told: float) -> Pattern:
         """Arms by what is known of the surface's error, and of the residuals; ``told``: runs for each of its slopes.
 
         After many runs the surface is searched around the best few that lie apart, and along its valley: in a long one
@@ -306,12 +254,12 @@ class Proposer:
         """
         if told >= LATE:
             return LATE_PATTERN
-        pattern: tuple[str, ...] = VECTOR_PATTERN
+        pattern = VECTOR_PATTERN
         if told >= TELLING and hold_out > MISLEADING:
             pattern = MISLED_PATTERN
         elif basins.restarts:
             pattern = RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
-        return tuple(arm.replace("gauss_newton", "alike") for arm in pattern) if hold_out > CURVED else pattern
+        return with_like_slopes(pattern) if hold_out > CURVED else pattern
 
     def _share(self, basins: Basins) -> float:
         """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step."""
@@ -327,7 +275,7 @@ class Proposer:
         moves = CovarianceMoves(self.state.covariance)
         points = self._unit(self._space.to_search(asked))
         for particle, arm in self.state.aimed.items():
-            if arm == "covariance":
+            if arm == str(COVARIANCE):
                 moves.tell(points[particle], float(objectives[particle]))
         return None if moves.exhausted else moves
 

@@ -1,0 +1,154 @@
+"""The arms of an accelerated search, the ways to propose a point, and the patterns in which they take turns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+__all__ = [
+    "COVARIANCE",
+    "LATE_PATTERN",
+    "MISLED_PATTERN",
+    "NEAR",
+    "RESTARTED_PATTERN",
+    "SCALAR_PATTERN",
+    "STEP",
+    "VECTOR_PATTERN",
+    "Arm",
+    "Local",
+    "Pattern",
+    "Plain",
+    "Surface",
+    "polish_pattern",
+    "with_like_slopes",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """The lowest new minimum of the surface of the residuals with so much compression, None: without."""
+
+    compression: float | None = None
+
+    def __str__(self) -> str:
+        return "surface:plain" if self.compression is None else f"surface:{self.compression:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Local:
+    """A point near a centre, of which 0 is the best run, as far as ``reach``.
+
+    ``around``: lowest minimum of the surface in a box; ``gauss_newton``, ``quadratic``: of a local model; ``alike``:
+    Gauss-Newton with slopes from runs of like responses.
+    """
+
+    model: Literal["around", "gauss_newton", "alike", "quadratic"]
+    centre: int
+    reach: float
+
+    def __str__(self) -> str:
+        return f"{self.model}:{self.centre}:{self.reach:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Plain:
+    """An arm without settings.
+
+    ``valley``: a low point far from all good runs; ``scalar_surface``: of log f; ``covariance``: a move of an evolution
+    strategy; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer parameter;
+    ``probe``: a point for better slopes, from the best.
+    """
+
+    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe"]
+
+    def __str__(self) -> str:
+        return self.name
+
+
+Arm: TypeAlias = Surface | Local | Plain
+"""A way to propose; as text it is what snapshots keep."""
+Pattern: TypeAlias = tuple[Arm, ...]
+
+VALLEY, SCALAR_SURFACE, COVARIANCE = Plain("valley"), Plain("scalar_surface"), Plain("covariance")
+NEAR, FAR, STEP, PROBE = Plain("near"), Plain("far"), Plain("step"), Plain("probe")
+
+VECTOR_PATTERN: Pattern = (
+    Surface(1),
+    Surface(),
+    Local("gauss_newton", 0, 1),
+    Surface(10),
+    Local("gauss_newton", 1, 1),
+    Surface(0.1),
+    Local("gauss_newton", 2, 1),
+    Local("gauss_newton", 0, 0.4),
+    FAR,
+    Surface(1),
+    COVARIANCE,
+    Surface(),
+)
+SCALAR_PATTERN: Pattern = (
+    Local("quadratic", 0, 1),
+    SCALAR_SURFACE,
+    COVARIANCE,
+    Local("quadratic", 0, 0.3),
+    Local("quadratic", 1, 1),
+    SCALAR_SURFACE,
+    COVARIANCE,
+    COVARIANCE,
+    Local("quadratic", 2, 1),
+    FAR,
+)
+RESTARTED_PATTERN: Pattern = (
+    Surface(1),
+    FAR,
+    Local("gauss_newton", 0, 1),
+    SCALAR_SURFACE,
+    Surface(),
+    COVARIANCE,
+    Local("gauss_newton", 1, 1),
+    FAR,
+    Local("quadratic", 0, 1),
+    Local("gauss_newton", 2, 1),
+    Local("gauss_newton", 0, 0.4),
+    COVARIANCE,
+)
+MISLED_PATTERN: Pattern = (
+    Local("gauss_newton", 0, 1),
+    Surface(1),
+    PROBE,
+    Surface(),
+    Local("gauss_newton", 1, 1),
+    PROBE,
+    Local("gauss_newton", 2, 1),
+    Surface(10),
+    PROBE,
+    Local("gauss_newton", 0, 0.4),
+    FAR,
+    COVARIANCE,
+)
+LATE_PATTERN: Pattern = (
+    Local("around", 0, 0.03),
+    Surface(10),
+    VALLEY,
+    Local("around", 1, 0.1),
+    Local("around", 0, 0.1),
+    Local("around", 1, 0.03),
+    Local("gauss_newton", 0, 1),
+    Surface(),
+    Local("gauss_newton", 0, 0.4),
+    Local("around", 2, 0.1),
+)
+
+
+def polish_pattern(particles: int) -> Pattern:
+    """Arms of a polishing generation: at most half of it steps of quadratic models, the rest probes."""
+    steps = tuple(Local("quadratic", 0, reach) for reach in (1, 0.3, 0.1))[: max(1, particles // 2)]
+    return (*steps, *[PROBE] * (particles - len(steps)))
+
+
+def with_like_slopes(pattern: Pattern) -> Pattern:
+    """Return a pattern whose Gauss-Newton steps take their slopes from runs of like responses."""
+    return tuple(
+        replace(arm, model="alike") if isinstance(arm, Local) and arm.model == "gauss_newton" else arm
+        for arm in pattern
+    )
