@@ -16,9 +16,9 @@ from geoswarm.api.errors import DetailError
 from geoswarm.api.limits import RateLimiter
 from geoswarm.api.settings import ApiSettings
 from geoswarm.workers.access import LOCAL, Principal
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
-from geoswarm.workers.sessions import SessionBook, SessionView
+from geoswarm.workers.sessions import SessionView, SignInSessions
 
 __all__ = ["SESSION_COOKIE", "Authenticator", "Identity", "given_key", "given_token"]
 
@@ -75,13 +75,13 @@ class Authenticator:
 
     def asks_here(self) -> bool:
         """Do what :meth:`asks` does, in this thread."""
-        self.needed = self.needed or KeyRing(self._service.store).used()  # revoking a key does not open the door again
+        self.needed = self.needed or ApiKeys(self._service.store).used()  # revoking a key does not open the door again
         return self.needed
 
     @property
-    def sessions(self) -> SessionBook:
+    def sessions(self) -> SignInSessions:
         """Sessions of browsers that have signed in with a key."""
-        return SessionBook(self._service.store, None if self._static is None else (self._static, BOOTSTRAP))
+        return SignInSessions(self._service.store, None if self._static is None else (self._static, BOOTSTRAP))
 
     async def identify(self, headers: Headers, address: str, challenge: str) -> Identity:
         """Return who sends a request; a key in its headers wins over a session.
@@ -159,7 +159,7 @@ class Authenticator:
         return await anyio.to_thread.run_sync(self._look_up, text)
 
     def _look_up(self, key: str) -> Principal | None:
-        return KeyRing(self._service.store).principal(key)
+        return ApiKeys(self._service.store).principal(key)
 
 
 def unauthorized(reason: str, challenge: str) -> DetailError:

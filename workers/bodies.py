@@ -14,14 +14,14 @@ from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.forward.continuum.fields import body_of, parts_with_body, shear_strain
 from geoswarm.solver.forward.continuum.model import BodyModel
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError, NoBodyError
-from geoswarm.workers.shelf import Shelf
+from geoswarm.workers.sandbox import Sandbox
 from geoswarm.workers.store import Store, jobs
 from geoswarm.workers.store.codec import unpack_array, unpack_problem, unpack_responses
 from geoswarm.workers.store.evaluations import get_evaluation
-from geoswarm.workers.trial import TrialBench
 
-__all__ = ["Body", "BodyDesk", "Fields", "Vector"]
+__all__ = ["Body", "BodyService", "Fields", "Vector"]
 
 FindRow = Callable[[Connection, str], Any]
 
@@ -97,13 +97,13 @@ class Fields:
     shear_strain: FloatArray
 
 
-class BodyDesk:
-    """Shows bodies of jobs; see :class:`geoswarm.workers.statistics.StatisticsDesk` for ``find`` and ``shelf``."""
+class BodyService:
+    """Shows bodies of jobs; see :class:`geoswarm.workers.statistics.StatisticsService` for ``find`` and ``cache``."""
 
-    def __init__(self, store: Store, find: FindRow, shelf: Shelf, trials: TrialBench) -> None:
+    def __init__(self, store: Store, find: FindRow, cache: Cache, trials: Sandbox) -> None:
         self._store = store
         self._find = find
-        self._shelf = shelf
+        self._cache = cache
         self._trials = trials
 
     def body(
@@ -172,7 +172,7 @@ class BodyDesk:
             raise NoBodyError("no evaluation has succeeded yet, so there is nothing to deform")
         free = body.free
         self._store.read(lambda c: self._find(c, job_id))
-        phases = self._shelf.once(
+        phases = self._cache.once(
             (job_id, "fields", body.part, body.generation, body.particle),
             lambda: self._run(body.problem, free, body.part),
         )
@@ -202,7 +202,7 @@ class BodyDesk:
                 raise JobNotFoundError(job_id)
             return parse_problem(unpack_problem(stored.problem))
 
-        return self._shelf.once((job_id, "problem"), make)
+        return self._cache.once((job_id, "problem"), make)
 
 
 def _vectors(

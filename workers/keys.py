@@ -20,7 +20,7 @@ from geoswarm.workers.store import Store, api_keys
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime
 from geoswarm.workers.store.database import Record
 
-__all__ = ["KEY_PATTERN", "KeyRing", "KeyView"]
+__all__ = ["KEY_PATTERN", "ApiKeys", "KeyView"]
 
 KEY_PATTERN = re.compile(r"gsw_(?P<id>[0-9a-f]{12})_[A-Za-z0-9_-]{43}")
 OWNER_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]{0,79}")
@@ -43,7 +43,7 @@ class KeyView:
     used_at: datetime | None
 
 
-class KeyRing:
+class ApiKeys:
     """The keys of one store."""
 
     def __init__(self, store: Store) -> None:

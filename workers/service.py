@@ -21,6 +21,7 @@ from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.problem.extremes import extreme_issues
 from geoswarm.solver.warm_start import forward_model_hash
 from geoswarm.workers.access import LOCAL, Principal
+from geoswarm.workers.cache import Cache
 from geoswarm.workers.coordinator.machine import CancelRequested, PauseRequested, Request, ResumeRequested
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.doorbell import Doorbell
@@ -34,20 +35,19 @@ from geoswarm.workers.probe import OneAtATime, Probe
 from geoswarm.workers.quotas import check_quotas, sizes
 from geoswarm.workers.records import JobRecords, clip
 from geoswarm.workers.retention import delete_job
+from geoswarm.workers.sandbox import Sandbox
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.shelf import Shelf
 from geoswarm.workers.store import Store, jobs
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
 from geoswarm.workers.store.job_list import JobFilters, list_jobs, list_trends
 from geoswarm.workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
 from geoswarm.workers.store.views import event_view, job_view, worker_view
 from geoswarm.workers.store.workers import current_work, list_workers
-from geoswarm.workers.trial import TrialBench
 from geoswarm.workers.views import EventView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
-    from geoswarm.workers.bodies import BodyDesk
-    from geoswarm.workers.statistics import StatisticsDesk
+    from geoswarm.workers.bodies import BodyService
+    from geoswarm.workers.statistics import StatisticsService
 
 __all__ = ["JobService"]
 
@@ -70,23 +70,23 @@ class JobService(JobRecords):
         reserve = self.settings.disk_reserve_mb * 1e6
         self._database = OneAtATime(Probe(store, reserve_bytes=reserve).database)
         self._broker = OneAtATime(doorbell.health)
-        self._shelf = Shelf()  # every copy uses the same, after it has asked :meth:`_row`
+        self._cache = Cache()  # every copy uses the same, after it has asked :meth:`_row`
         self._runtime = Runtime(store, self.settings)
-        self._trials = TrialBench(self.settings)
+        self._sandbox = Sandbox(self.settings)
 
     @property
-    def statistics(self) -> StatisticsDesk:
+    def statistics(self) -> StatisticsService:
         """Reports and statistics of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
-        from geoswarm.workers.statistics import StatisticsDesk
+        from geoswarm.workers.statistics import StatisticsService
 
-        return StatisticsDesk(self.store, self._row, self._shelf)
+        return StatisticsService(self.store, self._row, self._cache)
 
     @property
-    def bodies(self) -> BodyDesk:
+    def bodies(self) -> BodyService:
         """Meshes and fields of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
-        from geoswarm.workers.bodies import BodyDesk
+        from geoswarm.workers.bodies import BodyService
 
-        return BodyDesk(self.store, self._row, self._shelf, self._trials)
+        return BodyService(self.store, self._row, self._cache, self._sandbox)
 
     def on_behalf_of(self, principal: Principal) -> JobService:
         """Return this service as somebody may use it: other owners' jobs are not there."""
@@ -102,16 +102,16 @@ class JobService(JobRecords):
         InfeasibleSpaceError, ProblemError
             See :func:`geoswarm.solver.check.check_problem`.
         """
-        return self._trials.check(problem)
+        return self._sandbox.check(problem)
 
     def warm_starts(self, problem: Problem) -> builtins.list[WarmStart]:
         """Return earlier jobs of the same forward model whose runs a problem could learn from, newest first."""
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
-        return find_warm_starts(self.store, problem, owner, self._shelf)
+        return find_warm_starts(self.store, problem, owner, self._cache)
 
     def close(self) -> None:
         """End what test runs have started."""
-        self._trials.close()
+        self._sandbox.close()
 
     def submit(self, problem: Problem, *, idempotency_key: str | None = None) -> tuple[JobView, bool]:
         """Store a job and wake workers; return it and whether it is new.

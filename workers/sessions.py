@@ -19,7 +19,7 @@ from geoswarm.workers.access import Principal
 from geoswarm.workers.store import Store, api_keys, sessions
 from geoswarm.workers.store.codec import to_datetime
 
-__all__ = ["SESSION_SECONDS", "SessionBook", "SessionView"]
+__all__ = ["SESSION_SECONDS", "SignInSessions", "SessionView"]
 
 SESSION_SECONDS = 12 * 3600.0
 TOKEN_PATTERN = re.compile(r"[A-Za-z0-9_-]{43}")
@@ -33,7 +33,7 @@ class SessionView:
     expires_at: datetime
 
 
-class SessionBook:
+class SignInSessions:
     """The sessions of one store.
 
     Parameters

@@ -19,8 +19,8 @@ from geoswarm.solver.identifiability.posterior import Posterior, sample_posterio
 from geoswarm.solver.identifiability.weighting import Weighting
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
+from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError
-from geoswarm.workers.shelf import Shelf
 from geoswarm.workers.store import Store, jobs
 from geoswarm.workers.store.codec import (
     to_optional_datetime,
@@ -40,7 +40,7 @@ from geoswarm.workers.store.selection import (
 )
 from geoswarm.workers.store.versions import recorded_versions, version_warnings
 
-__all__ = ["MOST_VALUES", "StatisticsDesk", "StoredJob"]
+__all__ = ["MOST_VALUES", "StatisticsService", "StoredJob"]
 
 MOST_VALUES = 4_000_000
 """Calculated values that are read of a job: evaluations times points, about 32 MB."""
@@ -61,8 +61,8 @@ class StoredJob:
     samples: Samples
 
 
-class StatisticsDesk:
-    """Makes reports of jobs, keeps the latest on a shelf, and shares them among threads.
+class StatisticsService:
+    """Makes reports of jobs, keeps the latest in a cache, and shares them among threads.
 
     What is kept belongs to one state of a job (its state and the number of its finished evaluations), so a running job
     is always shown as it is.
@@ -73,15 +73,15 @@ class StatisticsDesk:
         Where the evaluations are.
     find
         Returns the row of a job, or raises :class:`geoswarm.workers.errors.JobNotFoundError`, also for a job that the
-        one who asks may not see. It is asked before anything is taken from the shelf.
-    shelf
+        one who asks may not see. It is asked before anything is taken from the cache.
+    cache
         What was made already, for everybody.
     """
 
-    def __init__(self, store: Store, find: FindRow, shelf: Shelf) -> None:
+    def __init__(self, store: Store, find: FindRow, cache: Cache) -> None:
         self._store = store
         self._find = find
-        self._shelf = shelf
+        self._cache = cache
 
     def stored(self, job_id: str) -> StoredJob:
         """Read a job with its evaluations.
@@ -90,7 +90,7 @@ class StatisticsDesk:
         ------
         JobNotFoundError
         """
-        return self._shelf.once(
+        return self._cache.once(
             (*self._key(job_id), "stored"), lambda: self._store.read(lambda c: _read(c, self._find(c, job_id)))
         )
 
@@ -123,7 +123,7 @@ class StatisticsDesk:
                 uncertainty=Uncertainty(findings, sample),
             )
 
-        return self._shelf.once((*self._key(job_id), "report", threshold, _hashable(noise), posterior), make)
+        return self._cache.once((*self._key(job_id), "report", threshold, _hashable(noise), posterior), make)
 
     def follow_ups(self, job_id: str) -> list[StoredFollowUp]:
         """Return the follow-ups that name a job and ask the same question, the newest first."""
@@ -150,7 +150,7 @@ class StatisticsDesk:
                 return read(job_id, job.problem, job.record.seed)
             return join_findings([read(f.id, f.problem, f.seed) for f in self.follow_ups(job_id)])
 
-        return self._shelf.once((*self._key(job_id), "findings", _hashable(noise)), make)
+        return self._cache.once((*self._key(job_id), "findings", _hashable(noise)), make)
 
     def linearisation(self, job_id: str, *, noise: KnownNoise = None) -> Linearisation | None:
         """Return the sensitivities at the optimum, by a follow-up or from dense stored evaluations; else None."""
@@ -167,13 +167,13 @@ class StatisticsDesk:
         """
         job = self.stored(job_id)
         calibration = Calibration(job.problem, job.record.seed)
-        return self._shelf.once(
+        return self._cache.once(
             (*self._key(job_id), "posterior", _hashable(noise)),
             lambda: sample_posterior(calibration, job.samples, noise=noise),
         )
 
     def _linearise_stored(self, job_id: str, job: StoredJob, noise: KnownNoise) -> Linearisation | None:
-        return self._shelf.once(
+        return self._cache.once(
             (*self._key(job_id), "linearisation", _hashable(noise)),
             lambda: linearise_stored(job.problem, job.samples, job.record.seed, noise=noise),
         )
@@ -190,7 +190,7 @@ class StatisticsDesk:
     ) -> bytes:
         """Render a report in a form (``html``, ``fit.svg``, ...), once for each state of the job."""
         report = self.report(job_id, threshold=threshold, noise=noise, posterior=posterior)
-        return self._shelf.once(
+        return self._cache.once(
             (*self._key(job_id), form, threshold, _hashable(noise), posterior), lambda: make(report)
         )
 

@@ -20,7 +20,7 @@ from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.evaluations import overdue
 from geoswarm.workers.store.jobs import account_running_time, clocks_overdue, get_job
 from geoswarm.workers.store.journal import empty_journal
-from geoswarm.workers.store.line import claimable_jobs, mark_rung
+from geoswarm.workers.store.queue import claimable_jobs, mark_rung
 from geoswarm.workers.store.workers import (
     any_lost_before,
     busy_workers,

@@ -15,12 +15,12 @@ from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, Limits, NoProcessError
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
+from geoswarm.workers.claim_runner import ClaimRunner
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
 from geoswarm.workers.doorbell import Doorbell
-from geoswarm.workers.errand import Errand
 from geoswarm.workers.errors import StoreUnavailableError, WorkersError
-from geoswarm.workers.heart import Heart
+from geoswarm.workers.heartbeat import Heartbeat
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.slots import Slots
@@ -28,8 +28,8 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.jobs import current_generation, get_problem
-from geoswarm.workers.store.line import most_urgent_job
 from geoswarm.workers.store.offers import read_offer
+from geoswarm.workers.store.queue import most_urgent_job
 from geoswarm.workers.store.workers import busy_workers, count_live, forget_worker
 from geoswarm.workers.tally import tally
 from geoswarm.workers.tracing import span
@@ -64,8 +64,8 @@ class Worker:
         self.settings = settings
         self.identity = identity
         self.runtime = Runtime(store, settings)
-        self.heart = Heart(store, self.runtime, settings, identity)
-        self.stopping = self.heart.stopping
+        self.heartbeat = Heartbeat(store, self.runtime, settings, identity)
+        self.stopping = self.heartbeat.stopping
         self.slots = Slots.none() if slots is None else slots
         self._evaluator: Evaluator = Runner(settings.passed_environment) if settings.isolate else InlineEvaluator()
         self._live_workers = 1
@@ -79,12 +79,12 @@ class Worker:
         ------
         StoreUnavailableError
         """
-        self.heart.start()
+        self.heartbeat.start()
         self._evaluator.start()
 
     def close(self) -> None:
         """End the heartbeat and the evaluation process, and leave the list of workers."""
-        self.heart.stop()
+        self.heartbeat.stop()
         self._evaluator.close()
         try:
             tally.flush(self.store)
@@ -150,14 +150,14 @@ class Worker:
             log.exception("job %s cannot be worked on", job_id, extra=extra)
             self._give_up(job_id, f"{type(error).__name__}: {error}")
         finally:
-            self.heart.claim = None
+            self.heartbeat.claim = None
 
     def _make_ready(self, job_id: str, calibration: Calibration) -> bool:
         tell = partial(self.runtime.tell_kernels, job_id)
         return make_ready(self._evaluator, calibration.problem, unwanted=self.stopping.is_set, tell=tell)
 
     def _work(self, job_id: str, calibration: Calibration) -> None:
-        if self.heart.late:
+        if self.heartbeat.late:
             # The database is too slow for all that ask: fewer claims, so that leases are renewed in time.
             self.stopping.wait(self.settings.lease_seconds / 4)
         turn = _Turn(self, job_id)
@@ -172,18 +172,18 @@ class Worker:
             answer = self._exchange(job_id, calibration, HandIn(), turn)
         early = partial(self._early, job_id, calibration, turn)
         while answer.claim is not None:
-            self.heart.claim = claim = answer.claim
-            errand = Errand(claim, self._evaluator, calibration, self.settings, self.heart, early)
+            self.heartbeat.claim = claim = answer.claim
+            claimed = ClaimRunner(claim, self._evaluator, calibration, self.settings, self.heartbeat, early)
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
-                hand_in = errand.run()
-            if errand.trouble is not None:
+                hand_in = claimed.run()
+            if claimed.trouble is not None:
                 turn.end()
             answer = self._exchange(job_id, calibration, hand_in, turn)
-            if errand.trouble is not None:
-                self._rest(errand.trouble)
+            if claimed.trouble is not None:
+                self._rest(claimed.trouble)
             if answer.waiting is not None and self._generation_ends(claim, answer.waiting, turn):
                 answer = self._exchange(job_id, calibration, HandIn(), turn)
-            self.heart.claim = answer.claim
+            self.heartbeat.claim = answer.claim
         if answer.left:
             self.doorbell.ring(job_id, kind=_kind(calibration))
 
@@ -201,7 +201,7 @@ class Worker:
         now = time.monotonic()
         patience = min(turn.until, now + max(3.0 * typical, PATIENCE_SECONDS))
         others = now  # when to look for other work
-        while now < patience and self.heart.unwanted() is None:
+        while now < patience and self.heartbeat.unwanted() is None:
             if self.store.read(lambda connection: current_generation(connection, claim.job_id)) != claim.generation:
                 return True
             if now >= others:
@@ -247,7 +247,7 @@ class Worker:
     def _early(
         self, job_id: str, calibration: Calibration, turn: _Turn, hand_in: HandIn, want: bool
     ) -> tuple[bool, Claim | None]:
-        """Hand in what is ready while an evaluation runs; see :data:`geoswarm.workers.errand.Early`."""
+        """Hand in what is ready while an evaluation runs; see :data:`geoswarm.workers.claim_runner.Early`."""
         try:
             answer = self._ask(job_id, calibration, hand_in, turn, want=want)
             if answer.rings or (answer.left and not want):
@@ -310,7 +310,7 @@ class _Turn:
 
     def goes_on(self) -> bool:
         """Whether the worker takes another claim of this job."""
-        if self._ended or self._worker.stopping.is_set() or (self._worker.heart.late and not self.begins):
+        if self._ended or self._worker.stopping.is_set() or (self._worker.heartbeat.late and not self.begins):
             return False
         if time.monotonic() >= self.until and self._worker.next_job() in (None, self._job_id):
             self.until = time.monotonic() + self._worker.settings.slice_seconds

@@ -11,7 +11,7 @@ from geoswarm.api.dependencies import Feed, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.solver.errors import Issue
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 
 __all__ = ["router"]
@@ -55,14 +55,14 @@ def show_operations(service: Administrated, feed: Feed) -> Operations:
 @router.get("/keys", responses=problems_of())
 def list_keys(service: Administrated) -> KeyList:
     """List all API keys, without their secrets; administrators only."""
-    return KeyList(items=[Key.model_validate(view) for view in KeyRing(service.store).list()])
+    return KeyList(items=[Key.model_validate(view) for view in ApiKeys(service.store).list()])
 
 
 @router.post("/keys", status_code=201, responses=problems_of(408, 413, 422))
 def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
     """Make an API key; the answer is the only place where it can be read. Administrators only."""
     try:
-        key, view = KeyRing(service.store).create(
+        key, view = ApiKeys(service.store).create(
             wanted.owner, wanted.role, label=wanted.label, valid_seconds=wanted.valid_seconds
         )
     except SettingsError as error:
@@ -75,6 +75,6 @@ def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
 def revoke_key(key_id: KeyId, service: Administrated) -> Key:
     """Make an API key invalid with the next request, for ever; administrators only."""
     try:
-        return Key.model_validate(KeyRing(service.store).revoke(key_id))
+        return Key.model_validate(ApiKeys(service.store).revoke(key_id))
     except KeyNotFoundError as error:
         raise DetailError(404, str(error), kind="unknown-key", title="Unknown key") from None

@@ -80,12 +80,13 @@ def global_sensitivity(
 @router.get("/uncertainty", responses=problems_of(404, 422))
 def uncertainty(job_id: JobId, service: Service, noise: Noise) -> UncertaintyAnswer:
     """Show what the follow-ups of a job have found so far; of a follow-up, what it has found itself."""
-    desk = service.statistics
+    statistics = service.statistics
     follow_ups = [
-        {"id": f.id, "kind": f.kind, "state": f.state, "evaluations": f.evaluations} for f in desk.follow_ups(job_id)
+        {"id": f.id, "kind": f.kind, "state": f.state, "evaluations": f.evaluations}
+        for f in statistics.follow_ups(job_id)
     ]
     return UncertaintyAnswer.model_validate(
-        jsonable(desk.findings(job_id, noise=noise).to_json()) | {"follow_ups": follow_ups}
+        jsonable(statistics.findings(job_id, noise=noise).to_json()) | {"follow_ups": follow_ups}
     )
 
 

@@ -19,7 +19,7 @@ import sys
 from collections.abc import Sequence
 
 from geoswarm.cli.commands import cli
-from geoswarm.cli.failures import Session, report
+from geoswarm.cli.error_messages import Session, report
 
 __all__ = ["cli", "main"]
 

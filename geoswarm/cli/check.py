@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from geoswarm.cli.failures import FailedRunError
+from geoswarm.cli.error_messages import FailedRunError
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number

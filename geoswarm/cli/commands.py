@@ -56,7 +56,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "pause": CommandEntry("geoswarm.cli.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
     "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
-    "retry-failed": CommandEntry("geoswarm.cli.why", _JOBS, "Run the failed evaluations of a job again."),
+    "retry-failed": CommandEntry("geoswarm.cli.failures", _JOBS, "Run the failed evaluations of a job again."),
     "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
     "report": CommandEntry(
         "geoswarm.cli.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."
@@ -147,7 +147,7 @@ def cli(ctx: click.Context, debug: bool) -> None:
     search method and when to stop. 'geoswarm run PROBLEM' calibrates it here; 'geoswarm serve' and 'geoswarm submit'
     do the same on a service with workers. New here: 'geoswarm demo'.
     """
-    from geoswarm.cli.failures import Session
+    from geoswarm.cli.error_messages import Session
 
     session = ctx.ensure_object(Session)
     session.debug, session.command = debug, ctx.invoked_subcommand

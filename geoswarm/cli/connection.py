@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.output import note
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 
 if TYPE_CHECKING:
     from geoswarm.workers.settings import Settings

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import click
 
 from geoswarm.cli.connection import connect
+from geoswarm.cli.error_messages import FailedRunError
 from geoswarm.cli.examples import example_problem
-from geoswarm.cli.failures import FailedRunError
 from geoswarm.cli.output import duration, echo_facts, echo_table, note, number, reasons_in_words
 from geoswarm.cli.submit import follow
 

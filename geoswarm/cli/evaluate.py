@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number

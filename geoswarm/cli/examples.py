@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.options import json_option
 from geoswarm.cli.output import echo_json, echo_table, note
 from geoswarm.solver.examples import describe_example, example_file, example_names

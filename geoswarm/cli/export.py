@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from geoswarm.cli.connection import connect, find_job
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import connection_options, job_argument
 from geoswarm.cli.output import note

@@ -1,140 +1,117 @@
-"""Every error becomes one clear message on stderr and an exit code.
-
-::
-
-    click.ClickException
-    └── CommandError
-        ├── FailedRunError      exit code 1: the input was fine, the run was not
-        └── BadInputError       exit code 2: the user can mend it
-"""
+"""Why evaluations failed, and another try: ``geoswarm show ID --failures``, ``--attempts`` and ``retry-failed``."""
 
 from __future__ import annotations
 
-import errno
-import os
-import secrets
-import sys
-from dataclasses import dataclass
+import itertools
+import re
+from collections import Counter
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from geoswarm.cli.connection import connect, find_job
+from geoswarm.cli.error_messages import BadInputError
+from geoswarm.cli.options import connection_options, job_argument, json_option
+from geoswarm.cli.output import duration, echo_json, echo_table, number
 from geoswarm.solver.words import visible
 
-__all__ = [
-    "BAD_INPUT",
-    "FAILED_RUN",
-    "INTERRUPTED",
-    "BadInputError",
-    "CommandError",
-    "FailedRunError",
-    "Session",
-    "report",
-]
+if TYPE_CHECKING:
+    from geoswarm.client import Attempt, Client, Evaluation, Job
 
-FAILED_RUN, BAD_INPUT, INTERRUPTED = 1, 2, 130
+__all__ = ["attempts_of", "failures_of", "retry_failed_command", "show_attempts", "show_failures"]
+
+MOST_SHOWN = 20
+LOG_LINES = 8
 
 
-@dataclass(slots=True)
-class Session:
-    """What one call of the command line carries from command to error handler."""
-
-    debug: bool = False
-    command: str | None = None
-
-
-class CommandError(click.ClickException):
-    """An error that a command raises on purpose; the message is all that the user sees."""
+def failures_of(client: Client, job: Job, most: int = MOST_SHOWN) -> tuple[Counter[str], list[Evaluation]]:
+    """Return the number of failed evaluations by reason, and the first of them."""
+    failed = client.iterate_evaluations(job.id, state="failed")
+    shown = list(itertools.islice(failed, most))
+    reasons = Counter(evaluation.reason or "unknown" for evaluation in itertools.chain(shown, failed))
+    return reasons, shown
 
 
-class FailedRunError(CommandError):
-    """A calculation or a job failed although the input was accepted."""
-
-    exit_code = FAILED_RUN
-
-
-class BadInputError(CommandError):
-    """The user's input, or a service that it names, is at fault."""
-
-    exit_code = BAD_INPUT
-
-
-def report(error: BaseException, session: Session) -> int:
-    """Write the message of an error to stderr and return the exit code."""
-    if isinstance(error, BrokenPipeError):
-        return _leave_quietly()
-    if isinstance(error, (KeyboardInterrupt, click.Abort)):
-        click.echo("\nInterrupted.", err=True)
-        return INTERRUPTED
-    if isinstance(error, click.UsageError):
-        error.show()
-        return BAD_INPUT
-    if session.debug:
-        import traceback
-
-        click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
-    if isinstance(error, click.ClickException):
-        click.echo(f"Error: {visible(error.format_message(), lines=True)}", err=True)
-        return error.exit_code if isinstance(error, CommandError) else BAD_INPUT
-    explained = explain(error, session.command)
-    if explained is not None:
-        message, code = explained
-        click.echo(f"Error: {visible(message, lines=True)}", err=True)
-        return code
-    identifier = secrets.token_hex(4)
-    click.echo(
-        f"Error {identifier}: unexpected {type(error).__name__}: {error}\n"
-        "This is a fault of geoswarm. 'geoswarm --debug ...' shows where it happened; please report it.",
-        err=True,
-    )
-    return FAILED_RUN
+def show_failures(reasons: Counter[str], failed: list[Evaluation]) -> None:
+    """Write why evaluations failed: how many for which reason, then each with its parameters, message and output."""
+    if not failed:
+        click.echo("No evaluation has failed.")
+        return
+    echo_table("failures", ("reason", "evaluations"), [(r, str(n)) for r, n in reasons.most_common()], right=(1,))
+    for evaluation in failed:
+        place = f"generation {evaluation.generation}, particle {evaluation.particle}"
+        tries = f", {evaluation.attempts} tries" if evaluation.attempts > 1 else ""
+        click.secho(f"{place}: {evaluation.reason} after {duration(evaluation.seconds)}{tries}", bold=True)
+        click.echo("  " + ", ".join(f"{name} = {number(value, 5)}" for name, value in evaluation.parameters.items()))
+        if evaluation.message:
+            click.echo(f"  {visible(evaluation.message)}")
+        _echo_log(evaluation.log)
+    hidden = reasons.total() - len(failed)
+    if hidden:
+        click.echo(f"{hidden} more: 'geoswarm export ID' writes all evaluations.")
 
 
-def explain(error: BaseException, command: str | None = None) -> tuple[str, int] | None:
-    """Return message and exit code of an error that geoswarm raises on purpose; None for any other."""
-    from geoswarm.solver.errors import ForwardError, ProblemError, SolverError, WorkerLostError
+def attempts_of(client: Client, job: Job, place: str) -> tuple[Attempt, ...]:
+    """Return the tries at the evaluation ``GENERATION/PARTICLE``.
 
-    if isinstance(error, ProblemError):
-        count = len(error.issues)
-        title = "the problem has a mistake" if count == 1 else f"the problem has {count} mistakes"
-        return "\n  ".join([f"{title}:", *(str(issue) for issue in error.issues)]), BAD_INPUT
-    if isinstance(error, (ForwardError, WorkerLostError)):
-        return str(error), FAILED_RUN
-    if isinstance(error, SolverError):
-        return str(error), BAD_INPUT
-    if isinstance(error, ModuleNotFoundError) and error.name is not None:
-        return _explain_missing(error.name, command)
-    if isinstance(error, OSError) and error.filename is not None:
-        return f"{error.filename}: {error.strerror}", BAD_INPUT
-    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
-        return f"the output cannot be written: {error.strerror}", FAILED_RUN
-    return _explain_service(error)
+    Raises
+    ------
+    BadInputError
+        When the place is not written like this, or there is no such evaluation.
+    """
+    match = re.fullmatch(r"(\d{1,9})/(\d{1,9})", place)
+    if match is None:
+        raise BadInputError(f"--attempts {place!r}: write GENERATION/PARTICLE, for example 0/3")
+    tries = client.attempts(job.id, int(match[1]), int(match[2]))
+    if not tries:
+        raise BadInputError(f"job {job.id} has not begun an evaluation {place} (generation/particle)")
+    return tries
 
 
-def _explain_missing(module: str, command: str | None) -> tuple[str, int] | None:
-    """Name the extra that brings a module; None when no extra does."""
-    from geoswarm.solver.extras import extra_of, needs_extra
-
-    if extra_of(module) is None:
-        return None
-    return needs_extra(f"geoswarm {command}" if command else "geoswarm", module), BAD_INPUT
-
-
-def _explain_service(error: BaseException) -> tuple[str, int] | None:
-    """Judge errors of modules that are loaded only where a command needs them."""
-    bases = (
-        ("geoswarm.client.errors", "JobFailedError", FAILED_RUN),
-        ("geoswarm.client.errors", "GeoswarmError", BAD_INPUT),
-        ("geoswarm.workers.errors", "WorkersError", BAD_INPUT),
-        ("geoswarm.api.errors", "ApiError", BAD_INPUT),
-    )
-    for module, base, code in bases:
-        loaded = sys.modules.get(module)
-        if loaded is not None and isinstance(error, getattr(loaded, base)):
-            return str(error), code
-    return None
+def show_attempts(tries: tuple[Attempt, ...]) -> None:
+    """Write every try at an evaluation."""
+    rows = [
+        (
+            str(t.number),
+            f"{t.outcome}, counted" if t.counted else t.outcome,
+            t.worker or "-",
+            "-" if t.started_at is None else t.started_at.isoformat(sep=" ", timespec="seconds"),
+            duration((t.finished_at - t.started_at).total_seconds()) if t.started_at and t.finished_at else "-",
+            t.message or "",
+        )
+        for t in tries
+    ]
+    echo_table(None, ("try", "outcome", "worker", "began (UTC)", "took", "message"), rows, right=(0, 4))
+    for t in tries:
+        if t.log:
+            click.echo(f"try {t.number} wrote:")
+            _echo_log(t.log)
 
 
-def _leave_quietly() -> int:
-    """The reader of our output has gone (``geoswarm list | head``): say nothing, also not at interpreter exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return FAILED_RUN
+def _echo_log(log: str | None) -> None:
+    lines = (log or "").rstrip().splitlines()
+    for line in lines[-LOG_LINES:]:
+        click.echo(f"  | {visible(line)}")
+
+
+@click.command("retry-failed")
+@job_argument
+@json_option
+@connection_options
+def retry_failed_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    """Run the failed evaluations of a job again.
+
+    And only them. The job must be paused or have ended. Positions that the search has proposed stay as they are; the
+    best evaluation and the counts may change.
+    """
+    with connect(url, api_key) as client:
+        retry = client.retry_failed(find_job(client, job).id)
+    if as_json:
+        from geoswarm.cli.jobs import jsonable
+
+        data: dict[str, Any] = {"evaluations": retry.evaluations, "job": jsonable(retry.job)}
+        echo_json(data)
+        return
+    when = "when it is resumed" if retry.job.state == "paused" else "now"
+    count = f"{retry.evaluations} failed evaluation" + ("" if retry.evaluations == 1 else "s")
+    click.echo(f"{count} of {retry.job.id} ({retry.job.name}) run again {when}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from geoswarm.cli.connection import connect, find_job
-from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.findings import show_findings
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import connection_options, json_option

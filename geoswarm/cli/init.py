@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.examples import example_problem
-from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.options import problem_argument
 from geoswarm.cli.output import note
 from geoswarm.cli.starters import STARTERS, Starter

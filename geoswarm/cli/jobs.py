@@ -100,7 +100,7 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
     widely the particles of the last generation are scattered, or null; with --failures
     'failures': how many for which 'reasons', and the first 20 as 'items'; with --attempts 'attempts'.
     """
-    from geoswarm.cli.why import attempts_of, failures_of, show_attempts, show_failures
+    from geoswarm.cli.failures import attempts_of, failures_of, show_attempts, show_failures
     from geoswarm.client import NotFoundError
 
     more: dict[str, Any] = {}

@@ -44,14 +44,14 @@ def create_command(
     owner: str, role: Role, label: str, expires: float | None, as_json: bool, database: str | None
 ) -> None:
     """Make a key and print it, once: only its hash is kept."""
-    from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.keys import ApiKeys
     from geoswarm.workers.settings import Settings, mask_url
     from geoswarm.workers.store import Store
 
     settings = Settings.from_environment(database_url=database)
     store = Store(settings)
     try:
-        key, view = KeyRing(store).create(owner, role, label=label, valid_seconds=expires)
+        key, view = ApiKeys(store).create(owner, role, label=label, valid_seconds=expires)
     finally:
         store.close()
     if as_json:
@@ -67,12 +67,12 @@ def create_command(
 @database_option
 def list_keys_command(as_json: bool, database: str | None) -> None:
     """List the keys: everything but the keys themselves."""
-    from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.keys import ApiKeys
     from geoswarm.workers.settings import mask_url
 
     store = existing_store(database)
     try:
-        views = KeyRing(store).list()
+        views = ApiKeys(store).list()
     finally:
         store.close()
     if as_json:
@@ -94,12 +94,12 @@ def list_keys_command(as_json: bool, database: str | None) -> None:
 @database_option
 def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
     """Make a key invalid, at once and for ever."""
-    from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+    from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
 
     whole = KEY_PATTERN.fullmatch(key_id)
     store = existing_store(database)
     try:
-        view = KeyRing(store).revoke(whole["id"] if whole else key_id)
+        view = ApiKeys(store).revoke(whole["id"] if whole else key_id)
     finally:
         store.close()
     if as_json:

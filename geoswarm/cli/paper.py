@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.examples import example_problem
-from geoswarm.cli.failures import BadInputError
 from geoswarm.cli.figures import figures_missing
 from geoswarm.cli.kernels import ready
 from geoswarm.cli.options import json_option

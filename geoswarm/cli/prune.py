@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from geoswarm.cli.databases import existing_store
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import database_option, json_option
 from geoswarm.cli.output import echo_json, echo_table, note

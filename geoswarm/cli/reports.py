@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoswarm.cli.connection import SLOW_ANSWER, connect, find_calibration
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.figures import figures_missing
 from geoswarm.cli.options import connection_options
 from geoswarm.cli.output import note

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from geoswarm.cli.connection import connect, find_calibration
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.output import echo_facts, echo_json, echo_table, note, number
 from geoswarm.cli.source import as_folder, known_noise, named_numbers, noise_option

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.figures import figures_missing
 from geoswarm.cli.fit import fit_of_run, show_fit
 from geoswarm.cli.kernels import ready

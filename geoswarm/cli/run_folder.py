@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geoswarm.cli.failures import BadInputError, FailedRunError
+from geoswarm.cli.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.output import duration, echo_facts, echo_json, note, number, reasons_in_words
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from geoswarm.cli.databases import refuse_missing_database
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.options import api_key_option, broker_option, database_option
 from geoswarm.cli.output import note
 
@@ -144,7 +144,7 @@ def serve_command(
     """
     from geoswarm.api import ApiSettings, bind, serve
     from geoswarm.workers.engine import open_engine
-    from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.keys import ApiKeys
     from geoswarm.workers.settings import Settings
 
     group = group_settings(kinds, slots)
@@ -158,7 +158,7 @@ def serve_command(
         with open_engine(settings) as engine:
             if settings.broker_url:
                 refuse_open_door(host, api_key, settings)
-            keys = KeyRing(engine.service.store).used()
+            keys = ApiKeys(engine.service.store).used()
             api_settings = api_settings.model_copy(update={"require_key": keys})
             engine_name = "remote workers" if settings.broker_url else f"{settings.workers} worker processes"
             serve(
@@ -210,7 +210,7 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
     SettingsError
         When the key could be guessed.
     """
-    from geoswarm.workers.keys import KeyRing
+    from geoswarm.workers.keys import ApiKeys
     from geoswarm.workers.secrets import is_loopback, refuse_weak_key
     from geoswarm.workers.store import Store
 
@@ -223,7 +223,7 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
         return
     store = Store(settings)
     try:
-        keys = KeyRing(store).used()
+        keys = ApiKeys(store).used()
     finally:
         store.close()
     if not keys:

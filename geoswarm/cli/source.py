@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 
 __all__ = ["as_folder", "known_noise", "named_numbers", "noise_option", "threshold_check"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoswarm.cli.connection import connect, find_job
-from geoswarm.cli.failures import FailedRunError
+from geoswarm.cli.error_messages import FailedRunError
 from geoswarm.cli.jobs import jsonable, show_job
 from geoswarm.cli.kernels import COMPILING, compiled_in
 from geoswarm.cli.options import connection_options, job_argument, json_option, problem_argument

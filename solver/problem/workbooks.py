@@ -198,7 +198,7 @@ def _date(serial: float, since_1904: bool) -> str:
     """ISO 8601 of the days since the end of 1899 (or the beginning of 1904), to a thousandth of a second."""
     from datetime import datetime, timedelta
 
-    # The first spreadsheets took 1900 for a leap year; the files of the others still count that day.
+    # The first spreadsheets took 1900 for a whole_generation year; the files of the others still count that day.
     origin = datetime(1904, 1, 1) if since_1904 else datetime(1899, 12, 30)
     try:
         moment = origin + timedelta(milliseconds=round(serial * _SECONDS_A_DAY * 1000))

@@ -6,7 +6,7 @@ import pytest
 
 from geoswarm.api import ApiSettings
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
 from geoswarm.workers.service import JobService
 from geoswarm.workers.tally import tally
 from tests.api.conftest import API, App, line_problem
@@ -15,7 +15,7 @@ from tests.api.conftest import API, App, line_problem
 @pytest.fixture
 def keyed(service: JobService) -> App:
     app = App(service, ApiSettings(require_key=True))
-    app.headers["X-API-Key"] = KeyRing(service.store).create("root", "admin")[0]
+    app.headers["X-API-Key"] = ApiKeys(service.store).create("root", "admin")[0]
     return app
 
 
@@ -33,7 +33,7 @@ def test_a_key_is_made_used_and_revoked(service: JobService, keyed: App) -> None
     revoked = keyed.post(f"{API}/keys/{view['id']}/revoke")
     assert revoked.json()["state"] == "revoked"
     assert keyed.get(f"{API}/jobs", headers={"X-API-Key": key}).status_code == 401
-    assert KeyRing(service.store).principal(key) is None
+    assert ApiKeys(service.store).principal(key) is None
 
 
 @pytest.mark.parametrize(
@@ -60,11 +60,11 @@ def test_an_unknown_key_cannot_be_revoked(keyed: App) -> None:
 @pytest.mark.parametrize("role", ["read", "submit"])
 @pytest.mark.parametrize(("method", "path"), [("GET", "/keys"), ("GET", "/operations"), ("POST", "/keys")])
 def test_others_are_refused(service: JobService, keyed: App, role: str, method: str, path: str) -> None:
-    key = KeyRing(service.store).create("bob", role)[0]  # type: ignore[arg-type]
+    key = ApiKeys(service.store).create("bob", role)[0]  # type: ignore[arg-type]
     answer = keyed(method, f"{API}{path}", headers={"X-API-Key": key}, json={"owner": "bob", "role": "admin"})
     assert answer.status_code == 403
     assert answer.json()["type"] == "urn:geoswarm:error:role-refused"
-    assert [item.owner for item in KeyRing(service.store).list()] == ["root", "bob"]
+    assert [item.owner for item in ApiKeys(service.store).list()] == ["root", "bob"]
 
 
 def test_operations_count_what_waits_and_how_runs_ended(service: JobService, app: App) -> None:

@@ -17,7 +17,7 @@ import pytest
 import geoswarm.api.connections
 from geoswarm.api import ApiSettings
 from geoswarm.api.connections import LEAST_CONNECTIONS, Phase, most_connections
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
 
@@ -111,7 +111,7 @@ def test_unfinished_heads_do_not_keep_others_out(tmp_path: Path, soft: int, hard
 
 
 def test_unfinished_sign_ins_do_not_keep_others_out(service: JobService) -> None:
-    key, _ = KeyRing(service.store).create("alice", "submit")
+    key, _ = ApiKeys(service.store).create("alice", "submit")
     begun = b"POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 50000\r\n\r\n{"
     settings = ApiSettings(require_key=True, max_connections=50, body_seconds=60)
     with live_server(service, settings) as server, ExitStack() as attack:
@@ -174,7 +174,7 @@ def streams(server: LiveServer, key: str, job: str) -> Iterator[int]:
 
 
 def test_event_streams_are_limited_for_each_key_and_in_all(service: JobService) -> None:
-    ring = KeyRing(service.store)
+    ring = ApiKeys(service.store)
     keys = [ring.create("alice", "submit")[0], *(ring.create("alice", "read")[0] for _ in range(2))]
     settings = ApiSettings(require_key=True, event_streams_per_key=3, event_streams=5)
     with live_server(service, settings) as server, httpx.Client(base_url=server.url, timeout=60) as client:
@@ -194,7 +194,7 @@ def test_event_streams_are_limited_for_each_key_and_in_all(service: JobService) 
 
 
 def test_unanswered_requests_of_a_key_are_limited(service: JobService) -> None:
-    ring = KeyRing(service.store)
+    ring = ApiKeys(service.store)
     alice, ben = ring.create("alice", "submit")[0], ring.create("ben", "submit")[0]
     begun = f"POST {API}/jobs HTTP/1.1\r\nHost: localhost\r\nX-API-Key: {alice}\r\nContent-Length: 9\r\n\r\n{{"
     settings = ApiSettings(require_key=True, requests_at_once=3)

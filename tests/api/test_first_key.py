@@ -5,7 +5,7 @@ from __future__ import annotations
 import httpx
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -16,7 +16,7 @@ def make_key(settings: Settings) -> str:
     """What 'geoswarm keys create' does, in a process of its own."""
     store = Store(settings)
     try:
-        return KeyRing(store).create("ann", "admin")[0]
+        return ApiKeys(store).create("ann", "admin")[0]
     finally:
         store.close()
 
@@ -45,7 +45,7 @@ def test_the_page_for_signing_in_asks_for_the_first_key(app: App, settings: Sett
 
 def test_revoking_it_does_not_open_the_service_again(app: App, service: JobService, settings: Settings) -> None:
     key = make_key(settings)
-    KeyRing(service.store).revoke(key[4:16])
+    ApiKeys(service.store).revoke(key[4:16])
     assert app.get(f"{API}/jobs").status_code == 401
 
 

@@ -15,7 +15,7 @@ from pydantic import SecretStr
 
 from geoswarm.api import ApiSettings
 from geoswarm.api.intake import LARGE_BODIES, SMALL_BODY_BYTES
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, LiveServer, line_problem, live_server
 
@@ -99,7 +99,7 @@ def test_a_body_arrives_whole_whatever_its_size(app: App) -> None:
 
 
 def test_bytes_in_flight_are_limited_for_each_key_and_in_all(service: JobService) -> None:
-    keys = [KeyRing(service.store).create(name, "submit")[0] for name in ("alice", "ben", "carol")]
+    keys = [ApiKeys(service.store).create(name, "submit")[0] for name in ("alice", "ben", "carol")]
     settings = ApiSettings(
         require_key=True, max_body_bytes=100_000, body_bytes_per_key=150_000, body_bytes=250_000, body_seconds=60
     )

@@ -9,7 +9,7 @@ import pytest
 
 from geoswarm.api import ApiSettings
 from geoswarm.workers.engine import Engine
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from tests.api.conftest import API, App, line_problem, wait_for_end
 from tests.solver.forward.continuum.bodies import OEDOMETER, ground
 
@@ -124,7 +124,7 @@ def test_a_run_that_exceeds_the_limit_is_ended(engine: Engine) -> None:
 def test_who_may_only_read_starts_no_forward_run(engine: Engine) -> None:
     # the last of this file: once a key is made, the engine that all tests share asks everybody for one
     keyed = App(engine.service, ApiSettings(require_key=True))
-    ring = KeyRing(engine.service.store)
+    ring = ApiKeys(engine.service.store)
     keyed.headers["X-API-Key"] = ring.create("zoe", "submit")[0]
     job = keyed.post(f"{API}/jobs", json=loaded_ground()).json()["id"]
     assert wait_for_end(engine.service, job).state == "finished"

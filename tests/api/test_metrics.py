@@ -78,7 +78,7 @@ def test_failures_are_counted_by_reason_and_logged_with_their_place(
         stopping={"max_evaluations": 12},
     )
     job = app.post(f"{API}/jobs", json=failing).json()["id"]
-    with caplog.at_level(logging.INFO, logger="geoswarm.workers.errand"):
+    with caplog.at_level(logging.INFO, logger="geoswarm.workers.claim_runner"):
         work(service, settings, job)
     counted = {label: value for (name, label), value in samples(app).items() if name == "geoswarm_runs_total"}
     assert sum(value for label, value in counted.items() if label != "finished") >= 6

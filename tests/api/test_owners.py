@@ -14,7 +14,7 @@ from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.access import Principal, Role
 from geoswarm.workers.engine import Engine
 from geoswarm.workers.errors import JobNotFoundError
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -28,7 +28,7 @@ class Users:
 
     def __init__(self, service: JobService, settings: ApiSettings | None = None) -> None:
         self.app = App(service, settings or ApiSettings(require_key=True))
-        self.ring = KeyRing(service.store)
+        self.ring = ApiKeys(service.store)
         self.keys: dict[str, str] = {}
 
     def __call__(self, owner: str, method: str, path: str, role: Role = "submit", **request: Any) -> Any:
@@ -123,7 +123,7 @@ def test_copies_of_a_service_share_what_is_made_and_ask_for_themselves(engine: E
             stranger.statistics.stored,
             stranger.statistics.report,
             stranger.statistics.reweighted,
-            lambda id, desk=stranger.statistics: desk.rendered(id, "html", lambda _report: b""),
+            lambda id, statistics=stranger.statistics: statistics.rendered(id, "html", lambda _report: b""),
         ):
             with pytest.raises(JobNotFoundError):
                 ask(job.id)

@@ -14,7 +14,7 @@ from geoswarm.api import ApiSettings, create_app
 from geoswarm.workers.access import Principal
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -40,7 +40,7 @@ class World:
         worker = Worker(self.store, MuteDoorbell(), engine, Identity.new("embedded"))
         worker.serve(self.job)
         worker.close()
-        ring = KeyRing(self.store)
+        ring = ApiKeys(self.store)
         self.keys = {
             "bob": ring.create("bob", "submit")[0],
             "reader": ring.create("carol", "read")[0],

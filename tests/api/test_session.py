@@ -11,7 +11,7 @@ from pydantic import SecretStr
 from sqlalchemy import text
 
 from geoswarm.api import ApiSettings
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, line_problem
 
@@ -35,7 +35,7 @@ def signed_in(app: App, key: str) -> dict[str, str]:
 
 
 def test_a_key_opens_a_session_that_scripts_and_foreign_pages_cannot_use(guarded: App, service: JobService) -> None:
-    key, view = KeyRing(service.store).create("alice", "submit")
+    key, view = ApiKeys(service.store).create("alice", "submit")
     answer = guarded.post(f"{API}/session", json={"key": key})
     body = answer.json()
     assert (body["owner"], body["role"], body["key_needed"], body["signed_in"]) == ("alice", "submit", True, True)
@@ -56,7 +56,7 @@ def test_a_key_opens_a_session_that_scripts_and_foreign_pages_cannot_use(guarded
 
 
 def test_over_tls_the_cookie_never_travels_without_it(guarded: App, service: JobService) -> None:
-    key, _ = KeyRing(service.store).create("alice", "submit")
+    key, _ = ApiKeys(service.store).create("alice", "submit")
     answer = guarded.post("https://localhost/api/v1/session", json={"key": key})
     assert cookie(answer)["secure"] is True
 
@@ -75,7 +75,7 @@ def test_who_guesses_at_the_sign_in_is_slowed_down(guarded: App) -> None:
 
 
 def test_changes_with_a_session_need_the_own_header_and_the_own_origin(guarded: App, service: JobService) -> None:
-    session = signed_in(guarded, KeyRing(service.store).create("alice", "submit")[0])
+    session = signed_in(guarded, ApiKeys(service.store).create("alice", "submit")[0])
     refused = guarded.post(f"{API}/jobs", json=line_problem(), headers=session)
     assert (refused.status_code, refused.json()["type"]) == (403, "urn:geoswarm:error:origin-refused")
     foreign = session | OWN | {"Origin": "http://evil.example"}
@@ -87,7 +87,7 @@ def test_changes_with_a_session_need_the_own_header_and_the_own_origin(guarded: 
 
 
 def test_a_session_sees_and_may_what_its_key_does(guarded: App, service: JobService) -> None:
-    ring = KeyRing(service.store)
+    ring = ApiKeys(service.store)
     alice, bob, reader = (
         signed_in(guarded, ring.create(*who)[0]) for who in (("alice", "submit"), ("bob", "submit"), ("alice", "read"))
     )
@@ -101,7 +101,7 @@ def test_a_session_sees_and_may_what_its_key_does(guarded: App, service: JobServ
 
 @pytest.mark.parametrize("how", ["signed out", "revoked", "over"])
 def test_a_session_ends(guarded: App, service: JobService, how: str) -> None:
-    ring = KeyRing(service.store)
+    ring = ApiKeys(service.store)
     key, view = ring.create("alice", "read")
     session = signed_in(guarded, key)
     assert guarded.get(f"{API}/jobs", headers=session).status_code == 200

@@ -151,12 +151,12 @@ def test_unknown_jobs_are_not_found(app: App, path: str) -> None:
 def test_a_report_is_made_once_for_each_state(done: tuple[App, str], engine: Engine) -> None:
     _, path = done
     job = path.rpartition("/")[2]
-    desk = engine.service.statistics
-    assert desk.report(job) is desk.report(job)
-    assert desk.report(job, threshold=3.0) is not desk.report(job)
+    statistics = engine.service.statistics
+    assert statistics.report(job) is statistics.report(job)
+    assert statistics.report(job, threshold=3.0) is not statistics.report(job)
     made: list[int] = []
     for _ in range(2):
-        assert desk.rendered(job, "once", lambda _report: made.append(1) or b"done") == b"done"  # type: ignore[func-returns-value]
+        assert statistics.rendered(job, "once", lambda _report: made.append(1) or b"done") == b"done"  # type: ignore[func-returns-value]
     assert made == [1]
 
 

@@ -8,7 +8,7 @@ from pydantic import SecretStr
 
 from geoswarm.api import ApiError, ApiSettings
 from geoswarm.api.authentication import FAILURE_BURST, SIGN_IN_BURST
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from tests.api.conftest import API, App, live_server
 
@@ -28,19 +28,19 @@ def test_no_key_is_judged_while_too_many_were_wrong(service: JobService) -> None
 
 
 def test_neighbours_with_a_long_key_that_was_valid_go_on(service: JobService) -> None:
-    key, view = KeyRing(service.store).create("alice", "submit")
+    key, view = ApiKeys(service.store).create("alice", "submit")
     app = App(service, ApiSettings(api_key=SecretStr(STATIC)))
     assert (status(app, key), status(app, STATIC)) == (200, 200)
     for i in range(FAILURE_BURST):
         status(app, f"guess-{i}")
     assert (status(app, key), status(app, STATIC)) == (200, 429)
-    KeyRing(service.store).revoke(view.id)
+    ApiKeys(service.store).revoke(view.id)
     assert status(app, key) == 401
     assert status(app, key) == 429
 
 
 def test_sessions_are_not_begun_without_end(service: JobService) -> None:
-    key, _ = KeyRing(service.store).create("alice", "submit")
+    key, _ = ApiKeys(service.store).create("alice", "submit")
     app = App(service, ApiSettings(require_key=True))
     answers = [app.post(f"{API}/session", json={"key": key}) for _ in range(SIGN_IN_BURST + 1)]
     assert [answer.status_code for answer in answers] == [201] * SIGN_IN_BURST + [429]

@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from geoswarm.api import ApiSettings
 from geoswarm.workers.engine import open_engine
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from tests.api.conftest import LiveServer
@@ -41,7 +41,7 @@ class Site:
 
     def key(self, owner: str, role: str = "submit") -> str:
         """A new API key."""
-        return KeyRing(self.service.store).create(owner, role)[0]  # type: ignore[arg-type]
+        return ApiKeys(self.service.store).create(owner, role)[0]  # type: ignore[arg-type]
 
     def stop(self) -> None:
         """Stop the api, workers go on."""

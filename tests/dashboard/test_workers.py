@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import expect
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.keys import KeyRing
+from geoswarm.workers.keys import ApiKeys
 from geoswarm.workers.tally import tally
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
@@ -58,7 +58,7 @@ def test_a_key_is_made_used_and_revoked(full: Site, visit: Visit) -> None:
     page.keyboard.press("Escape")
     row = page.locator("#keys tr", has_text="erika")
     expect(row).to_contain_text("active")
-    assert KeyRing(full.service.store).principal(key) is not None
+    assert ApiKeys(full.service.store).principal(key) is not None
 
     other, _ = visit(full, "/workers", key=key)
     expect(other.locator("#workers")).not_to_contain_text("Reading")
@@ -67,7 +67,7 @@ def test_a_key_is_made_used_and_revoked(full: Site, visit: Visit) -> None:
     row.get_by_role("button", name=re.compile("Revoke")).click()
     page.get_by_role("button", name="Revoke", exact=True).click()
     expect(row).to_contain_text("revoked")
-    assert KeyRing(full.service.store).principal(key) is None
+    assert ApiKeys(full.service.store).principal(key) is None
 
 
 def test_a_wrong_owner_is_refused_where_it_is_typed(full: Site, visit: Visit) -> None:

@@ -9,7 +9,7 @@ import pytest
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Stopping
 from geoswarm.workers.access import Principal
-from geoswarm.workers.errand import Errand
+from geoswarm.workers.claim_runner import ClaimRunner
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError, QuotaExceededError
 from geoswarm.workers.service import JobService
 from tests.workers.conftest import MakeWorker
@@ -45,16 +45,16 @@ def test_a_cancelled_job_goes_on_too(service: JobService, make_worker: MakeWorke
     job_id = service.submit(line(stopping={"max_evaluations": 60}))[0].id
     service.cancel(job_id)
     assert service.change_stopping(job_id, Stopping(max_evaluations=60)).state == "queued"
-    run = Errand.run
+    run = ClaimRunner.run
     calls: list[int] = []
 
-    def interrupted(self: Errand) -> Any:
+    def interrupted(self: ClaimRunner) -> Any:
         calls.append(1)
         if len(calls) == 3:
             service.cancel(job_id)
         return run(self)
 
-    monkeypatch.setattr(Errand, "run", interrupted)
+    monkeypatch.setattr(ClaimRunner, "run", interrupted)
     worker = make_worker(burst_seconds=0.0)
     worker.serve(job_id)
     assert service.get(job_id).state == "cancelled"
@@ -71,17 +71,17 @@ def test_a_change_while_a_worker_is_at_it_holds(
 ) -> None:
     """The worker runs several generations in a row and concludes from the old criteria; that must not count."""
     job_id = service.submit(line(method=method, stopping={"max_evaluations": first}))[0].id
-    run = Errand.run
+    run = ClaimRunner.run
     calls: list[int] = []
 
-    def overtaken(self: Errand) -> Any:
+    def overtaken(self: ClaimRunner) -> Any:
         calls.append(1)
         hand_in = run(self)
         if len(calls) == 2:
             service.change_stopping(job_id, Stopping(max_evaluations=then))
         return hand_in
 
-    monkeypatch.setattr(Errand, "run", overtaken)
+    monkeypatch.setattr(ClaimRunner, "run", overtaken)
     make_worker(burst_seconds=5.0).serve(job_id)
     assert len(calls) >= 2
     assert service.get(job_id).state == "finished"

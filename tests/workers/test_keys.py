@@ -8,7 +8,7 @@ from sqlalchemy import select, update
 
 from geoswarm.workers.access import LOCAL, Principal
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
-from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
@@ -16,11 +16,11 @@ from geoswarm.workers.store.tables import api_keys
 
 
 @pytest.fixture
-def ring(store: Store) -> KeyRing:
-    return KeyRing(store)
+def ring(store: Store) -> ApiKeys:
+    return ApiKeys(store)
 
 
-def test_a_key_opens_for_its_owner_and_only_its_hash_is_kept(ring: KeyRing, store: Store) -> None:
+def test_a_key_opens_for_its_owner_and_only_its_hash_is_kept(ring: ApiKeys, store: Store) -> None:
     assert not ring.used()
     key, view = ring.create("alice", "submit", label="laptop")
     assert KEY_PATTERN.fullmatch(key)
@@ -32,13 +32,13 @@ def test_a_key_opens_for_its_owner_and_only_its_hash_is_kept(ring: KeyRing, stor
     assert ring.used()
 
 
-def test_two_keys_are_never_alike(ring: KeyRing) -> None:
+def test_two_keys_are_never_alike(ring: ApiKeys) -> None:
     keys = {ring.create("alice", "read")[0] for _ in range(20)}
     assert len(keys) == 20
     assert [view.owner for view in ring.list()] == ["alice"] * 20
 
 
-def test_wrong_keys_open_nothing(ring: KeyRing) -> None:
+def test_wrong_keys_open_nothing(ring: ApiKeys) -> None:
     key, view = ring.create("alice", "admin")
     other, _ = ring.create("bob", "read")
     mixed = f"gsw_{view.id}_{other[17:]}"
@@ -46,7 +46,7 @@ def test_wrong_keys_open_nothing(ring: KeyRing) -> None:
         assert ring.principal(wrong) is None
 
 
-def test_a_revoked_key_opens_nothing_more_and_the_door_stays_shut(ring: KeyRing) -> None:
+def test_a_revoked_key_opens_nothing_more_and_the_door_stays_shut(ring: ApiKeys) -> None:
     key, view = ring.create("alice", "submit")
     revoked = ring.revoke(view.id)
     assert revoked.state == "revoked"
@@ -57,7 +57,7 @@ def test_a_revoked_key_opens_nothing_more_and_the_door_stays_shut(ring: KeyRing)
         ring.revoke("nothing")
 
 
-def test_an_expired_key_opens_nothing(ring: KeyRing, store: Store) -> None:
+def test_an_expired_key_opens_nothing(ring: ApiKeys, store: Store) -> None:
     key, view = ring.create("alice", "submit", valid_seconds=3600)
     assert view.expires_at is not None
     assert 3590 < (view.expires_at - view.created_at).total_seconds() < 3610
@@ -67,7 +67,7 @@ def test_an_expired_key_opens_nothing(ring: KeyRing, store: Store) -> None:
     assert ring.list()[0].state == "expired"
 
 
-def test_the_last_use_is_noted_but_not_every_time(ring: KeyRing) -> None:
+def test_the_last_use_is_noted_but_not_every_time(ring: ApiKeys) -> None:
     key, _ = ring.create("alice", "submit")
     assert ring.list()[0].used_at is None
     ring.principal(key)
@@ -78,7 +78,7 @@ def test_the_last_use_is_noted_but_not_every_time(ring: KeyRing) -> None:
 
 
 def test_a_key_opens_for_reading_while_nothing_can_be_written(
-    ring: KeyRing, store: Store, monkeypatch: pytest.MonkeyPatch
+    ring: ApiKeys, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     key, _ = ring.create("alice", "read")
 
@@ -102,7 +102,7 @@ def test_a_key_opens_for_reading_while_nothing_can_be_written(
     ],
 )
 def test_what_a_key_cannot_be(
-    ring: KeyRing, owner: str, role: str, label: str, seconds: float | None, said: str
+    ring: ApiKeys, owner: str, role: str, label: str, seconds: float | None, said: str
 ) -> None:
     with pytest.raises(SettingsError, match=said):
         ring.create(owner, role, label=label, valid_seconds=seconds)  # type: ignore[arg-type]
@@ -126,8 +126,8 @@ def test_roles_include_one_another() -> None:
 
 def test_a_keyring_does_not_put_keys_into_the_file(tmp_path: Path) -> None:
     store = Store(Settings(database_url=f"sqlite:///{tmp_path}/jobs.db"))
-    key, _ = KeyRing(store).create("alice", "submit")
-    KeyRing(store).principal(key)
+    key, _ = ApiKeys(store).create("alice", "submit")
+    ApiKeys(store).principal(key)
     store.close()
     secret = key[17:].encode()
     assert all(secret not in path.read_bytes() for path in tmp_path.iterdir())

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from sqlalchemy import select, update
 
 from geoswarm.solver.runner.evaluator import InlineEvaluator
+from geoswarm.workers.claim_runner import ClaimRunner
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import HandIn
-from geoswarm.workers.errand import Errand
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -213,8 +213,10 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     assert hand.claim.job is not None
     worker = make_worker()
     patient = settings.model_copy(update={"chunk_seconds": 60.0})  # however slow the machine is just now
-    whole = Errand(hand.claim, InlineEvaluator(), textbook, patient, worker.heart, lambda *_: (True, None)).run()
-    assert len(whole.leaps) == 10
+    whole = ClaimRunner(
+        hand.claim, InlineEvaluator(), textbook, patient, worker.heartbeat, lambda *_: (True, None)
+    ).run()
+    assert len(whole.whole_generations) == 10
     service.pause(job_id)
     assert hand.exchange(whole).claim is None
     view = service.get(job_id)

@@ -8,10 +8,10 @@ import pytest
 
 from geoswarm.solver.identifiability import analyse
 from geoswarm.solver.identifiability.study import SWARM_BIAS
+from geoswarm.workers.cache import Cache
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.shelf import Shelf
-from geoswarm.workers.statistics import StatisticsDesk, StoredJob
+from geoswarm.workers.statistics import StatisticsService, StoredJob
 from geoswarm.workers.store import Store, jobs, selection
 from tests.workers.hand import Hand, finish, runtime_for
 from tests.workers.problems import calibration, line
@@ -86,7 +86,7 @@ def test_long_responses_make_fewer_evaluations(
     job_id, _ = job
     points = sum(o.x.size for o in service.statistics.stored(job_id).problem.observations)
     monkeypatch.setattr("geoswarm.workers.statistics.MOST_VALUES", 50 * points)
-    stored = StatisticsDesk(service.store, service._row, Shelf()).stored(job_id)
+    stored = StatisticsService(service.store, service._row, Cache()).stored(job_id)
     assert stored.samples.size + stored.samples.left_out == 200
     assert 40 <= stored.samples.size <= 75
     assert float(stored.samples.objectives.min()) == service.get(job_id).objective

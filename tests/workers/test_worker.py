@@ -138,7 +138,7 @@ def test_while_heartbeats_are_late_a_worker_takes_one_claim_at_a_time(
 ) -> None:
     job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
     worker = make_worker(single_seconds=0.0, cheap_seconds=0.0, burst_seconds=0.0)
-    worker.heart.late = True
+    worker.heartbeat.late = True
     for number in range(1, 13):
         began = time.monotonic()
         worker.serve(job_id)

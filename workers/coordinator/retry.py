@@ -24,7 +24,7 @@ from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
 from geoswarm.workers.store.jobs import LockedJob, publish_state
-from geoswarm.workers.store.line import REOPENED, first_place
+from geoswarm.workers.store.queue import REOPENED, first_place
 from geoswarm.workers.store.tables import attempts, evaluations, generations, jobs
 
 __all__ = ["begin_retry", "finish_retry", "open_retries"]

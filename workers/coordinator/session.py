@@ -31,7 +31,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.codec import unpack_array
 from geoswarm.workers.store.evaluations import Board, Cell, load_board, reuse, write_new
 from geoswarm.workers.store.jobs import LockedJob, save_job
-from geoswarm.workers.store.line import note_served
+from geoswarm.workers.store.queue import note_served
 from geoswarm.workers.store.versions import note_versions
 
 __all__ = ["Closed", "Due", "Session"]
@@ -96,10 +96,12 @@ class Session:
             return self._retry(hand_in, want, taken_up)
         generation = self.locked.row.generation
         board: Board | None = None
-        if generation >= 0 and (self.state == "running" or hand_in.generation == generation or hand_in.leaps):
+        if generation >= 0 and (
+            self.state == "running" or hand_in.generation == generation or hand_in.whole_generations
+        ):
             board = load_board(self.connection, self.locked.id, generation)
         dispatched = False
-        if hand_in.leaps:
+        if hand_in.whole_generations:
             board, dispatched = self._leap(board, hand_in)
         elif hand_in.claim is not None:
             self._take_in(board, hand_in, hand_in.generation, hand_in.results)
@@ -122,8 +124,8 @@ class Session:
         """Do the same for a job whose failures are run again: whatever generation they are of, none is advanced."""
         if hand_in.claim is not None:
             number, results = (
-                (hand_in.leaps[0].generation, hand_in.leaps[0].results)
-                if hand_in.leaps
+                (hand_in.whole_generations[0].generation, hand_in.whole_generations[0].results)
+                if hand_in.whole_generations
                 else (hand_in.generation, hand_in.results)
             )
             self._take_in(None, hand_in, number, results)
@@ -140,11 +142,11 @@ class Session:
 
     def _leap(self, board: Board | None, hand_in: HandIn) -> tuple[Board | None, bool]:
         """Apply generations that the worker ran alone, if the job still stands where it did when they began."""
-        leaps = hand_in.leaps
+        whole_generations = hand_in.whole_generations
         valid = (
             board is not None
             and self.state == "running"
-            and board.generation == leaps[0].generation
+            and board.generation == whole_generations[0].generation
             and hand_in.claim is not None
             and hand_in.claim.stopping == self.locked.row.stopping
             and all(c.status.state == "running" and c.status.worker == self.worker for c in board.cells)
@@ -152,16 +154,16 @@ class Session:
         if not valid or board is None:
             # Paused, cancelled, taken over by others, or to be ended otherwise: the first generation is as good as any
             # worker's result of it, the following ones will come out the same again.
-            self._take_in(board, hand_in, leaps[0].generation, leaps[0].results)
+            self._take_in(board, hand_in, whole_generations[0].generation, whole_generations[0].results)
             return board, False
-        self._record(board, leaps[0].results)
+        self._record(board, whole_generations[0].results)
         board.write(self.connection)
         following = []
-        for before, leap in itertools.pairwise(leaps):
+        for before, whole_generation in itertools.pairwise(whole_generations):
             following.append(_dispatched(self.locked.id, before.transition))
-            self._record(following[-1], leap.results)
+            self._record(following[-1], whole_generation.results)
         write_new(self.connection, following)
-        transitions = [leap.transition for leap in leaps]
+        transitions = [whole_generation.transition for whole_generation in whole_generations]
         final = transitions[-1]
         next_board = None
         if final.job.state == "running":
@@ -169,9 +171,9 @@ class Session:
             self._record(next_board, hand_in.results)
             if self.fatal is not None:
                 transitions.append(apply(final.job, JobBroken(self.fatal)))
-        last = [r.evaluation for r in leaps[-1].results]
+        last = [r.evaluation for r in whole_generations[-1].results]
         self.typical = _typical([{"seconds": e.seconds, "reason": e.reason} for e in last], self.typical)
-        self._save(transitions, [leap.finished_at for leap in leaps])
+        self._save(transitions, [whole_generation.finished_at for whole_generation in whole_generations])
         return next_board, next_board is not None
 
     def _take_in(self, board: Board | None, hand_in: HandIn, generation: int, results: Sequence[Result]) -> None:

@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.workers.coordinator.machine import Job, Joined, Transition
 
-__all__ = ["Claim", "Exchange", "HandIn", "Leap", "Result", "Sizing", "joined"]
+__all__ = ["Claim", "Exchange", "HandIn", "WholeGeneration", "Result", "Sizing", "joined"]
 
 HANDING_OUT_SECONDS = 0.0002  # what it costs to hand out an evaluation and to take in its result
 LONG_BURST = 10.0  # times burst_seconds, for runs that cost less than that
@@ -77,7 +77,7 @@ class Result:
 
 
 @dataclass(frozen=True, slots=True)
-class Leap:
+class WholeGeneration:
     """A generation that one worker ran alone, with what the state machine made of it."""
 
     generation: int
@@ -94,7 +94,7 @@ class HandIn:
     """
 
     claim: Claim | None = None
-    leaps: Sequence[Leap] = ()
+    whole_generations: Sequence[WholeGeneration] = ()
     generation: int = -1
     results: Sequence[Result] = ()
     killed: int | None = None

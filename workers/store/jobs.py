@@ -31,7 +31,7 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.event_bell import insert_events
-from geoswarm.workers.store.line import first_place
+from geoswarm.workers.store.queue import first_place
 from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
 
 __all__ = [

@@ -14,8 +14,8 @@ from geoswarm.solver.calibration import Offer
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Points, Problem, parse_problem
 from geoswarm.solver.warm_start import OTHER_MODEL, EarlierRuns, best_of, forward_model_hash, offer_of, usable_runs
+from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError
-from geoswarm.workers.shelf import Shelf
 from geoswarm.workers.store.codec import pack_array, pack_responses, unpack_array, unpack_problem, unpack_responses
 from geoswarm.workers.store.database import Record, Store
 from geoswarm.workers.store.jobs import get_problem
@@ -72,14 +72,14 @@ def find_offer(store: Store, problem: Problem, visible: Callable[[Connection, st
     return best_of(problem, found)
 
 
-def find_warm_starts(store: Store, problem: Problem, owner: str | None, shelf: Shelf) -> list[WarmStart]:
+def find_warm_starts(store: Store, problem: Problem, owner: str | None, cache: Cache) -> list[WarmStart]:
     """Return earlier jobs that have runs for a problem, newest first; none where it would not learn from them.
 
     Parameters
     ----------
     owner
         Whose jobs are looked at; None: all.
-    shelf
+    cache
         Keeps what was read of earlier jobs.
     """
     method = problem.method
@@ -96,7 +96,7 @@ def find_warm_starts(store: Store, problem: Problem, owner: str | None, shelf: S
         try:
             if (row.forward_hash or _learned_hash(store, row.id)) != wanted:
                 continue
-            earlier = shelf.once((row.id, "earlier"), partial(_slim, store, row.id))
+            earlier = cache.once((row.id, "earlier"), partial(_slim, store, row.id))
             runs = store.read(partial(_runs, job_id=row.id, most=_COUNTED, responses=False))
         except (ProblemError, JobNotFoundError):  # no longer accepted, or deleted meanwhile
             continue

@@ -8,7 +8,7 @@ from typing import Any, cast
 import pytest
 
 from geoswarm.cli.connection import find_calibration, find_job
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.proposals import proposals_by_key
 from geoswarm.cli.statistics import _follow_up
 from geoswarm.client import Client, NotFoundError

@@ -11,11 +11,11 @@ import pytest
 
 from geoswarm.api import ApiSettings
 from geoswarm.cli import main
-from geoswarm.cli.failures import BadInputError
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.serve import refuse_open_door
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -43,7 +43,7 @@ def test_a_key_is_made_listed_and_revoked(url: str, capsys: pytest.CaptureFixtur
     assert main(["keys", "revoke", key, "--database", url]) == 0  # the whole key does as well as its id
     assert "revoked" in capsys.readouterr().out
     store = Store(Settings(database_url=url))
-    assert KeyRing(store).principal(key) is None
+    assert ApiKeys(store).principal(key) is None
     store.close()
 
 
@@ -78,7 +78,7 @@ def test_a_broker_or_other_machines_need_a_key_in_the_database(url: str) -> None
             refuse_open_door(host, None, settings)
         refuse_open_door(host, "8f3b1d0e52a94c77888f3b1d0e52a94c7788", settings)
     store = Store(embedded)
-    KeyRing(store).create("anna", "admin")
+    ApiKeys(store).create("anna", "admin")
     store.close()
     refuse_open_door("0.0.0.0", None, remote)
     assert not ApiSettings().needs_key

@@ -7,8 +7,8 @@ from collections import Counter
 
 import pytest
 
+from geoswarm.cli.failures import show_failures
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
-from geoswarm.cli.why import show_failures
 from geoswarm.client import Evaluation
 
 

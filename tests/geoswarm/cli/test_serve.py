@@ -16,8 +16,8 @@ import pytest
 
 from geoswarm.cli import main
 from geoswarm.cli.demo import LABORATORY, PUBLISHED
+from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.examples import example_problem
-from geoswarm.cli.failures import BadInputError
 from geoswarm.solver.problem import load_problem
 
 

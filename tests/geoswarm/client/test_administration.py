@@ -10,14 +10,14 @@ import pytest
 from geoswarm import AsyncClient, Client, InvalidProblemError, NotFoundError, UnauthorizedError
 from geoswarm.api import ApiSettings
 from geoswarm.workers.engine import Engine
-from geoswarm.workers.keys import KEY_PATTERN, KeyRing
+from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
 from tests.api.conftest import LiveServer, line_problem, live_server
 
 
 @pytest.fixture(scope="module")
 def root(engine: Engine) -> str:
     """The key of an administrator."""
-    return KeyRing(engine.service.store).create("root", "admin")[0]
+    return ApiKeys(engine.service.store).create("root", "admin")[0]
 
 
 @pytest.fixture(scope="module")

@@ -8,12 +8,12 @@ from typing import Any, TypeVar
 
 from cachetools import LRUCache, cached
 
-__all__ = ["Shelf"]
+__all__ = ["Cache"]
 
 Made = TypeVar("Made")
 
 
-class Shelf:
+class Cache:
     """Keeps the things that were used last; safe to use from several threads.
 
     Parameters

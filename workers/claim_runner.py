@@ -12,14 +12,14 @@ from geoswarm.solver.runner.evaluator import Evaluator, NeverMind, NoProcessErro
 from geoswarm.solver.runner.nurse_link import POLL_SECONDS
 from geoswarm.workers.coordinator.ending import changed_criteria
 from geoswarm.workers.coordinator.machine import GenerationJoined, Job, apply
-from geoswarm.workers.coordinator.work import Claim, HandIn, Leap, Result, joined
-from geoswarm.workers.heart import Heart
+from geoswarm.workers.coordinator.work import Claim, HandIn, Result, WholeGeneration, joined
+from geoswarm.workers.heartbeat import Heartbeat
 from geoswarm.workers.limits import limits_of
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.tally import tally
 from geoswarm.workers.tracing import record_span
 
-__all__ = ["Early", "Errand"]
+__all__ = ["Early", "ClaimRunner"]
 
 log = logging.getLogger(__name__)
 
@@ -31,14 +31,14 @@ Gives whether they have arrived, and the claim."""
 AHEAD_SECONDS = 1.2 * POLL_SECONDS  # before the end of the last evaluation of a claim
 
 
-class Errand:
+class ClaimRunner:
     """A claim under way in one worker.
 
     Parameters
     ----------
     claim
         What the worker holds.
-    heart
+    heartbeat
         Renews the leases of what is held, and knows whether it is still wanted.
     early
         Speaks to the coordinator while an evaluation runs.
@@ -50,14 +50,14 @@ class Errand:
         evaluator: Evaluator,
         calibration: Calibration,
         settings: Settings,
-        heart: Heart,
+        heartbeat: Heartbeat,
         early: Early,
     ) -> None:
         self._claim = self._held = claim
         self._evaluator = evaluator
         self._calibration = calibration
         self._settings = settings
-        self._heart = heart
+        self._heartbeat = heartbeat
         self._early = early
         self._clock = claim.now - time.monotonic()
         self._results: list[Result] = []
@@ -87,7 +87,7 @@ class Errand:
                 part.generation, part.particles, part.attempts, part.positions, began, self._results
             )
             finished = self._results[self._last + 1 - len(part.particles) :]
-            cut = len(finished) < len(part.particles) or self._heart.unwanted() is not None
+            cut = len(finished) < len(part.particles) or self._heartbeat.unwanted() is not None
             if self._ahead is None or cut or self._decides(finished):
                 return HandIn(self._held, (), part.generation, self._results[self._handed_in :], killed)
             part, self._ahead = self._ahead, None
@@ -97,7 +97,7 @@ class Errand:
         claim = self._claim
         began = time.monotonic()
         criteria = changed_criteria(claim.stopping)
-        leaps: list[Leap] = []
+        whole_generations: list[WholeGeneration] = []
         generation, positions = claim.generation, claim.positions
         particles: Sequence[int] = claim.particles
         attempts: Sequence[int] = claim.attempts
@@ -105,16 +105,16 @@ class Errand:
             results: list[Result] = []
             killed = self._evaluate(generation, particles, attempts, positions, began, results)
             if self._decides(results) or len(results) < len(positions):
-                return HandIn(claim, leaps, generation, results, killed)
+                return HandIn(claim, whole_generations, generation, results, killed)
             elapsed = time.monotonic() - began
             results_there = joined(_in_order(results))
             event = GenerationJoined(generation, results_there, claim.run_seconds + elapsed, criteria=criteria)
             transition = apply(job, event, self._calibration)
-            leaps.append(Leap(generation, results, transition, claim.now + elapsed))
+            whole_generations.append(WholeGeneration(generation, results, transition, claim.now + elapsed))
             job = transition.job
-            tired = elapsed > self._settings.chunk_seconds or self._heart.unwanted() is not None
+            tired = elapsed > self._settings.chunk_seconds or self._heartbeat.unwanted() is not None
             if tired or job.state != "running" or job.progress is None:
-                return HandIn(claim, leaps, job.generation, ())
+                return HandIn(claim, whole_generations, job.generation, ())
             generation, positions = job.generation, job.progress.positions
             particles, attempts = range(len(positions)), [1] * len(positions)
 
@@ -152,7 +152,7 @@ class Errand:
 
     def _look(self) -> float | None:
         """While a run takes its time: hand in what is ready, and tell how long it may go on when it is not wanted."""
-        unwanted = self._heart.unwanted()
+        unwanted = self._heartbeat.unwanted()
         now = time.monotonic()
         typical = self._claim.typical
         if not self._asked and unwanted is None and typical is not None and typical <= self._settings.single_seconds:
@@ -171,7 +171,7 @@ class Errand:
             self._handed_in += len(ready)
         if ahead is not None:
             self._ahead = ahead
-            self._held = self._heart.claim = self._held.followed_by(ahead, without=ready)
+            self._held = self._heartbeat.claim = self._held.followed_by(ahead, without=ready)
 
     def _decides(self, results: Sequence[Result]) -> bool:
         """Whether a failure among them is for the coordinator to decide on."""
@@ -185,7 +185,12 @@ class Errand:
         tally.run(evaluation.reason or "finished", evaluation.seconds)
         record_span("evaluation", evaluation.seconds, job=job, generation=generation, evaluation=particle)
         if evaluation.reason is not None:
-            context = {"job": job, "generation": generation, "evaluation": particle, "worker": self._heart.identity.id}
+            context = {
+                "job": job,
+                "generation": generation,
+                "evaluation": particle,
+                "worker": self._heartbeat.identity.id,
+            }
             log.info("run failed: %s", evaluation.message, extra=context | {"reason": evaluation.reason})
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.runner.runner import Runner
+from geoswarm.workers.claim_runner import ClaimRunner
 from geoswarm.workers.coordinator.work import Claim, HandIn
-from geoswarm.workers.errand import Errand
 from geoswarm.workers.settings import Settings
 from tests.solver.runner.test_runner import misbehaving
 from tests.workers.conftest import MakeWorker
@@ -39,7 +39,7 @@ def run(claim: Claim, runner: Runner, worker: MakeWorker, settings: Settings, *a
         return True, next(given, None) if want else None
 
     model = misbehaving(behaviour="sleep", seconds=SECONDS, above=-9.0)
-    last = Errand(claim, runner, model, settings, worker().heart, early).run()
+    last = ClaimRunner(claim, runner, model, settings, worker().heartbeat, early).run()
     return [*handed, last]
 
 
@@ -88,7 +88,7 @@ def test_what_was_fetched_ahead_goes_back_when_the_worker_is_to_end(
         return True, ahead if want else None
 
     model = misbehaving(behaviour="sleep", seconds=SECONDS, above=-9.0)
-    last = Errand(CLAIM, runner, model, settings, worker.heart, early).run()
+    last = ClaimRunner(CLAIM, runner, model, settings, worker.heartbeat, early).run()
     assert last.claim is not None
     assert last.claim.particles == (1, 4)
     assert particles(last) == [1]

@@ -9,11 +9,11 @@ from functools import partial
 
 import pytest
 
-from geoswarm.workers.shelf import Shelf
+from geoswarm.workers.cache import Cache
 
 
 def test_the_latest_are_kept() -> None:
-    shelf = Shelf(2)
+    cache = Cache(2)
     made: list[str] = []
 
     def make(key: str) -> str:
@@ -21,12 +21,12 @@ def test_the_latest_are_kept() -> None:
         return key
 
     for key in ("a", "b", "a", "c", "a", "b"):
-        assert shelf.once(key, partial(make, key)) == key
+        assert cache.once(key, partial(make, key)) == key
     assert made == ["a", "b", "c", "b"]
 
 
 def test_one_makes_while_others_wait_and_other_things_are_made_meanwhile() -> None:
-    shelf, began, go_on = Shelf(), threading.Event(), threading.Event()
+    cache, began, go_on = Cache(), threading.Event(), threading.Event()
     made: list[int] = []
     found: list[int] = []
 
@@ -36,11 +36,11 @@ def test_one_makes_while_others_wait_and_other_things_are_made_meanwhile() -> No
         made.append(1)
         return len(made)
 
-    threads = [threading.Thread(target=lambda: found.append(shelf.once("slow", make))) for _ in range(4)]
+    threads = [threading.Thread(target=lambda: found.append(cache.once("slow", make))) for _ in range(4)]
     for thread in threads:
         thread.start()
     assert began.wait(200)
-    assert shelf.once("quick", lambda: 7) == 7
+    assert cache.once("quick", lambda: 7) == 7
     go_on.set()
     for thread in threads:
         thread.join(200)
@@ -51,11 +51,11 @@ def test_what_failed_is_tried_again_and_leaves_nothing() -> None:
     class Key:
         pass
 
-    shelf, key = Shelf(), Key()
+    cache, key = Cache(), Key()
     gone = weakref.ref(key)
     with pytest.raises(ZeroDivisionError):
-        shelf.once(key, lambda: 1 // 0)
-    assert shelf.once("other", lambda: 2) == 2
+        cache.once(key, lambda: 1 // 0)
+    assert cache.once("other", lambda: 2) == 2
     del key
     gc.collect()
     assert gone() is None

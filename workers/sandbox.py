@@ -16,10 +16,10 @@ from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.limits import limits_of
 from geoswarm.workers.settings import Settings
 
-__all__ = ["TrialBench"]
+__all__ = ["Sandbox"]
 
 
-class TrialBench:
+class Sandbox:
     """Makes one test run at a time, in an evaluation process that the limits of a worker hold for.
 
     Safe to use from several threads. The process is started by the first test run and stays for the next.

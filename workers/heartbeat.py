@@ -16,12 +16,12 @@ from geoswarm.workers.store.evaluations import still_wanted
 from geoswarm.workers.store.workers import see_worker
 from geoswarm.workers.tally import tally
 
-__all__ = ["Heart"]
+__all__ = ["Heartbeat"]
 
 log = logging.getLogger(__name__)
 
 
-class Heart:
+class Heartbeat:
     """Heartbeat and lookout of one worker, in a thread of its own."""
 
     def __init__(self, store: Store, runtime: Runtime, settings: Settings, identity: Identity) -> None:
