@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.runner.evaluator import Evaluator, NeverMind, NoProcessError
-from geoswarm.solver.runner.nurse_link import POLL_SECONDS
+from geoswarm.solver.runner.fork_server_link import POLL_SECONDS
 from geoswarm.workers.coordinator.ending import changed_criteria
 from geoswarm.workers.coordinator.machine import GenerationJoined, Job, apply
 from geoswarm.workers.coordinator.work import Claim, HandIn, Result, WholeGeneration, joined

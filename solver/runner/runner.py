@@ -17,7 +17,7 @@ from geoswarm.solver.arrays import FloatArray, pack_array
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.runner.board import BUILDING, IDLE
 from geoswarm.solver.runner.evaluator import BuildError, Limits, NeverMind
-from geoswarm.solver.runner.nurse_link import POLL_SECONDS, NurseLink
+from geoswarm.solver.runner.fork_server_link import POLL_SECONDS, ForkServerLink
 from geoswarm.solver.runner.output import anonymous_file, tail
 from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.wire import ConnectionEnded, Frame, GarbledError, Outcome, unpack_outcomes
@@ -52,7 +52,7 @@ class Runner:
     def __init__(self, passed: tuple[str, ...] = ()) -> None:
         self._output = anonymous_file()
         fcntl.fcntl(self._output, fcntl.F_SETFL, os.O_APPEND)
-        self._nurse = NurseLink(self._output, passed)
+        self._fork_server = ForkServerLink(self._output, passed)
         self._process: EvaluationProcess | None = None
         self._idle_memory = 0.0
         self._kept_memory: float | None = None  # after the first runs
@@ -61,19 +61,19 @@ class Runner:
     @property
     def loaded(self) -> Collection[str]:
         """Groups of kernels that need not be loaded any more."""
-        return self._nurse.loaded
+        return self._fork_server.loaded
 
     def start(self) -> None:
-        """Start the nurse, which gets ready by itself; one that cannot be started is started with the first run."""
+        """Start the fork server, which gets ready by itself; if it cannot be started now, the first run does."""
         try:
-            self._nurse.start()
+            self._fork_server.start()
         except OSError as error:
-            log.warning("the nurse of evaluation processes could not be started yet: %s", error)
+            log.warning("the fork server of evaluation processes could not be started yet: %s", error)
 
     def load(self, group: str, unwanted: Callable[[], bool]) -> None:
-        """Have the nurse load a group of kernels: all evaluation processes that she forks have it then."""
+        """Have the fork server load a group of kernels: all evaluation processes that it forks have it then."""
         self._kill()  # what was forked before lacks them
-        self._nurse.load(group, unwanted)
+        self._fork_server.load(group, unwanted)
 
     def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: Limits) -> None:
         """Have the problem of a job built in the evaluation process, which may die of it."""
@@ -146,9 +146,9 @@ class Runner:
                 lost[culprit] = ended.outcome(positions[culprit])
 
     def close(self) -> None:
-        """Kill the evaluation process and all that it has started, and end the nurse."""
+        """Kill the evaluation process and all that it has started, and end the fork server."""
         self._disconnect()
-        self._nurse.close()
+        self._fork_server.close()
 
     def _batch(
         self,
@@ -262,8 +262,8 @@ class Runner:
         raise _EndedError("killed_memory", message, (index, since), tail(self._output))
 
     def _memory_used(self) -> float:
-        """Return the memory [MiB] of all below the nurse, beyond what the evaluation process had at its start."""
-        return self._nurse.memory() - self._idle_memory
+        """Return the memory [MiB] of all below the fork server, beyond what the evaluation process had at its start."""
+        return self._fork_server.memory() - self._idle_memory
 
     def _ready(self, job_id: str) -> EvaluationProcess:
         """Return a process that is idle and has evaluated for this job at most."""
@@ -271,8 +271,8 @@ class Runner:
         if process is not None and (process.job not in (None, job_id) or process.spoke_unasked):
             self._kill()
         if self._process is None:
-            self._process = self._nurse.fork()
-            self._idle_memory = self._nurse.memory()
+            self._process = self._fork_server.fork()
+            self._idle_memory = self._fork_server.memory()
             self._kept_memory = None
         return self._process
 
@@ -297,7 +297,7 @@ class Runner:
         if self._process is None:
             return None
         self._disconnect()
-        return self._nurse.kill()
+        return self._fork_server.kill()
 
     def _disconnect(self) -> None:
         if self._process is not None:

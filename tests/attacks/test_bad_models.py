@@ -74,7 +74,7 @@ def test_bad_models_one_after_the_other_and_ten_at_once(
                 assert not wrong, (name, wrong)
             wait_until_ended(service, innocent)
             assert recorded_history(service, innocent) == expected
-        # Each worker keeps a nurse and at most one idle process; whatever the models started is gone.
+        # Each worker keeps a fork server and at most one idle process; whatever the models started is gone.
         most = (1 if kind == "celery" else 0) + 2 * 3 + 2
         wait_for(lambda: sum(len(descendants(pid)) for pid in pids) <= most, "the end of what the models left")
 

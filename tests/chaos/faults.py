@@ -20,7 +20,7 @@ __all__ = ["Disturber"]
 
 log = logging.getLogger(__name__)
 
-KILLS = {"worker": 3, "pool": 3, "evaluation": 3, "nurse": 1, "coordinator": 3, "api": 2, "sweep": 1, "frozen": 2}
+KILLS = {"worker": 3, "pool": 3, "evaluation": 3, "fork server": 1, "coordinator": 3, "api": 2, "sweep": 1, "frozen": 2}
 """How often each kind of process is chosen, relative to the others; a frozen one is a worker that comes back late."""
 FROZEN_SECONDS = (4.0, 16.0)  # shorter and longer than a lease
 REDIS_RESTARTS = 5

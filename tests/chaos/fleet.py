@@ -127,18 +127,18 @@ class Fleet:
         return [pid for pid in _pids() if mark in _read(pid, "environ") + b"\0"]
 
     def below(self) -> dict[str, list[int]]:
-        """Return the processes that workers have made: ``pool`` processes, ``nurse`` and ``evaluation`` processes."""
+        """Return the processes that workers have made, by what they are: pool, fork server, evaluation."""
         parents = {pid: _parent(pid) for pid in self.processes()}
         mains = {m.process.pid for name, m in self.members.items() if name.startswith("worker") and m.process}
-        nurses = [
+        fork_servers = [
             pid
             for pid in parents
-            if b"geoswarm.solver.runner.nurse" in _read(pid, "cmdline") and parents[pid] not in mains
+            if b"geoswarm.solver.runner.fork_server" in _read(pid, "cmdline") and parents[pid] not in mains
         ]
-        heads = [pid for pid in nurses if parents[pid] not in nurses]
-        pool = [pid for pid, parent in parents.items() if parent in mains and pid not in nurses]
-        evaluations = [pid for pid in nurses if parents[pid] in heads]
-        return {"pool": pool, "nurse": heads, "evaluation": evaluations}
+        heads = [pid for pid in fork_servers if parents[pid] not in fork_servers]
+        pool = [pid for pid, parent in parents.items() if parent in mains and pid not in fork_servers]
+        evaluations = [pid for pid in fork_servers if parents[pid] in heads]
+        return {"pool": pool, "fork server": heads, "evaluation": evaluations}
 
 
 def send(pid: int, number: signal.Signals) -> bool:

@@ -200,8 +200,8 @@ BEHAVIOURS: dict[str, tuple[str | None, Callable[[], object]]] = {
     "run out of memory": ("killed_memory", lambda: _raise(MemoryError())),
     # stops and time
     "stop itself": (None, lambda: os.kill(os.getpid(), signal.SIGSTOP)),
-    "stop the nurse": (None, lambda: os.kill(os.getppid(), signal.SIGSTOP)),
-    "kill the nurse": ("worker_lost", lambda: (os.kill(os.getppid(), signal.SIGKILL), time.sleep(600.0))),
+    "stop the fork server": (None, lambda: os.kill(os.getppid(), signal.SIGSTOP)),
+    "kill the fork server": ("worker_lost", lambda: (os.kill(os.getppid(), signal.SIGKILL), time.sleep(600.0))),
     "hang": ("timeout", lambda: time.sleep(600.0)),
     "hang in C with every signal blocked": (
         "timeout",

@@ -14,7 +14,7 @@ from geoswarm.solver import warm as module
 from geoswarm.solver.examples import example_file
 from geoswarm.solver.kernel_cache import settle
 from geoswarm.solver.problem import load_problem, parse_problem
-from geoswarm.solver.runner.nurse import LOAD
+from geoswarm.solver.runner.fork_server import LOAD
 from geoswarm.solver.warm import KERNELS, SAMPLES, _main, compile_kernels, groups_of, missing_kernels, warm
 from tests.solver.problems import decay_problem
 

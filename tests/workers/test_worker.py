@@ -11,7 +11,7 @@ from sqlalchemy import select, update
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Step
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.nurse_link import NurseLink
+from geoswarm.solver.runner.fork_server_link import ForkServerLink
 from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.service import JobService
 from geoswarm.workers.store import Store
@@ -113,15 +113,15 @@ def test_a_model_that_dies_while_it_is_built_fails_its_job_and_no_worker(
 def test_without_a_process_to_spare_the_work_is_left_to_others(
     service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def none(_self: NurseLink) -> None:
+    def none(_self: ForkServerLink) -> None:
         raise OSError(errno.EAGAIN, "no process to spare")
 
     monkeypatch.setattr("geoswarm.workers.worker.TROUBLE_SECONDS", 0.01)
-    monkeypatch.setattr("geoswarm.solver.runner.nurse_link.PAUSES", (0.0,))
+    monkeypatch.setattr("geoswarm.solver.runner.fork_server_link.PAUSES", (0.0,))
     job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
     worker = make_worker(isolate=True)
     with monkeypatch.context() as patch:
-        patch.setattr(NurseLink, "start", none)
+        patch.setattr(ForkServerLink, "start", none)
         for _ in range(5):
             worker.serve(job_id)
         assert service.get(job_id).state == "running"

@@ -70,7 +70,7 @@ def expected(slopes: tuple[float, ...], reason: str | None = None) -> list[Any]:
 def test_a_bad_model_spoils_its_own_run_alone(runner: Runner, behaviour: str) -> None:
     assert evaluated(runner, f"job of {behaviour}", behaviour) == expected(SLOPES, REASONS[behaviour])
     assert evaluated(runner, f"job after {behaviour}", "good") == expected(SLOPES)
-    pid = runner._nurse.pid
+    pid = runner._fork_server.pid
     assert pid is not None
     assert len(descendants(pid)) == 1  # the process of the good job; nothing else is left
 
@@ -134,9 +134,9 @@ def test_forward_models_see_no_secret(
     runner = Runner(("LICENSE_*",))
     try:
         list(runner.run("job", bad("good"), positions(-1.0), LIMITS))
-        nurse = runner._nurse.pid
-        assert nurse is not None
-        for pid in (nurse, *descendants(nurse)):
+        fork_server = runner._fork_server.pid
+        assert fork_server is not None
+        for pid in (fork_server, *descendants(fork_server)):
             environment = Path(f"/proc/{pid}/environ").read_bytes()
             assert b"secret" not in environment
             assert b"LICENSE_SERVER=lm@host" in environment
@@ -144,15 +144,15 @@ def test_forward_models_see_no_secret(
         runner.close()
 
 
-def test_a_stopped_nurse_ends_with_its_worker(tmp_path: Path) -> None:
+def test_a_stopped_fork_server_ends_with_its_worker(tmp_path: Path) -> None:
     code = (
         "import os, signal, sys, time\n"
         "from tests.solver.runner.test_bad_models import bad, LIMITS, positions\n"
         "from geoswarm.solver.runner.runner import Runner\n"
         "runner = Runner()\n"
         "list(runner.run('job', bad('good'), positions(-1.0), LIMITS))\n"
-        "os.kill(runner._nurse.pid, signal.SIGSTOP)\n"
-        "print(runner._nurse.pid, flush=True)\n"
+        "os.kill(runner._fork_server.pid, signal.SIGSTOP)\n"
+        "print(runner._fork_server.pid, flush=True)\n"
         "time.sleep(600)\n"
     )
     root = Path(__file__).parents[3]
@@ -162,8 +162,8 @@ def test_a_stopped_nurse_ends_with_its_worker(tmp_path: Path) -> None:
     ) as worker:
         try:
             assert worker.stdout is not None
-            nurse = int(worker.stdout.readline())
-            assert descendants(nurse)
+            fork_server = int(worker.stdout.readline())
+            assert descendants(fork_server)
         finally:
             worker.kill()
-    wait_for(lambda: not Path(f"/proc/{nurse}").exists(), "the end of the nurse")
+    wait_for(lambda: not Path(f"/proc/{fork_server}").exists(), "the end of the fork server")

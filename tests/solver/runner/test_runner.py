@@ -147,25 +147,25 @@ def test_no_evaluation_is_begun_after_the_budget(runner: Runner) -> None:
     assert len(list(runner.run("job", made, positions(1, 2, 3, 4), Limits(), budget=0.0))) == 1
 
 
-def test_a_killed_evaluation_process_or_nurse_is_replaced(runner: Runner) -> None:
+def test_a_killed_evaluation_process_or_fork_server_is_replaced(runner: Runner) -> None:
     made = misbehaving()
     asked = positions(-1, -2)
     list(runner.run("job", made, asked, Limits()))
-    assert runner._nurse is not None
-    nurse = runner._nurse.pid
-    os.kill(descendants(nurse)[0], signal.SIGKILL)
+    assert runner._fork_server is not None
+    fork_server = runner._fork_server.pid
+    os.kill(descendants(fork_server)[0], signal.SIGKILL)
     assert [o.evaluation.reason for o in runner.run("job", made, asked, Limits())] == [None, None]
-    os.kill(nurse, signal.SIGKILL)
-    wait_for(lambda: not process_exists(nurse), "the end of the nurse")
+    os.kill(fork_server, signal.SIGKILL)
+    wait_for(lambda: not process_exists(fork_server), "the end of the fork server")
     assert [o.evaluation.reason for o in runner.run("job", made, asked, Limits())] == [None, None]
-    assert runner._nurse.pid != nurse
+    assert runner._fork_server.pid != fork_server
 
 
 def test_closing_leaves_nothing_behind() -> None:
     runner = Runner()
     list(runner.run("job", misbehaving(), positions(-1), Limits()))
-    assert runner._nurse is not None
-    pids = [runner._nurse.pid, *descendants(runner._nurse.pid)]
+    assert runner._fork_server is not None
+    pids = [runner._fork_server.pid, *descendants(runner._fork_server.pid)]
     assert len(pids) == 2
     runner.close()
     assert not any(process_exists(pid) for pid in pids)

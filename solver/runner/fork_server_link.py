@@ -1,4 +1,4 @@
-"""A worker's side of the nurse: starts her, has her fork, load and kill, and replaces her when she is lost."""
+"""A worker's side of the fork server: starts it, has it fork, load and kill, and replaces it when it is lost."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from collections.abc import Callable
 from geoswarm.solver.runner.board import Board
 from geoswarm.solver.runner.environment import clean_environment
 from geoswarm.solver.runner.evaluator import NoProcessError
-from geoswarm.solver.runner.nurse import BOOTSTRAP, FORK, KILL, LOAD, STATUS
+from geoswarm.solver.runner.fork_server import BOOTSTRAP, FORK, KILL, LOAD, STATUS
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.processes import kill_session, memory_below
 from geoswarm.solver.runner.wire import readable
 
-__all__ = ["ONE_THREAD", "NurseLink"]
+__all__ = ["ONE_THREAD", "ForkServerLink"]
 
 log = logging.getLogger(__name__)
 
 POLL_SECONDS = 0.05
-PAUSES = (0.0, 0.2, 1.0)  # s, before another nurse is started in place of one that was killed
-READY_SECONDS = 120.0  # she loads every kernel that is compiled
-ANSWER_SECONDS = 15.0  # to fork or to kill, when she is ready
+PAUSES = (0.0, 0.2, 1.0)  # s, before another fork server is started in place of one that was killed
+READY_SECONDS = 120.0  # it loads every kernel that is compiled
+ANSWER_SECONDS = 15.0  # to fork or to kill, when it is ready
 WAKE_SECONDS = 1.0
 COMPILE_SECONDS = 1800.0
 
@@ -38,8 +38,8 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 """Environment of a process that evaluates: one numerical thread, as there is one worker a core."""
 
 
-class NurseLink:
-    """The nurse of one worker.
+class ForkServerLink:
+    """The fork server of one worker.
 
     Parameters
     ----------
@@ -56,15 +56,15 @@ class NurseLink:
         self._control: socket.socket | None = None
         self._ready = False
         self.loaded: set[str] = set()
-        """Groups of kernels that she has loaded."""
+        """Groups of kernels that it has loaded."""
 
     @property
     def pid(self) -> int | None:
-        """Her process number."""
+        """Its process number."""
         return None if self._process is None else self._process.pid
 
     def start(self) -> None:
-        """Start her; she gets ready by herself.
+        """Start it; it gets ready by itself.
 
         Raises
         ------
@@ -90,14 +90,14 @@ class NurseLink:
         self.loaded.clear()
 
     def load(self, group: str, unwanted: Callable[[], bool]) -> None:
-        """Have her load a group of kernels: all evaluation processes that she forks have it then."""
+        """Have it load a group of kernels: all evaluation processes that it forks have it then."""
         try:
             control, process = self._started()
             control.sendall(LOAD[group])
             deadline = time.monotonic() + COMPILE_SECONDS
             while not readable(control, POLL_SECONDS):
                 if unwanted():
-                    process.kill()  # her answer must not be taken for another one
+                    process.kill()  # its answer must not be taken for another one
                     return
                 if time.monotonic() > deadline:
                     raise TimeoutError(f"kernels were not compiled within {COMPILE_SECONDS:g} s")
@@ -113,21 +113,21 @@ class NurseLink:
         Raises
         ------
         NoProcessError
-            When none is to be had, however often the nurse was replaced.
+            When none is to be had, however often the fork server was replaced.
         """
         for pause in (*PAUSES, None):
             try:
                 return self._fork()
-            except OSError as error:  # she was killed, perhaps by what will kill the next one, too
+            except OSError as error:  # it was killed, perhaps by what will kill the next one, too
                 self._lose()
                 if pause is None:
                     raise NoProcessError(f"no evaluation process could be started: {error}") from error
-                log.warning("the nurse of the evaluation process is gone, another one is started: %s", error)
+                log.warning("the fork server of the evaluation process is gone, another one is started: %s", error)
                 time.sleep(pause)
         raise AssertionError
 
     def kill(self) -> int | None:
-        """End everything that she has forked, with all that it has started; return its exit code if that is known."""
+        """End everything that it has forked, with all that it has started; return its exit code if that is known."""
         if self._control is None:
             return None
         try:
@@ -139,11 +139,11 @@ class NurseLink:
         return code if known else None
 
     def memory(self) -> float:
-        """Return the memory [MiB] of all that she has forked."""
+        """Return the memory [MiB] of all that it has forked."""
         return 0.0 if self.pid is None else memory_below(self.pid)
 
     def close(self) -> None:
-        """End her; she kills all that she has forked."""
+        """End it; it kills all that it has forked."""
         if self._control is not None:
             self._control.close()
             self._control = None
@@ -159,7 +159,7 @@ class NurseLink:
         if self._control is None or self._process is None:
             self.start()
         if self._control is None or self._process is None:
-            raise RuntimeError("the nurse was not started")
+            raise RuntimeError("the fork server was not started")
         return self._control, self._process
 
     def _fork(self) -> EvaluationProcess:
@@ -184,30 +184,30 @@ class NurseLink:
         return EvaluationProcess(ours, board, pid, pidfd)
 
     def _answer(self) -> tuple[int, bool, int | None]:
-        """Return her number, whether it is known, and the descriptor that came with it."""
+        """Return the number of its answer, whether it is known, and the descriptor that came with it."""
         control, _ = self._started()
         deadline = time.monotonic() + (ANSWER_SECONDS if self._ready else READY_SECONDS)
         while not readable(control, WAKE_SECONDS):
             self._wake()
             if time.monotonic() > deadline:
-                raise TimeoutError(errno.ETIMEDOUT, "the nurse does not answer")
+                raise TimeoutError(errno.ETIMEDOUT, "the fork server does not answer")
         data, descriptors, _, _ = socket.recv_fds(control, STATUS.size, 1)
         if len(data) < STATUS.size:
             for descriptor in descriptors:
                 os.close(descriptor)
-            raise ConnectionResetError(errno.ECONNRESET, "the nurse has ended")
+            raise ConnectionResetError(errno.ECONNRESET, "the fork server has ended")
         self._ready = True
         number, known = STATUS.unpack(data)
         return number, bool(known), descriptors[0] if descriptors else None
 
     def _wake(self) -> None:
-        """Have her go on if a forward model has stopped her."""
+        """Have it go on if a forward model has stopped it."""
         if self._process is not None:
             with contextlib.suppress(OSError):
                 self._process.send_signal(signal.SIGCONT)
 
     def _lose(self) -> None:
-        """Kill her and what she leaves behind, which is found by its session."""
+        """Kill it and what it leaves behind, which is found by its session."""
         if self._process is not None:
             with contextlib.suppress(OSError):
                 self._process.kill()

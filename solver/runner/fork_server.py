@@ -1,4 +1,4 @@
-"""The nurse: forks evaluation processes from a warm state, and sees that nothing outlives them.
+"""The fork server: forks evaluation processes from a warm state, and sees that nothing outlives them.
 
 It is a process of its own between a worker and the evaluations. It is single-threaded, so that a fork is safe, and it
 adopts what its descendants leave behind, so that even a forward model whose children run away (new session, double
@@ -24,17 +24,17 @@ __all__ = ["BOOTSTRAP", "FORK", "KILL", "LOAD", "STATUS", "main"]
 
 log = logging.getLogger(__name__)
 
-# What runs a nurse; it takes over the worker's import path, as the program may run from its sources.
+# What runs a fork server; it takes over the worker's import path, as the program may run from its sources.
 BOOTSTRAP = (
     "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
-    "from geoswarm.solver.runner.nurse import main; main(given)"
+    "from geoswarm.solver.runner.fork_server import main; main(given)"
 )
 FORK = b"f"
 KILL = b"k"
 LOAD = {"oedometer": b"o", "section": b"s"}
 """What asks for each group of kernels (:data:`geoswarm.solver.warm.SAMPLES`)."""
 STATUS = struct.Struct("=ii")
-"""Her answer, a number and whether it is known.
+"""Its answer, a number and whether it is known.
 
 To a fork: the number of the new process, beside its descriptor, or that of the error. To a kill: the exit code of the
 evaluation process (below 0: the signal that ended it).
