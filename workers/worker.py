@@ -12,7 +12,7 @@ from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, Limits, NoProcessError
+from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, NoProcessError, RunLimits
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.claim_runner import ClaimRunner
@@ -266,7 +266,7 @@ class Worker:
             return None
         document = unpack_problem(row.problem)
         if is_foreign(document.get("forward_model")):
-            self._evaluator.build(job_id, document, row.seed, Limits(None, self.settings.build_memory_mb))
+            self._evaluator.build(job_id, document, row.seed, RunLimits(None, self.settings.build_memory_mb))
         problem = parse_problem(document)
         offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
         calibration = Calibration(problem, row.seed, offer)

@@ -19,7 +19,7 @@ import sys
 from collections.abc import Sequence
 
 from geoswarm.cli.commands import cli
-from geoswarm.cli.error_messages import Session, report
+from geoswarm.cli.error_messages import CommandContext, report
 
 __all__ = ["cli", "main"]
 
@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a symbol that the terminal lacks must not end the command
-    session = Session()
+    session = CommandContext()
     try:
         code = cli.main(
             args=None if arguments is None else list(arguments),

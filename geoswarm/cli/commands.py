@@ -147,7 +147,7 @@ def cli(ctx: click.Context, debug: bool) -> None:
     search method and when to stop. 'geoswarm run PROBLEM' calibrates it here; 'geoswarm serve' and 'geoswarm submit'
     do the same on a service with workers. New here: 'geoswarm demo'.
     """
-    from geoswarm.cli.error_messages import Session
+    from geoswarm.cli.error_messages import CommandContext
 
-    session = ctx.ensure_object(Session)
+    session = ctx.ensure_object(CommandContext)
     session.debug, session.command = debug, ctx.invoked_subcommand

@@ -27,7 +27,7 @@ __all__ = [
     "BadInputError",
     "CommandError",
     "FailedRunError",
-    "Session",
+    "CommandContext",
     "report",
 ]
 
@@ -35,7 +35,7 @@ FAILED_RUN, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 @dataclass(slots=True)
-class Session:
+class CommandContext:
     """What one call of the command line carries from command to error handler."""
 
     debug: bool = False
@@ -58,7 +58,7 @@ class BadInputError(CommandError):
     exit_code = BAD_INPUT
 
 
-def report(error: BaseException, session: Session) -> int:
+def report(error: BaseException, session: CommandContext) -> int:
     """Write the message of an error to stderr and return the exit code."""
     if isinstance(error, BrokenPipeError):
         return _leave_quietly()

@@ -17,10 +17,10 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import in_words
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.board import Board
 from geoswarm.solver.runner.evaluator import evaluate
 from geoswarm.solver.runner.output import LOG_TAIL, OwnOutput
 from geoswarm.solver.runner.processes import go_first_without_memory
+from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.traces import Traces
 from geoswarm.solver.runner.wire import ConnectionEnded, Frame, FrameReader, Outcome, pack_outcomes, receive, send
 
@@ -29,7 +29,7 @@ __all__ = ["serve"]
 SEND_EVERY_SECONDS = 0.005
 
 
-def serve(connection: socket.socket, board: Board) -> None:
+def serve(connection: socket.socket, shared: SharedState) -> None:
     """Answer the worker until it closes the connection.
 
     ``load`` makes the job known, ``run`` evaluates positions. Results go back in frames of at least 5 ms of work, so
@@ -37,13 +37,13 @@ def serve(connection: socket.socket, board: Board) -> None:
     the next one should have a process of its own.
     """
     go_first_without_memory()  # not the worker, which has results to hand in
-    _Child(connection, board).serve()
+    _Child(connection, shared).serve()
 
 
 class _Child:
-    def __init__(self, connection: socket.socket, board: Board) -> None:
+    def __init__(self, connection: socket.socket, shared: SharedState) -> None:
         self._connection = connection
-        self._board = board
+        self._shared = shared
         self._pid = os.getpid()
         self._calibration: Calibration | None = None
         self._why = "no problem was loaded"
@@ -68,7 +68,7 @@ class _Child:
                         self._run(request)
 
     def _load(self, request: Frame) -> None:
-        self._board.build()
+        self._shared.build()
         self._calibration = None
         try:
             self._calibration = Calibration(parse_problem(json.loads(request.head["problem"])), request.head["seed"])
@@ -76,10 +76,10 @@ class _Child:
             self._why = f"the problem cannot be built here: it raised {in_words(error)}"[:LOG_TAIL]
         self._leave_if_forked()
         self._traces = Traces()  # what a built model keeps open stays
-        self._board.idle()
+        self._shared.idle()
 
     def _run(self, request: Frame) -> None:
-        head, board = request.head, self._board
+        head, shared = request.head, self._shared
         budget = head["budget"]
         positions = np.frombuffer(request.body, dtype="<f8").reshape(head["shape"])
         outcomes: list[Outcome] = []
@@ -87,8 +87,8 @@ class _Child:
         left: str | None = None
         started = sent = time.monotonic()
         for index, position in enumerate(positions):
-            began = board.begin(index)
-            if index > 0 and (board.stopped or (budget is not None and began - started > budget)):
+            began = shared.begin(index)
+            if index > 0 and (shared.stopped or (budget is not None and began - started > budget)):
                 break
             outcomes.append(self._evaluate(position, began, head["fields"]))
             self._leave_if_forked()
@@ -98,7 +98,7 @@ class _Child:
             if outcomes[-1].ended - sent > SEND_EVERY_SECONDS:
                 self._answer(request, first, outcomes, done=False)
                 first, outcomes, sent = index + 1, [], time.monotonic()
-        board.idle()
+        shared.idle()
         self._answer(request, first, outcomes, done=True, renew=left or self._traces.of_many())
 
     def _evaluate(self, position: FloatArray, began: float, fields: str | None) -> Outcome:

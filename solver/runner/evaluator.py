@@ -17,7 +17,7 @@ __all__ = [
     "BuildError",
     "Evaluator",
     "InlineEvaluator",
-    "Limits",
+    "RunLimits",
     "NeverMind",
     "NoProcessError",
     "evaluate",
@@ -25,20 +25,20 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class RunLimits:
     """Wall time [s] and memory [MiB] that one evaluation may use; None: any."""
 
     seconds: float | None = None
     memory_mb: float | None = None
 
     @classmethod
-    def of(cls, problem: Problem) -> Limits:
+    def of(cls, problem: Problem) -> RunLimits:
         """Return those that a problem sets."""
         return cls(problem.limits.seconds_per_evaluation, problem.limits.memory_mb)
 
-    def within(self, seconds: float | None, memory_mb: float | None = None) -> Limits:
+    def within(self, seconds: float | None, memory_mb: float | None = None) -> RunLimits:
         """Return these limits where they are tighter than the given ones, else those."""
-        return Limits(_least(self.seconds, seconds), _least(self.memory_mb, memory_mb))
+        return RunLimits(_least(self.seconds, seconds), _least(self.memory_mb, memory_mb))
 
 
 class NeverMind(Exception):  # noqa: N818  no error
@@ -73,7 +73,7 @@ class Evaluator(Protocol):
         Ends early when ``unwanted`` becomes true. Does not raise for what goes wrong: an evaluation will tell.
         """
 
-    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: Limits) -> None:
+    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: RunLimits) -> None:
         """Build the problem of a job where no harm is done, before this process builds it.
 
         Raises
@@ -88,7 +88,7 @@ class Evaluator(Protocol):
         job_id: str,
         calibration: Calibration,
         positions: FloatArray,
-        limits: Limits,
+        limits: RunLimits,
         *,
         budget: float | None = None,
         unwanted: Callable[[], float | None] = lambda: None,
@@ -132,7 +132,7 @@ class InlineEvaluator:
         run_sample(group)
         self.loaded.add(group)
 
-    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: Limits) -> None:
+    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: RunLimits) -> None:
         """Do nothing."""
 
     def run(
@@ -140,7 +140,7 @@ class InlineEvaluator:
         job_id: str,  # noqa: ARG002  the protocol of all evaluators
         calibration: Calibration,
         positions: FloatArray,
-        limits: Limits,  # noqa: ARG002
+        limits: RunLimits,  # noqa: ARG002
         *,
         budget: float | None = None,
         unwanted: Callable[[], float | None] = lambda: None,

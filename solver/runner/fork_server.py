@@ -78,7 +78,7 @@ def main(given: Mapping[str, Any]) -> None:
             message, descriptors = b"", []
         passed: list[int] = []
         if message == FORK:
-            connection, new_output, board = descriptors
+            connection, new_output, shared = descriptors
             try:
                 current = os.fork()
                 if current == 0:
@@ -89,7 +89,7 @@ def main(given: Mapping[str, Any]) -> None:
             except OSError as error:  # no process to be had
                 current = 0
                 answer = STATUS.pack(error.errno or 0, 0)
-            for descriptor in (connection, board, output):  # the output stays open: it is kept short here
+            for descriptor in (connection, shared, output):  # the output stays open: it is kept short here
                 if descriptor >= 0:
                     os.close(descriptor)
             output = new_output
@@ -121,10 +121,10 @@ def _process_descriptor(pid: int) -> list[int]:
         return []
 
 
-def _become_child(serve: Any, connection: int, output: int, board: int) -> None:
+def _become_child(serve: Any, connection: int, output: int, memory: int) -> None:
     """Turn this fork into an evaluation process; does not return."""
-    from geoswarm.solver.runner.board import Board
     from geoswarm.solver.runner.processes import adopt_orphans, die_with_parent
+    from geoswarm.solver.runner.shared_state import SharedState
 
     code = 1
     try:
@@ -136,8 +136,8 @@ def _become_child(serve: Any, connection: int, output: int, board: int) -> None:
         for standard in (1, 2):
             os.dup2(output, standard)
         os.close(output)
-        shared = Board(board, new=False)
-        os.close(board)
+        shared = SharedState(memory, new=False)
+        os.close(memory)
         serve(socket.socket(fileno=connection), shared)
         code = 0
     except BaseException:

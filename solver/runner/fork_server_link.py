@@ -14,13 +14,13 @@ import sys
 import time
 from collections.abc import Callable
 
-from geoswarm.solver.runner.board import Board
 from geoswarm.solver.runner.environment import clean_environment
 from geoswarm.solver.runner.evaluator import NoProcessError
 from geoswarm.solver.runner.fork_server import BOOTSTRAP, FORK, KILL, LOAD, STATUS
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.processes import kill_session, memory_below
+from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.wire import readable
 
 __all__ = ["ONE_THREAD", "ForkServerLink"]
@@ -165,23 +165,23 @@ class ForkServerLink:
     def _fork(self) -> EvaluationProcess:
         control, _ = self._started()
         ours, theirs = socket.socketpair()
-        shared = -1
+        memory = -1
         try:
             with theirs:
-                shared = anonymous_file()
-                board = Board(shared, new=True)
-                socket.send_fds(control, [FORK], [theirs.fileno(), self._output, shared])
+                memory = anonymous_file()
+                shared = SharedState(memory, new=True)
+                socket.send_fds(control, [FORK], [theirs.fileno(), self._output, memory])
                 pid, known, pidfd = self._answer()
         except OSError:
             ours.close()
             raise
         finally:
-            if shared >= 0:
-                os.close(shared)
+            if memory >= 0:
+                os.close(memory)
         if not known:
             ours.close()
             raise OSError(pid, os.strerror(pid))
-        return EvaluationProcess(ours, board, pid, pidfd)
+        return EvaluationProcess(ours, shared, pid, pidfd)
 
     def _answer(self) -> tuple[int, bool, int | None]:
         """Return the number of its answer, whether it is known, and the descriptor that came with it."""

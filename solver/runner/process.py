@@ -11,7 +11,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from geoswarm.solver.runner.board import Board
+from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.wire import ONCE, ConnectionEnded, Frame, FrameReader, GarbledError
 
 __all__ = ["EvaluationProcess"]
@@ -26,7 +26,7 @@ class EvaluationProcess:
     ----------
     connection
         Its answers come here.
-    board
+    shared
         Memory shared with it.
     pid
         Its number.
@@ -34,10 +34,10 @@ class EvaluationProcess:
         A descriptor that is ready when it has ended, whoever still holds its connection; None: the system has none.
     """
 
-    def __init__(self, connection: socket.socket, board: Board, pid: int, pidfd: int | None) -> None:
+    def __init__(self, connection: socket.socket, shared: SharedState, pid: int, pidfd: int | None) -> None:
         connection.setblocking(False)
         self._connection = connection
-        self.board = board
+        self.shared = shared
         self.pid = pid
         self._pidfd = pidfd
         self._reader = FrameReader()
@@ -121,7 +121,7 @@ class EvaluationProcess:
     def close(self) -> None:
         """Close everything that leads to it."""
         self._connection.close()
-        self.board.close()
+        self.shared.close()
         if self._pidfd is not None:
             os.close(self._pidfd)
             self._pidfd = None

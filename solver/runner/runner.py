@@ -15,11 +15,11 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, pack_array
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.runner.board import BUILDING, IDLE
-from geoswarm.solver.runner.evaluator import BuildError, Limits, NeverMind
+from geoswarm.solver.runner.evaluator import BuildError, NeverMind, RunLimits
 from geoswarm.solver.runner.fork_server_link import POLL_SECONDS, ForkServerLink
 from geoswarm.solver.runner.output import anonymous_file, tail
 from geoswarm.solver.runner.process import EvaluationProcess
+from geoswarm.solver.runner.shared_state import BUILDING, IDLE
 from geoswarm.solver.runner.wire import ConnectionEnded, Frame, GarbledError, Outcome, unpack_outcomes
 
 __all__ = ["Runner"]
@@ -75,7 +75,7 @@ class Runner:
         self._kill()  # what was forked before lacks them
         self._fork_server.load(group, unwanted)
 
-    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: Limits) -> None:
+    def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: RunLimits) -> None:
         """Have the problem of a job built in the evaluation process, which may die of it."""
         why = ""
         for _ in range(BUILD_TRIES):
@@ -100,7 +100,7 @@ class Runner:
         job_id: str,
         calibration: Calibration,
         positions: FloatArray,
-        limits: Limits,
+        limits: RunLimits,
         *,
         budget: float | None = None,
         unwanted: Callable[[], float | None] = lambda: None,
@@ -155,16 +155,16 @@ class Runner:
         job_id: str,
         calibration: Calibration,
         positions: FloatArray,
-        limits: Limits,
+        limits: RunLimits,
         budget: float | None,
         unwanted: Callable[[], float | None],
         fields: str | None,
     ) -> Iterator[Outcome]:
         """Give the outcomes of one request; afterwards there is no process if the next run should have a fresh one."""
         process = self._ready(job_id)
-        board = process.board
-        board.stopped = False
-        board.idle()
+        shared = process.shared
+        shared.stopped = False
+        shared.idle()
         request = {"op": "run", "shape": positions.shape, "budget": budget, "fields": fields}
         received = 0
         try:
@@ -185,10 +185,10 @@ class Runner:
                     self._renew(process, frame.head["renew"])
                     return
         except ConnectionEnded:
-            current = board.current
+            current = shared.current
             raise _EndedError("worker_lost", _how_it_ended(self._kill()), current, tail(self._output)) from None
         except GarbledError:
-            current = (IDLE, board.current[1])
+            current = (IDLE, shared.current[1])
             self._kill()
             raise _EndedError("worker_lost", GARBLED, current, tail(self._output)) from None
         except GeneratorExit:
@@ -196,11 +196,11 @@ class Runner:
             raise
 
     def _load(self, process: EvaluationProcess, job_id: str, document: Mapping[str, Any], seed: int) -> None:
-        process.board.build()
+        process.shared.build()
         process.ask({"op": "load", "seed": seed, "problem": json.dumps(document, allow_nan=False)})
         process.job = job_id
 
-    def _watched(self, process: EvaluationProcess, limits: Limits, unwanted: Callable[[], float | None]) -> Frame:
+    def _watched(self, process: EvaluationProcess, limits: RunLimits, unwanted: Callable[[], float | None]) -> Frame:
         """Wait for the next answer.
 
         Raises
@@ -220,11 +220,11 @@ class Runner:
             if frame is not None:
                 return frame
             now = time.monotonic()
-            index, since = process.board.current
+            index, since = process.shared.current
             if deadline is None:
                 patience = unwanted()
                 if patience is not None:
-                    process.board.stopped = True
+                    process.shared.stopped = True
                     deadline = now + patience
             elif now > deadline:
                 self._kill()
@@ -234,7 +234,9 @@ class Runner:
                 self._memory_at = now
                 self._keep_memory(process, limits.memory_mb, index, since)
 
-    def _keep_time(self, process: EvaluationProcess, limits: Limits, index: int, since: float, silent: float) -> None:
+    def _keep_time(
+        self, process: EvaluationProcess, limits: RunLimits, index: int, since: float, silent: float
+    ) -> None:
         running = time.monotonic() - since
         message: str | None = None
         reason = "worker_lost"

@@ -16,7 +16,7 @@ from geoswarm.environment import without_secrets
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, with_further_tries
 from geoswarm.solver.errors import WorkerLostError
-from geoswarm.solver.runner.evaluator import Limits, NoProcessError
+from geoswarm.solver.runner.evaluator import NoProcessError, RunLimits
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
 
@@ -40,7 +40,7 @@ class Team:
 
     def __init__(self, calibration: Calibration, workers: int) -> None:
         self._calibration = calibration
-        self._limits = Limits.of(calibration.problem)
+        self._limits = RunLimits.of(calibration.problem)
         self._stopping = threading.Event()
         # Who starts a run in process is its operator: forward models see the same environment as with one worker.
         self._runners = [Runner(tuple(without_secrets(os.environ))) for _ in range(workers)]

@@ -7,7 +7,7 @@ import threading
 import pytest
 from sqlalchemy import Connection, select, update
 
-from geoswarm.workers.coordinator.session import _typical
+from geoswarm.workers.coordinator.job_exchange import _typical
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings

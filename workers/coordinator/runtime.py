@@ -21,6 +21,7 @@ from geoswarm.solver.problem import Stopping, parse_problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.runlog import RunKey, RunLog
 from geoswarm.workers.coordinator.ending import change_stopping
+from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
 from geoswarm.workers.coordinator.machine import (
     ENDED_STATES,
     CancelRequested,
@@ -33,7 +34,6 @@ from geoswarm.workers.coordinator.machine import (
     apply,
 )
 from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
-from geoswarm.workers.coordinator.session import Closed, Due, Session
 from geoswarm.workers.coordinator.tries import expire_cell, give_back
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
 from geoswarm.workers.errors import JobNotFoundError
@@ -41,11 +41,11 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import pack_json, unpack_problem
 from geoswarm.workers.store.evaluations import (
-    Board,
+    GenerationRows,
     count_failed,
     list_positions,
     list_responses,
-    load_board,
+    load_generation,
     renew_leases,
 )
 from geoswarm.workers.store.event_bell import insert_events
@@ -178,7 +178,7 @@ class Runtime:
             if locked is None:
                 return Exchange(), None
             log = self.logs.get(calibration)
-            session = Session(self.settings, log, connection, locked, worker, calibration, live_workers)
+            session = JobExchange(self.settings, log, connection, locked, worker, calibration, live_workers)
             return session.run(what, want, taken_up, closed), session.due
 
         answer, due = self.store.write(lambda connection: work(connection, hand_in, None))
@@ -236,12 +236,12 @@ class Runtime:
             locked = lock_job(connection, job_id)
             if locked is None:
                 return 0
-            board = load_board(connection, job_id, generation)
+            rows = load_generation(connection, job_id, generation)
             failures: Failures | None = None
             expired = 0
             fatal: str | None = None
             heard = live_workers(connection, self.settings.lease_seconds).difference(lost_workers)
-            for cell in board.cells:
+            for cell in rows.cells:
                 lease, worker = cell.values["lease_expires_at"], cell.status.worker
                 late = 0.0 if lease is None else locked.now - lease
                 if cell.status.state != "running" or (late <= 0.0 and worker not in lost_workers):
@@ -249,12 +249,12 @@ class Runtime:
                 if worker is not None and worker in heard:
                     if late <= self.settings.lease_seconds:
                         continue
-                    give_back(board, cell, worker, cell.status.attempts, locked.now, killed=False)
+                    give_back(rows, cell, worker, cell.status.attempts, locked.now, killed=False)
                 else:
                     failures = failures or read_failures(connection, job_id)
-                    fatal = expire_cell(connection, board, cell, failures, locked.now) or fatal
+                    fatal = expire_cell(connection, rows, cell, failures, locked.now) or fatal
                 expired += 1
-            board.write(connection)
+            rows.write(connection)
             if fatal is not None and locked.row.retry_to is None:
                 self._save(connection, locked, [apply(locked.job(), JobBroken(fatal))])
             return expired
@@ -274,7 +274,7 @@ class Runtime:
         for transition in transitions:
             for instruction in transition.instructions:
                 if isinstance(instruction, DispatchGeneration):
-                    Board.dispatch(locked.id, instruction.generation, instruction.positions).write(connection)
+                    GenerationRows.dispatch(locked.id, instruction.generation, instruction.positions).write(connection)
 
 
 def read_failures(connection: Connection, job_id: str) -> Failures:

@@ -1,4 +1,4 @@
-"""What a result, a lost worker or a claim given back does to one evaluation on its board."""
+"""What a result, a lost worker or a claim given back does to one evaluation among the rows of its generation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from geoswarm.workers.coordinator.evaluation import Claimed, LeaseExpired, Lease
 from geoswarm.workers.coordinator.work import Result
 from geoswarm.workers.store.codec import clean_text, pack_json, pack_responses
 from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.evaluations import Board, Cell
+from geoswarm.workers.store.evaluations import Cell, GenerationRows
 
 __all__ = ["expire_cell", "give_back", "record_result"]
 
@@ -21,21 +21,23 @@ SUPPOSED = ("overdue", "superseded", "worker_lost")
 STOPPED = "stopped"  # killed in mid-run because its job was paused or cancelled, or its worker was asked to end
 
 
-def record_result(connection: Connection, board: Board, result: Result, worker: str, failures: Failures) -> str | None:
+def record_result(
+    connection: Connection, rows: GenerationRows, result: Result, worker: str, failures: Failures
+) -> str | None:
     """Enter what a worker hands in; return why that ends the job, None: it does not."""
-    cell = board.cells[result.particle]
+    cell = rows.cells[result.particle]
     if cell.status.attempts == 0:
         cell.status, _ = settle(cell.status, Claimed(worker))  # begun in the worker that dispatched it
     before = cell.status
     # Counted by the number of its first try, or given to two workers: only the list of tries tells whether it is new.
     doubtful = before.done and before.worker == worker and before.attempts != result.attempt
-    if (doubtful or cell.values.get("duplicates")) and _taken_in(board.tries(connection, cell), cell, result, worker):
+    if (doubtful or cell.values.get("duplicates")) and _taken_in(rows.tries(connection, cell), cell, result, worker):
         return None
     evaluation = result.evaluation
     reason = evaluation.reason
     again = False
     if reason is not None and not before.done and failures.retries(reason):
-        tries = board.tries(connection, cell)
+        tries = rows.tries(connection, cell)
         if any((row.number, row.worker, row.outcome) == (result.attempt, worker, reason) for row in tries):
             return None  # handed in before; only the answer was lost
         again = _further_try(tries, reason, failures)
@@ -45,17 +47,17 @@ def record_result(connection: Connection, board: Board, result: Result, worker: 
     if verdict in ("late", "retried"):
         outcome = reason if verdict == "retried" and reason is not None else "late"
         columns = {"started_at": result.started_at, "message": message, "log": log}
-        board.forget_try(connection, cell, result.attempt, worker, SUPPOSED)
-        board.note_try(cell, result.attempt, worker, outcome, result.finished_at, **columns)
+        rows.forget_try(connection, cell, result.attempt, worker, SUPPOSED)
+        rows.note_try(cell, result.attempt, worker, outcome, result.finished_at, **columns)
         if after != before:
             cell.set(after, lease_expires_at=None, started_at=None)
         return None
     if verdict != "counted":
         return None
     if (before.state, before.worker, before.attempts) != ("running", worker, result.attempt):
-        board.forget_try(connection, cell, result.attempt, worker, SUPPOSED)
+        rows.forget_try(connection, cell, result.attempt, worker, SUPPOSED)
         if before.state == "running":  # it was given to another, and came first
-            board.note_try(cell, before.attempts, before.worker, "superseded", result.finished_at)
+            rows.note_try(cell, before.attempts, before.worker, "superseded", result.finished_at)
     cell.set(
         after,
         objective=evaluation.objective,
@@ -71,32 +73,32 @@ def record_result(connection: Connection, board: Board, result: Result, worker: 
     )
     if reason is None or not failures.ends_job(reason):
         return None
-    return fatal_message(board.generation, result.particle, reason, message)
+    return fatal_message(rows.generation, result.particle, reason, message)
 
 
-def expire_cell(connection: Connection, board: Board, cell: Cell, failures: Failures, now: float) -> str | None:
+def expire_cell(connection: Connection, rows: GenerationRows, cell: Cell, failures: Failures, now: float) -> str | None:
     """Take a running evaluation from a lost worker; return why that ends the job, None: it does not."""
     before = cell.status
-    tries = board.tries(connection, cell)
+    tries = rows.tries(connection, cell)
     after, verdict = settle(before, LeaseExpired(_further_try(tries, "worker_lost", failures)))
     if verdict == "given_up":
         lost = 1 + sum(row.outcome == "worker_lost" for row in tries)
         message = f"the worker was lost {lost} times, last {before.worker}"
         cell.set(after, reason="worker_lost", message=message, finished_at=now, lease_expires_at=None)
         if failures.ends_job("worker_lost"):
-            return fatal_message(board.generation, cell.particle, "worker_lost", message)
+            return fatal_message(rows.generation, cell.particle, "worker_lost", message)
     elif verdict == "redispatched":
-        board.note_try(cell, before.attempts, before.worker, "worker_lost", now)
+        rows.note_try(cell, before.attempts, before.worker, "worker_lost", now)
         cell.set(after, lease_expires_at=None, started_at=None)
     return None
 
 
-def give_back(board: Board, cell: Cell, worker: str, attempt: int, now: float, *, killed: bool) -> None:
+def give_back(rows: GenerationRows, cell: Cell, worker: str, attempt: int, now: float, *, killed: bool) -> None:
     """Take an evaluation back from a worker that has not finished it."""
     after, verdict = settle(cell.status, LeaseReleased(worker, attempt, killed))
     if verdict == "released":
         if killed:
-            board.note_try(cell, attempt, worker, STOPPED, now)
+            rows.note_try(cell, attempt, worker, STOPPED, now)
         cell.set(after, lease_expires_at=None, started_at=None)
 
 

@@ -29,14 +29,14 @@ from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import attempts, evaluations, jobs
 
 __all__ = [
-    "Board",
+    "GenerationRows",
     "Cell",
     "count_failed",
     "get_evaluation",
     "list_attempts",
     "list_positions",
     "list_responses",
-    "load_board",
+    "load_generation",
     "overdue",
     "renew_leases",
     "reuse",
@@ -64,12 +64,12 @@ RESULT_COLUMNS = (
     "seconds",
 )
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
-BOARD_COLUMNS = [column for column in LIST_COLUMNS if column.name != "misfits"]
+GENERATION_COLUMNS = [column for column in LIST_COLUMNS if column.name != "misfits"]
 
 
 @dataclass(slots=True)
 class Cell:
-    """One particle on the board; ``changes`` are the columns to write."""
+    """One particle of a generation; ``changes`` are the columns to write."""
 
     particle: int
     status: EvaluationStatus
@@ -85,7 +85,7 @@ class Cell:
         self.values |= self.changes
 
 
-class Board:
+class GenerationRows:
     """All particles of one generation in order, read once, changed in memory, written once."""
 
     def __init__(self, job_id: str, generation: int, cells: Sequence[Cell], *, new: bool) -> None:
@@ -96,8 +96,8 @@ class Board:
         self._new = new
 
     @classmethod
-    def dispatch(cls, job_id: str, generation: int, positions: FloatArray) -> Board:
-        """Make the board of a generation that nobody has seen; ``positions`` has shape (n, d)."""
+    def dispatch(cls, job_id: str, generation: int, positions: FloatArray) -> GenerationRows:
+        """Make the rows of a generation that nobody has seen; ``positions`` has shape (n, d)."""
         empty = dict.fromkeys(RESULT_COLUMNS)
         cells = [
             Cell(particle, EvaluationStatus(), pack_array(position), dict(empty, state="pending", attempts=0))
@@ -190,16 +190,16 @@ class Board:
         return [key | {"particle": c.particle, "parameters": c.parameters} | c.values for c in self.cells]
 
 
-def write_new(connection: Connection, boards: Sequence[Board]) -> None:
-    """Insert the rows of boards that were dispatched in this transaction, all at once."""
-    rows = [row for board in boards for row in board._rows()]
+def write_new(connection: Connection, generations: Sequence[GenerationRows]) -> None:
+    """Insert the rows of generations that were dispatched in this transaction, all at once."""
+    rows = [row for generation_rows in generations for row in generation_rows._rows()]
     if len(rows) >= WORTH_COPYING and connection.dialect.name == "postgresql":
         _copy(connection, rows)
     elif rows:
         connection.execute(insert(evaluations), rows)
-    for board in boards:
-        board._new = False
-        for cell in board.cells:
+    for generation_rows in generations:
+        generation_rows._new = False
+        for cell in generation_rows.cells:
             cell.changes = {}
 
 
@@ -212,14 +212,14 @@ def _copy(connection: Connection, rows: Sequence[dict[str, Any]]) -> None:
             copy.write_row([row[name] for name in names])
 
 
-def load_board(connection: Connection, job_id: str, generation: int) -> Board:
+def load_generation(connection: Connection, job_id: str, generation: int) -> GenerationRows:
     """Read one generation; the caller has locked the job's row.
 
     Responses and misfits stay in the database: an evaluation that has them has ended and changes no more.
     """
     condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation == generation)
-    rows = connection.execute(select(*BOARD_COLUMNS).where(condition).order_by(evaluations.c.particle)).all()
-    return Board(
+    rows = connection.execute(select(*GENERATION_COLUMNS).where(condition).order_by(evaluations.c.particle)).all()
+    return GenerationRows(
         job_id,
         generation,
         [
@@ -313,12 +313,12 @@ def list_responses(connection: Connection, job_id: str, keys: Sequence[tuple[int
     return [found[key] for key in keys]
 
 
-def reuse(connection: Connection, board: Board) -> None:
-    """Give cells of a new board the counted results that the same parameters had earlier in the job."""
-    pending = {cell.parameters: cell for cell in board.cells if not cell.status.done}
+def reuse(connection: Connection, generation_rows: GenerationRows) -> None:
+    """Give cells of a new generation the counted results that the same parameters had earlier in the job."""
+    pending = {cell.parameters: cell for cell in generation_rows.cells if not cell.status.done}
     condition = and_(
-        evaluations.c.job_id == board.job_id,
-        evaluations.c.generation < board.generation,
+        evaluations.c.job_id == generation_rows.job_id,
+        evaluations.c.generation < generation_rows.generation,
         evaluations.c.state.in_(("finished", "failed")),
         evaluations.c.parameters.in_(list(pending)),
     )
@@ -330,7 +330,7 @@ def reuse(connection: Connection, board: Board) -> None:
     earlier: dict[bytes, Record] = {}
     for row in rows:
         earlier.setdefault(row.parameters, row)
-    for cell in board.cells:
+    for cell in generation_rows.cells:
         if cell.parameters in earlier and not cell.status.done:
             row = earlier[cell.parameters]
             kept = ("objective", "misfits", "responses", "reason", "message", "log")

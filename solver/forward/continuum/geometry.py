@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.fem.mesh.section import Cut, Extent, Layer, Profile, SectionGeometry, SurfacePoint
-from geoswarm.solver.forward.continuum.quantity import Length, LineLimits, Positive, value_of
+from geoswarm.solver.forward.continuum.quantity import Length, LineValueRange, Positive, value_of
 
 __all__ = [
     "CutSection",
@@ -28,7 +28,7 @@ __all__ = [
 Name: TypeAlias = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=50)]
 """A name of a region, boundary, point ..."""
 
-Line: TypeAlias = Annotated[Any, LineLimits("m", fewest=2, number=False)]
+Line: TypeAlias = Annotated[Any, LineValueRange("m", fewest=2, number=False)]
 """Points [x, y], x increasing."""
 
 
@@ -40,10 +40,10 @@ class LayerSection(_Section):
     """One layer, from the surface or the layer above it down."""
 
     name: Name = Field(description="Name of the layer and of its region.")
-    thickness: Annotated[Any, LineLimits("m", 0.0)] | None = Field(
+    thickness: Annotated[Any, LineValueRange("m", 0.0)] | None = Field(
         None, description="Vertical thickness, m: one number, or points [x, thickness]; or give bottom."
     )
-    bottom: Annotated[Any, LineLimits("m")] | None = Field(
+    bottom: Annotated[Any, LineValueRange("m")] | None = Field(
         None,
         description="Height of the bottom, m: one number, or points [x, y]; the layer ends where it meets its top.",
     )
@@ -116,7 +116,7 @@ class GeometrySections(_Section):
     slips: list[SlipSection] = Field(default=[], max_length=20, description="Interfaces along bottoms of layers.")
     segments: list[ExtentSection] = Field(default=[], max_length=50, description="Named pieces of the surface.")
     points: dict[Name, PointSection] = Field(min_length=1, max_length=200, description="Observation points by name.")
-    element_length: Annotated[Any, LineLimits("m", 0.0, lower_open=True)] = Field(
+    element_length: Annotated[Any, LineValueRange("m", 0.0, lower_open=True)] = Field(
         description="Width of the columns of elements, m: one number, or points [x, width]."
     )
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from geoswarm.solver.forward.continuum.quantity import Limits
+from geoswarm.solver.forward.continuum.quantity import ValueRange
 
 __all__ = [
     "ElasticSection",
@@ -16,12 +16,12 @@ __all__ = [
     "SoftSoilCreepSection",
 ]
 
-_Modulus: TypeAlias = Annotated[Any, Limits("kPa", 0.0, lower_open=True)]
-_Poisson: TypeAlias = Annotated[Any, Limits("", 0.0, upper=0.4999)]
-_Weight: TypeAlias = Annotated[Any, Limits("kN/m^3", 0.0)]
-_Cohesion: TypeAlias = Annotated[Any, Limits("kPa", 0.0)]
-_Angle: TypeAlias = Annotated[Any, Limits("degree", 0.0, upper=89.0)]
-_Index: TypeAlias = Annotated[Any, Limits("", 0.0, lower_open=True)]
+_Modulus: TypeAlias = Annotated[Any, ValueRange("kPa", 0.0, lower_open=True)]
+_Poisson: TypeAlias = Annotated[Any, ValueRange("", 0.0, upper=0.4999)]
+_Weight: TypeAlias = Annotated[Any, ValueRange("kN/m^3", 0.0)]
+_Cohesion: TypeAlias = Annotated[Any, ValueRange("kPa", 0.0)]
+_Angle: TypeAlias = Annotated[Any, ValueRange("degree", 0.0, upper=89.0)]
+_Index: TypeAlias = Annotated[Any, ValueRange("", 0.0, lower_open=True)]
 
 
 class _Material(BaseModel):
@@ -69,11 +69,11 @@ class SoftSoilCreepSection(_Material):
     phi: _Angle = Field(description="Friction angle, degree.")
     psi: _Angle = Field(0.0, description="Dilatancy angle, degree, at most phi.")
     nu_ur: _Poisson = Field(0.15, description="Poisson's ratio for unloading and reloading.")
-    K0nc: Annotated[Any, Limits("", 0.0, lower_open=True, upper=0.999)] | None = Field(
+    K0nc: Annotated[Any, ValueRange("", 0.0, lower_open=True, upper=0.999)] | None = Field(
         None, description="Stress ratio of normally consolidated compression; 1 - sin(phi) unless K0nc or M is given."
     )
     M: _Index | None = Field(None, description="Slope of the tops of the ellipses; from K0nc unless given.")
-    OCR: Annotated[Any, Limits("", 1.0)] = Field(
+    OCR: Annotated[Any, ValueRange("", 1.0)] = Field(
         1.0,
         description="Initial overconsolidation ratio p_p/p_eq; both hold c cot(phi) if the formulation is translated.",
     )
@@ -89,10 +89,10 @@ class InterfaceSection(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     law: Literal["interface"] = "interface"
-    normal_stiffness: Annotated[Any, Limits("kPa/m", 0.0, lower_open=True)] = Field(
+    normal_stiffness: Annotated[Any, ValueRange("kPa/m", 0.0, lower_open=True)] = Field(
         description="Normal stiffness, kPa/m."
     )
-    shear_stiffness: Annotated[Any, Limits("kPa/m", 0.0, lower_open=True)] = Field(
+    shear_stiffness: Annotated[Any, ValueRange("kPa/m", 0.0, lower_open=True)] = Field(
         description="Shear stiffness, kPa/m."
     )
     c: _Cohesion = Field(description="Cohesion, kPa.")

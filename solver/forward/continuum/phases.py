@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.forward.continuum.geometry import Name
-from geoswarm.solver.forward.continuum.quantity import Length, Limits
+from geoswarm.solver.forward.continuum.quantity import Length, ValueRange
 
 __all__ = ["Fixity", "LoadSection", "PhaseSection", "VectorSection"]
 
@@ -26,12 +26,12 @@ class LoadSection(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     boundary: BoundaryName = Field(description="Name of the boundary.")
-    pressure: Annotated[Any, Limits("kPa")] = Field(0.0, description="Normal, kPa, positive onto the body.")
-    pressure_increase: Annotated[Any, Limits("kN/m^3")] = Field(
+    pressure: Annotated[Any, ValueRange("kPa")] = Field(0.0, description="Normal, kPa, positive onto the body.")
+    pressure_increase: Annotated[Any, ValueRange("kN/m^3")] = Field(
         0.0, description="By how much the pressure grows with a metre of depth, kPa/m."
     )
-    x: Annotated[Any, Limits("kPa")] = Field(0.0, description="Traction along x, kPa.")
-    y: Annotated[Any, Limits("kPa")] = Field(0.0, description="Traction along y (upwards), kPa.")
+    x: Annotated[Any, ValueRange("kPa")] = Field(0.0, description="Traction along x, kPa.")
+    y: Annotated[Any, ValueRange("kPa")] = Field(0.0, description="Traction along y (upwards), kPa.")
     level: Length = Field(0.0, description="Height from which the depth counts, m.")
     follows: bool = Field(False, description="Whether the load turns with the boundary where the mesh is updated.")
 
@@ -52,7 +52,7 @@ class PhaseSection(BaseModel):
     deactivate: list[Name] = Field(default=[], description="Regions that are taken away.")
     fixities: dict[BoundaryName, Fixity] = Field(default={}, description="Boundaries whose fixity changes.")
     loads: list[LoadSection] = Field(default=[], max_length=100, description="Loads from this phase on.")
-    duration: Annotated[Any, Limits("day", 0.0, lower_open=True)] | None = Field(
+    duration: Annotated[Any, ValueRange("day", 0.0, lower_open=True)] | None = Field(
         None, description="How long it lasts, day; only for creep, and needed there."
     )
     updated_mesh: bool = Field(

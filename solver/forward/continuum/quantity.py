@@ -17,8 +17,8 @@ from geoswarm.solver.expressions import Expression, parse_expression
 __all__ = [
     "Amount",
     "Length",
-    "Limits",
-    "LineLimits",
+    "ValueRange",
+    "LineValueRange",
     "Number",
     "Positive",
     "Quantity",
@@ -30,7 +30,7 @@ _MOST_POINTS = 500
 
 
 @dataclass(frozen=True)
-class Limits:
+class ValueRange:
     """Annotation of a field whose value is a number within a range, or an expression of parameters for one."""
 
     unit: str = ""
@@ -87,21 +87,21 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class LineLimits(Limits):
-    """As :class:`Limits`, or points [place, value], the places increasing, whose values are within the limits."""
+class LineValueRange(ValueRange):
+    """As :class:`ValueRange`, or points [place, value], the places increasing, whose values are within the limits."""
 
     fewest: int = 1
     number: bool = True
 
     def parse(self, value: Any) -> Any:
-        """Return a number as :class:`Limits` does, or a list of pairs of such numbers."""
+        """Return a number as :class:`ValueRange` does, or a list of pairs of such numbers."""
         if self.number and not isinstance(value, list | tuple):
             return super().parse(value)
         if not isinstance(value, list | tuple) or not self.fewest <= len(value) <= _MOST_POINTS:
             raise ValueError(f"a list of {self.fewest} to {_MOST_POINTS} points is accepted")
         if not all(isinstance(point, list | tuple) and len(point) == 2 for point in value):
             raise ValueError("each point is a list of two numbers (or expressions of parameters)")
-        points = [(Limits("m").parse(place), super(LineLimits, self).parse(inner)) for place, inner in value]
+        points = [(ValueRange("m").parse(place), super(LineValueRange, self).parse(inner)) for place, inner in value]
         for (before, _), (after, _) in pairwise(points):
             if isinstance(before, float) and isinstance(after, float) and after <= before:
                 raise ValueError(f"{after:g} m follows {before:g} m; increasing places are accepted")
@@ -126,7 +126,7 @@ class Quantity:
     """An expression of parameters, and the limits of its value."""
 
     expression: Expression
-    limits: Limits
+    limits: ValueRange
 
     def value(self, values: Mapping[str, float]) -> float:
         """Value for parameters by name.
@@ -171,9 +171,9 @@ def quantities_in(part: Any) -> Iterator[Quantity]:
 
 Number: TypeAlias = Any
 """A float or a :class:`Quantity`."""
-Amount: TypeAlias = Annotated[Any, Limits()]
+Amount: TypeAlias = Annotated[Any, ValueRange()]
 """Any number."""
-Length: TypeAlias = Annotated[Any, Limits("m")]
+Length: TypeAlias = Annotated[Any, ValueRange("m")]
 """A coordinate, m."""
-Positive: TypeAlias = Annotated[Any, Limits("m", 0.0, lower_open=True)]
+Positive: TypeAlias = Annotated[Any, ValueRange("m", 0.0, lower_open=True)]
 """A length above 0, m."""

@@ -8,7 +8,7 @@ import click
 import pytest
 
 from geoswarm.cli import main
-from geoswarm.cli.error_messages import BadInputError, FailedRunError, Session, report
+from geoswarm.cli.error_messages import BadInputError, CommandContext, FailedRunError, report
 from geoswarm.solver.errors import DivergedError, InfeasibleSpaceError, Issue, ProblemError
 from geoswarm.workers.errors import StoreUnavailableError
 
@@ -31,7 +31,7 @@ from geoswarm.workers.errors import StoreUnavailableError
 def test_known_errors_have_one_message_and_a_code(
     error: BaseException, code: int, text: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert report(error, Session()) == code
+    assert report(error, CommandContext()) == code
     captured = capsys.readouterr()
     assert captured.err == text
     assert captured.out == ""
@@ -39,14 +39,14 @@ def test_known_errors_have_one_message_and_a_code(
 
 def test_every_issue_of_a_problem_is_on_its_own_line(capsys: pytest.CaptureFixture[str]) -> None:
     error = ProblemError([Issue("parameters.c.lower", "must be below upper"), Issue("seed", "must be a number")])
-    assert report(error, Session()) == 2
+    assert report(error, CommandContext()) == 2
     assert capsys.readouterr().err == (
         "Error: the problem has 2 mistakes:\n  parameters.c.lower: must be below upper\n  seed: must be a number\n"
     )
 
 
 def test_unexpected_error_shows_an_id_and_no_traceback(capsys: pytest.CaptureFixture[str]) -> None:
-    assert report(ZeroDivisionError("division by zero"), Session()) == 1
+    assert report(ZeroDivisionError("division by zero"), CommandContext()) == 1
     text = capsys.readouterr().err
     assert "unexpected ZeroDivisionError: division by zero" in text
     assert "--debug" in text
@@ -56,7 +56,7 @@ def test_unexpected_error_shows_an_id_and_no_traceback(capsys: pytest.CaptureFix
 def test_debug_shows_the_traceback(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ZeroDivisionError) as caught:
         _ = 1 / 0
-    assert report(caught.value, Session(debug=True)) == 1
+    assert report(caught.value, CommandContext(debug=True)) == 1
     assert "Traceback (most recent call last)" in capsys.readouterr().err
 
 

@@ -12,7 +12,7 @@ import click
 import pytest
 
 from geoswarm.cli.commands import COMMANDS, cli
-from geoswarm.cli.error_messages import Session, report
+from geoswarm.cli.error_messages import CommandContext, report
 from geoswarm.solver.extras import extra_of, needs_extra
 from tests.contracts.repository import project
 from tests.installation import Installation, install
@@ -161,7 +161,7 @@ def test_a_part_of_a_package_leads_to_its_extra() -> None:
 
 
 def test_a_module_that_no_extra_brings_is_a_fault_of_ours(capsys: pytest.CaptureFixture[str]) -> None:
-    assert report(ModuleNotFoundError("No module named 'nope'", name="nope"), Session(command="run")) == 1
+    assert report(ModuleNotFoundError("No module named 'nope'", name="nope"), CommandContext(command="run")) == 1
     assert "fault of geoswarm" in capsys.readouterr().err
 
 

@@ -15,7 +15,7 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.evaluator import BuildError, Limits
+from geoswarm.solver.runner.evaluator import BuildError, RunLimits
 from geoswarm.solver.runner.processes import descendants
 from geoswarm.solver.runner.runner import Runner
 from tests.integration.engines import wait_for
@@ -24,7 +24,7 @@ from tests.solver.runner.test_runner import positions
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 
-LIMITS = Limits(seconds=2.0, memory_mb=300.0)
+LIMITS = RunLimits(seconds=2.0, memory_mb=300.0)
 SLOPES = (-1.0, 1.0, -2.0, 2.0, -3.0)
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.evaluator import Limits, NeverMind
+from geoswarm.solver.runner.evaluator import NeverMind, RunLimits
 from geoswarm.solver.runner.processes import descendants
 from geoswarm.solver.runner.runner import Runner
 from tests.integration.engines import process_exists, wait_for
@@ -58,7 +58,7 @@ def test_the_same_bits_as_inline_with_one_request_or_many(runner: Runner) -> Non
         found = [
             outcome.evaluation
             for start in range(0, len(asked), chunk)
-            for outcome in runner.run("job", made, asked[start : start + chunk], Limits())
+            for outcome in runner.run("job", made, asked[start : start + chunk], RunLimits())
         ]
         assert [f.objective for f in found] == [e.objective for e in expected]
         assert [f.misfits for f in found] == [e.misfits for e in expected]
@@ -69,12 +69,12 @@ def test_the_same_bits_as_inline_with_one_request_or_many(runner: Runner) -> Non
 def test_more_jobs_than_the_process_remembers(runner: Runner) -> None:
     made = calibration(line())
     asked = made.start().positions[:1]
-    objectives = {next(runner.run(f"job{i % 12}", made, asked, Limits())).evaluation.objective for i in range(30)}
+    objectives = {next(runner.run(f"job{i % 12}", made, asked, RunLimits())).evaluation.objective for i in range(30)}
     assert objectives == {made.evaluate(asked[0]).objective}
 
 
 def test_a_failed_evaluation_brings_the_end_of_its_output(runner: Runner) -> None:
-    outcomes = list(runner.run("job", misbehaving(behaviour="diverge"), positions(-1, 1, -2), Limits()))
+    outcomes = list(runner.run("job", misbehaving(behaviour="diverge"), positions(-1, 1, -2), RunLimits()))
     assert [o.evaluation.reason for o in outcomes] == [None, "diverged", None]
     assert [o.log for o in outcomes] == [None, "iteration 17: residual 1e+30\n", None]
 
@@ -85,9 +85,9 @@ def test_what_never_ends_is_killed_as_a_whole_and_the_others_go_on(
 ) -> None:
     notes = tmp_path / "pids"
     made = misbehaving(behaviour=behaviour, notes=str(notes))
-    list(runner.run("job", made, positions(-1), Limits()))
+    list(runner.run("job", made, positions(-1), RunLimits()))
     began = time.monotonic()
-    outcomes = list(runner.run("job", made, positions(-1, -2, 1, -3), Limits(seconds=1.0)))
+    outcomes = list(runner.run("job", made, positions(-1, -2, 1, -3), RunLimits(seconds=1.0)))
     took = time.monotonic() - began
     assert [o.evaluation.reason for o in outcomes] == [None, None, "timeout", None]
     assert outcomes[2].evaluation.message == ("ran for longer than 1 s (limits.seconds_per_evaluation) and was killed")
@@ -103,7 +103,7 @@ def test_what_never_ends_is_killed_as_a_whole_and_the_others_go_on(
 def test_what_eats_memory_is_killed(runner: Runner, tmp_path: Path) -> None:
     made = misbehaving(behaviour="eat", notes=str(tmp_path / "pids"))
     began = time.monotonic()
-    bad, good = runner.run("job", made, positions(1, -1), Limits(memory_mb=200))
+    bad, good = runner.run("job", made, positions(1, -1), RunLimits(memory_mb=200))
     assert time.monotonic() - began < 30.0
     assert (bad.evaluation.reason, good.evaluation.reason) == ("killed_memory", None)
     assert bad.evaluation.message is not None
@@ -122,17 +122,17 @@ def test_what_eats_memory_is_killed(runner: Runner, tmp_path: Path) -> None:
 def test_a_process_that_ends_is_one_failed_evaluation(
     runner: Runner, behaviour: str, reason: str, message: str
 ) -> None:
-    outcomes = list(runner.run("job", misbehaving(behaviour=behaviour), positions(-1, 1, -2), Limits()))
+    outcomes = list(runner.run("job", misbehaving(behaviour=behaviour), positions(-1, 1, -2), RunLimits()))
     assert [o.evaluation.reason for o in outcomes] == [None, reason, None]
     assert outcomes[1].evaluation.message == message
 
 
 def test_an_unwanted_evaluation_is_killed_after_its_grace(runner: Runner) -> None:
     made = misbehaving(behaviour="for_ever")
-    list(runner.run("job", made, positions(-1), Limits()))  # the process is ready
+    list(runner.run("job", made, positions(-1), RunLimits()))  # the process is ready
     began = time.monotonic()
     outcomes = runner.run(
-        "job", made, positions(-1, 1), Limits(), unwanted=lambda: 0.3 if time.monotonic() - began > 0.5 else None
+        "job", made, positions(-1, 1), RunLimits(), unwanted=lambda: 0.3 if time.monotonic() - began > 0.5 else None
     )
     with pytest.raises(NeverMind) as caught:
         list(outcomes)
@@ -142,28 +142,28 @@ def test_an_unwanted_evaluation_is_killed_after_its_grace(runner: Runner) -> Non
 
 def test_no_evaluation_is_begun_after_the_budget(runner: Runner) -> None:
     made = misbehaving(behaviour="sleep", seconds=0.1)
-    outcomes = list(runner.run("job", made, positions(1, 2, 3, 4), Limits(), budget=0.15))
+    outcomes = list(runner.run("job", made, positions(1, 2, 3, 4), RunLimits(), budget=0.15))
     assert len(outcomes) == 2
-    assert len(list(runner.run("job", made, positions(1, 2, 3, 4), Limits(), budget=0.0))) == 1
+    assert len(list(runner.run("job", made, positions(1, 2, 3, 4), RunLimits(), budget=0.0))) == 1
 
 
 def test_a_killed_evaluation_process_or_fork_server_is_replaced(runner: Runner) -> None:
     made = misbehaving()
     asked = positions(-1, -2)
-    list(runner.run("job", made, asked, Limits()))
+    list(runner.run("job", made, asked, RunLimits()))
     assert runner._fork_server is not None
     fork_server = runner._fork_server.pid
     os.kill(descendants(fork_server)[0], signal.SIGKILL)
-    assert [o.evaluation.reason for o in runner.run("job", made, asked, Limits())] == [None, None]
+    assert [o.evaluation.reason for o in runner.run("job", made, asked, RunLimits())] == [None, None]
     os.kill(fork_server, signal.SIGKILL)
     wait_for(lambda: not process_exists(fork_server), "the end of the fork server")
-    assert [o.evaluation.reason for o in runner.run("job", made, asked, Limits())] == [None, None]
+    assert [o.evaluation.reason for o in runner.run("job", made, asked, RunLimits())] == [None, None]
     assert runner._fork_server.pid != fork_server
 
 
 def test_closing_leaves_nothing_behind() -> None:
     runner = Runner()
-    list(runner.run("job", misbehaving(), positions(-1), Limits()))
+    list(runner.run("job", misbehaving(), positions(-1), RunLimits()))
     assert runner._fork_server is not None
     pids = [runner._fork_server.pid, *descendants(runner._fork_server.pid)]
     assert len(pids) == 2

@@ -11,10 +11,10 @@ from pydantic import BaseModel, ValidationError
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.continuum.quantity import (
     Length,
-    Limits,
-    LineLimits,
+    LineValueRange,
     Positive,
     Quantity,
+    ValueRange,
     quantities_in,
     value_of,
 )
@@ -22,7 +22,7 @@ from geoswarm.solver.forward.continuum.quantity import (
 
 class Part(BaseModel):
     depth: Positive
-    line: Annotated[Any, LineLimits("m", 0.0)] | None = None
+    line: Annotated[Any, LineValueRange("m", 0.0)] | None = None
 
 
 class Whole(BaseModel):
@@ -80,7 +80,7 @@ def test_what_is_no_such_number_is_refused(fields: dict[str, object], words: str
 
 
 def test_a_value_beyond_its_limits_is_infeasible() -> None:
-    limits = Limits("kPa", 1.0, upper=5.0)
+    limits = ValueRange("kPa", 1.0, upper=5.0)
     quantity = limits.parse("2 * a")
     assert quantity.value({"a": 2.5}) == 5.0
     for value in (0.4, 3.0, float("nan")):

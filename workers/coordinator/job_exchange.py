@@ -29,12 +29,12 @@ from geoswarm.workers.coordinator.tries import give_back, record_result
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.codec import unpack_array
-from geoswarm.workers.store.evaluations import Board, Cell, load_board, reuse, write_new
+from geoswarm.workers.store.evaluations import Cell, GenerationRows, load_generation, reuse, write_new
 from geoswarm.workers.store.jobs import LockedJob, save_job
 from geoswarm.workers.store.queue import note_served
 from geoswarm.workers.store.versions import note_versions
 
-__all__ = ["Closed", "Due", "Session"]
+__all__ = ["Closed", "Due", "JobExchange"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class Closed:
     stopping: str | None = None
 
 
-class Session:
+class JobExchange:
     """Takes in what a worker has, advances the job when its generation is complete, and hands out the next claim."""
 
     def __init__(
@@ -95,30 +95,30 @@ class Session:
         if self.locked.row.retry_to is not None:
             return self._retry(hand_in, want, taken_up)
         generation = self.locked.row.generation
-        board: Board | None = None
+        rows: GenerationRows | None = None
         if generation >= 0 and (
             self.state == "running" or hand_in.generation == generation or hand_in.whole_generations
         ):
-            board = load_board(self.connection, self.locked.id, generation)
+            rows = load_generation(self.connection, self.locked.id, generation)
         dispatched = False
         if hand_in.whole_generations:
-            board, dispatched = self._leap(board, hand_in)
+            rows, dispatched = self._take_whole(rows, hand_in)
         elif hand_in.claim is not None:
-            self._take_in(board, hand_in, hand_in.generation, hand_in.results)
+            self._take_in(rows, hand_in, hand_in.generation, hand_in.results)
         if self.fatal is not None and self.state == "running" and self.job is not None:
             self._save([apply(self.job, JobBroken(self.fatal))], [])
-        while self.state == "running" and board is not None and board.complete:
-            board = self._advance(board, closed)
-            dispatched = board is not None
+        while self.state == "running" and rows is not None and rows.complete:
+            rows = self._advance(rows, closed)
+            dispatched = rows is not None
             if self.due is not None:
                 return Exchange()
-        if self.state != "running" or board is None:
-            if board is not None:
-                board.write(self.connection)
+        if self.state != "running" or rows is None:
+            if rows is not None:
+                rows.write(self.connection)
             return Exchange()
-        if hand_in.partial and board.generation != hand_in.generation:
+        if hand_in.partial and rows.generation != hand_in.generation:
             want = False  # another worker ended the generation: what this one is at no longer matters
-        return self._hand_out(board, want, dispatched, taken_up, hand_in.under_way())
+        return self._hand_out(rows, want, dispatched, taken_up, hand_in.under_way())
 
     def _retry(self, hand_in: HandIn, want: bool, taken_up: bool) -> Exchange:
         """Do the same for a job whose failures are run again: whatever generation they are of, none is advanced."""
@@ -137,27 +137,27 @@ class Session:
                 finish_retry(self.connection, self.locked, self.calibration.problem, gap=self.settings.lease_seconds)
                 return Exchange(left=self.locked.row.retry_to == "running")
             return Exchange()
-        board = load_board(self.connection, self.locked.id, generation)
-        return self._hand_out(board, want and not hand_in.partial, False, taken_up)
+        rows = load_generation(self.connection, self.locked.id, generation)
+        return self._hand_out(rows, want and not hand_in.partial, False, taken_up)
 
-    def _leap(self, board: Board | None, hand_in: HandIn) -> tuple[Board | None, bool]:
+    def _take_whole(self, rows: GenerationRows | None, hand_in: HandIn) -> tuple[GenerationRows | None, bool]:
         """Apply generations that the worker ran alone, if the job still stands where it did when they began."""
         whole_generations = hand_in.whole_generations
         valid = (
-            board is not None
+            rows is not None
             and self.state == "running"
-            and board.generation == whole_generations[0].generation
+            and rows.generation == whole_generations[0].generation
             and hand_in.claim is not None
             and hand_in.claim.stopping == self.locked.row.stopping
-            and all(c.status.state == "running" and c.status.worker == self.worker for c in board.cells)
+            and all(c.status.state == "running" and c.status.worker == self.worker for c in rows.cells)
         )
-        if not valid or board is None:
+        if not valid or rows is None:
             # Paused, cancelled, taken over by others, or to be ended otherwise: the first generation is as good as any
             # worker's result of it, the following ones will come out the same again.
-            self._take_in(board, hand_in, whole_generations[0].generation, whole_generations[0].results)
-            return board, False
-        self._record(board, whole_generations[0].results)
-        board.write(self.connection)
+            self._take_in(rows, hand_in, whole_generations[0].generation, whole_generations[0].results)
+            return rows, False
+        self._record(rows, whole_generations[0].results)
+        rows.write(self.connection)
         following = []
         for before, whole_generation in itertools.pairwise(whole_generations):
             following.append(_dispatched(self.locked.id, before.transition))
@@ -165,24 +165,26 @@ class Session:
         write_new(self.connection, following)
         transitions = [whole_generation.transition for whole_generation in whole_generations]
         final = transitions[-1]
-        next_board = None
+        next_rows = None
         if final.job.state == "running":
-            next_board = _dispatched(self.locked.id, final)
-            self._record(next_board, hand_in.results)
+            next_rows = _dispatched(self.locked.id, final)
+            self._record(next_rows, hand_in.results)
             if self.fatal is not None:
                 transitions.append(apply(final.job, JobBroken(self.fatal)))
         last = [r.evaluation for r in whole_generations[-1].results]
         self.typical = _typical([{"seconds": e.seconds, "reason": e.reason} for e in last], self.typical)
         self._save(transitions, [whole_generation.finished_at for whole_generation in whole_generations])
-        return next_board, next_board is not None
+        return next_rows, next_rows is not None
 
-    def _take_in(self, board: Board | None, hand_in: HandIn, generation: int, results: Sequence[Result]) -> None:
+    def _take_in(
+        self, rows: GenerationRows | None, hand_in: HandIn, generation: int, results: Sequence[Result]
+    ) -> None:
         """Record results, and give back what was claimed with them but not finished."""
         claim = hand_in.claim
         if claim is None:
             return
-        late = board is None or board.generation != generation
-        own = load_board(self.connection, self.locked.id, generation) if late or board is None else board
+        late = rows is None or rows.generation != generation
+        own = load_generation(self.connection, self.locked.id, generation) if late or rows is None else rows
         if not own.cells:
             return  # of a generation that was begun in a burst which does not count
         self._record(own, results)
@@ -194,24 +196,24 @@ class Session:
         if late:
             own.write(self.connection)
 
-    def _record(self, board: Board, results: Sequence[Result]) -> None:
+    def _record(self, rows: GenerationRows, results: Sequence[Result]) -> None:
         for result in results:
-            fatal = record_result(self.connection, board, result, self.worker, self.failures)
+            fatal = record_result(self.connection, rows, result, self.worker, self.failures)
             self.fatal = self.fatal or fatal
 
-    def _advance(self, board: Board, closed: Closed | None) -> Board | None:
-        """Close a complete generation; return the next one's board, None when the job has ended or this is due."""
-        board.write(self.connection)
-        values = [cell.values for cell in board.cells]
+    def _advance(self, rows: GenerationRows, closed: Closed | None) -> GenerationRows | None:
+        """Close a complete generation; return the next one's rows, None when the job has ended or this is due."""
+        rows.write(self.connection)
+        values = [cell.values for cell in rows.cells]
         if self.job is None:
             raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
         stopping = self.locked.row.stopping
-        if closed is not None and closed.generation == board.generation and closed.stopping == stopping:
+        if closed is not None and closed.generation == rows.generation and closed.stopping == stopping:
             transition = closed.transition
         else:
             results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
             seconds = self.locked.run_seconds(self.settings.lease_seconds)
-            event = GenerationJoined(board.generation, results, seconds, criteria=changed_criteria(stopping))
+            event = GenerationJoined(rows.generation, results, seconds, criteria=changed_criteria(stopping))
             if self.calibration.accelerated:  # takes its time: the database must not wait
                 self.due = Due(self.job, event, stopping)
                 return None
@@ -225,10 +227,10 @@ class Session:
             reuse(self.connection, following)
         return following
 
-    def _worth_reuse(self, board: Board) -> bool:
+    def _worth_reuse(self, rows: GenerationRows) -> bool:
         """Whether to look for earlier runs of the same parameters: where there are some, or a run costs more."""
         if self.log is not None:
-            return self.log.repeats(np.array([unpack_array(cell.parameters) for cell in board.cells]))
+            return self.log.repeats(np.array([unpack_array(cell.parameters) for cell in rows.cells]))
         return self.typical is not None and self.typical > self.settings.cheap_seconds
 
     def _save(self, transitions: Sequence[Transition], finished_at: Sequence[float]) -> None:
@@ -245,24 +247,24 @@ class Session:
 
     def _hand_out(
         self,
-        board: Board,
+        rows: GenerationRows,
         want: bool,
         dispatched: bool,
         taken_up: bool,
         under_way: Collection[int] = frozenset(),
     ) -> Exchange:
         """Answer with a claim, if there is one to be had; ``under_way`` is what this worker is at."""
-        particles = len(board.cells)
+        particles = len(rows.cells)
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
-            self.typical = _typical([cell.values for cell in board.cells if cell.status.done], None)
-        left = sum(cell.status.state == "pending" for cell in board.cells)
+            self.typical = _typical([cell.values for cell in rows.cells if cell.status.done], None)
+        left = sum(cell.status.state == "pending" for cell in rows.cells)
         chunk = self.sizing.chunk(self.typical, particles, left, self.live_workers)
-        claimed = self._choose(board, chunk, under_way) if want else []
-        left = sum(cell.status.state == "pending" for cell in board.cells)
+        claimed = self._choose(rows, chunk, under_way) if want else []
+        left = sum(cell.status.state == "pending" for cell in rows.cells)
         if want and not claimed and not left and not under_way:
-            claimed = self._duplicate(board)
-        claim = self._claim(board, claimed, last=not left) if claimed else None
-        board.write(self.connection)
+            claimed = self._duplicate(rows)
+        claim = self._claim(rows, claimed, last=not left) if claimed else None
+        rows.write(self.connection)
         if claim is not None:
             note_versions(self.connection, self.locked, self.worker)
         if taken_up:
@@ -273,9 +275,9 @@ class Session:
         waiting = self.typical if want and claim is None and short else None
         return Exchange(claim, rings=max(rings, 0), left=left > 0, waiting=waiting)
 
-    def _choose(self, board: Board, chunk: int, under_way: Collection[int]) -> list[Cell]:
+    def _choose(self, rows: GenerationRows, chunk: int, under_way: Collection[int]) -> list[Cell]:
         chosen: list[Cell] = []
-        for cell in board.cells:
+        for cell in rows.cells:
             if len(chosen) == chunk:
                 break
             if cell.particle in under_way:
@@ -294,32 +296,32 @@ class Session:
                 break
         return chosen
 
-    def _duplicate(self, board: Board) -> list[Cell]:
+    def _duplicate(self, rows: GenerationRows) -> list[Cell]:
         """Take up an evaluation that has been running for far too long elsewhere, once; the first result counts."""
         now = self.locked.now
         longest = max(self.settings.overdue_seconds, self.settings.overdue_factor * (self.typical or 0.0))
-        for cell in board.cells:
+        for cell in rows.cells:
             before, started_at = cell.status, cell.values["started_at"]
             if cell.values["duplicates"] or started_at is None or now - started_at < longest:
                 continue
             after, verdict = settle(before, Duplicated(self.worker))
             if verdict == "duplicated":
-                board.note_try(cell, before.attempts, before.worker, "overdue", now)
+                rows.note_try(cell, before.attempts, before.worker, "overdue", now)
                 cell.set(after, duplicates=1, lease_expires_at=now + self.settings.lease_seconds, started_at=now)
                 return [cell]
         return []
 
-    def _claim(self, board: Board, cells: Sequence[Cell], *, last: bool) -> Claim:
+    def _claim(self, rows: GenerationRows, cells: Sequence[Cell], *, last: bool) -> Claim:
         # A search that learns from stored runs advances here, where they are stored.
         whole = (
             self.locked.row.retry_to is None
             and not self.calibration.accelerated
-            and len(cells) == len(board.cells)
+            and len(cells) == len(rows.cells)
             and self.sizing.burst(self.typical, len(cells))
         )
         return Claim(
             job_id=self.locked.id,
-            generation=board.generation,
+            generation=rows.generation,
             particles=tuple(cell.particle for cell in cells),
             attempts=tuple(cell.status.attempts for cell in cells),
             positions=np.array([unpack_array(cell.parameters) for cell in cells]),
@@ -349,6 +351,6 @@ def _typical(results: Sequence[Mapping[str, Any]], before: float | None) -> floa
     return max(statistics.median(succeeded), statistics.fmean(every) if len(every) > len(succeeded) else 0.0)
 
 
-def _dispatched(job_id: str, transition: Transition) -> Board:
+def _dispatched(job_id: str, transition: Transition) -> GenerationRows:
     dispatch = next(i for i in transition.instructions if isinstance(i, DispatchGeneration))
-    return Board.dispatch(job_id, dispatch.generation, dispatch.positions)
+    return GenerationRows.dispatch(job_id, dispatch.generation, dispatch.positions)

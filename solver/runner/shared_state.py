@@ -7,12 +7,12 @@ import os
 import struct
 import time
 
-__all__ = ["BUILDING", "IDLE", "Board"]
+__all__ = ["BUILDING", "IDLE", "SharedState"]
 
 IDLE, BUILDING = -1, -2
 
 
-class Board:
+class SharedState:
     """Memory that worker and evaluation process share: which position is being evaluated, since when, and a flag."""
 
     _STATE = struct.Struct("=qd")
