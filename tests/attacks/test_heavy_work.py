@@ -16,6 +16,7 @@ from tests.attacks.services import Service, serving, watched
 from tests.integration.engines import wait_for
 from tests.servers import free_port
 
+OTHERS = ("problems/check", "jobs")  # work on a problem in the same way
 LIMITS = {"GEOSWARM_HEAVY_SECONDS": "10", "GEOSWARM_HEAVY_MEMORY_MB": "900"}
 
 
@@ -44,7 +45,9 @@ def bad(builds: str = "", behaviour: str = "good") -> dict[str, Any]:
         ("raise", "cannot be built: it raised SilentError"),
     ],
 )
-@pytest.mark.parametrize("route", ["problems/read", "problems/check", "jobs"])
+@pytest.mark.parametrize(
+    "route", ["problems/read", *(pytest.param(r, marks=pytest.mark.slow) for r in ("problems/check", "jobs"))]
+)
 def test_a_model_that_fails_while_it_is_built_fails_its_request_alone(
     service: Service, builds: str, detail: str, route: str
 ) -> None:
@@ -56,6 +59,7 @@ def test_a_model_that_fails_while_it_is_built_fails_its_request_alone(
         assert client.post("/api/v1/problems/read", json=bad()).status_code == 200
 
 
+@pytest.mark.slow
 def test_a_neighbour_that_hangs_everything_is_not_noticed(service: Service) -> None:
     attacker, victim = service.key_of("attacker"), service.key_of("victim")
 
