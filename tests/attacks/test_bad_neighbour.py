@@ -24,14 +24,6 @@ from tests.integration.engines import wait_for
 from tests.servers import free_port
 
 AT_ONCE = 10
-SHORT = [
-    "long cells and digits",
-    "merge keys of YAML",
-    "a slip of a unit",
-    "large bodies",
-    "half requests",
-    "readiness",
-]
 ENOUGH = 100  # answers for a percentile
 MOST_ROUNDS = 5
 MOST_MEMORY = 1000.0  # MiB, of the process that answers
@@ -157,7 +149,7 @@ def test_some_attacks_at_once_are_not_noticed(tmp_path: Path) -> None:
     with attacked(tmp_path) as (service, calm, neighbour):
         before = log_size(tmp_path)
         with neighbour:
-            run(service, SHORT)
+            run(service, names)
         neighbour.judge(calm)
         assert log_size(tmp_path) - before < MOST_LOG
 
