@@ -10,8 +10,10 @@
 ``traces``       what a run has left in it
 ``wire``         what goes over the socket between them: frames of JSON and float64, no pickle
 ``board``        the memory that they share: what is being evaluated, since when
+``kernels``      has the kernels of a problem compiled and loaded before it begins
 ``output``       the file that takes what forward models write
 ``environment``  what forward models see of the environment
 ``processes``    process trees and their memory
+``team``         runners that share a calibration in process
 ===============  ===========================================================================================
 """

@@ -6,12 +6,12 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
 
 from geoswarm.solver.runner.processes import descendants
+from tests.attacks.attacks import bad
 from tests.attacks.services import Service, serving, watched
 from tests.integration.engines import wait_for
 from tests.servers import free_port
@@ -24,16 +24,6 @@ LIMITS = {"GEOSWARM_HEAVY_SECONDS": "10", "GEOSWARM_HEAVY_MEMORY_MB": "900"}
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     with serving(tmp_path_factory.mktemp("attacked"), free_port(), "--workers", "1", **LIMITS) as running:
         yield running
-
-
-def bad(builds: str = "", behaviour: str = "good") -> dict[str, Any]:
-    return {
-        "forward_model": {"kind": "bad", "builds": builds, "behaviour": behaviour},
-        "parameters": {"slope": {"lower": -5, "upper": 5}},
-        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
-        "stopping": {"max_evaluations": 12},
-        "seed": 1,
-    }
 
 
 @pytest.mark.parametrize(
