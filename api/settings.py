@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr, ValidationError, field_validator
 
 from geoswarm.api.errors import ApiSettingsError
-from geoswarm.environment import SecretFileError, given_settings, settings_mistakes
+from geoswarm.environment import SecretFileError, given_settings, listed, settings_mistakes
 
 __all__ = ["LOOPBACK_HOSTS", "ApiSettings"]
 
@@ -34,9 +34,8 @@ VARIABLES: dict[str, str] = {
 }
 
 
-def _names(value: Any) -> Any:
-    """Names from a list, or in small letters from a text with commas between them."""
-    return [part.strip().lower() for part in value.split(",") if part.strip()] if isinstance(value, str) else value
+def _in_small_letters(value: Any) -> Any:
+    return listed(value.lower()) if isinstance(value, str) else value
 
 
 class ApiSettings(BaseModel):
@@ -87,8 +86,8 @@ class ApiSettings(BaseModel):
 
     api_key: SecretStr | None = None
     require_key: bool = False
-    allowed_hosts: Annotated[frozenset[str], BeforeValidator(_names)] = frozenset()
-    trusted_proxies: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
+    allowed_hosts: Annotated[frozenset[str], BeforeValidator(_in_small_letters)] = frozenset()
+    trusted_proxies: Annotated[tuple[str, ...], BeforeValidator(_in_small_letters)] = ()
     max_body_bytes: int = Field(default=32 * 2**20, ge=1_000)
     body_bytes_per_key: int = Field(default=64 * 2**20, ge=1_000)
     body_bytes: int = Field(default=256 * 2**20, ge=1_000)

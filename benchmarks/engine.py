@@ -2,7 +2,8 @@
 
     python benchmarks/engine.py [--rounds 5] [--samples 100000]
 
-1. Forward runs that sleep 100 ms, 10 particles, 2 workers: share of the ideal speed.
+1. Forward runs that sleep 100 ms, 10 particles, 2 workers: share of the ideal speed, and how busy the workers are from
+   the submission of the job to its end.
 2. Forward runs that compute for 100 ms: the same against a bare process pool that makes these runs.
 3. The published oedometer with 1590 evaluations over HTTP, Redis and PostgreSQL, against the run in process on one core
    and with as many processes as there are workers.
@@ -22,7 +23,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,7 @@ os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_N
 
 # Imported late: the number of threads must be set before the numerical libraries are loaded.
 from geoswarm import Client, GeoswarmError  # noqa: E402
+from geoswarm.client.models import Job  # noqa: E402
 from geoswarm.solver.calibration import Calibration  # noqa: E402
 from geoswarm.solver.local import calibrate  # noqa: E402
 from geoswarm.solver.problem import load_problem, parse_problem  # noqa: E402
@@ -108,11 +110,25 @@ def service() -> Iterator[tuple[Client, list[int]]]:
 
 def served(client: Client, document: dict[str, Any]) -> float:
     """Return the wall time [s] from submitting a job to its end, seen from outside."""
+    return finished(client, document)[0]
+
+
+def finished(client: Client, document: dict[str, Any]) -> tuple[float, Job]:
+    """Return the same, and the job."""
     began = time.perf_counter()
     job = client.wait(client.submit(document).id, timeout=600)
     if job.state != "finished":
         raise SystemExit(f"{job.name}: {job.state}, {job.error}")
-    return time.perf_counter() - began
+    return time.perf_counter() - began, job
+
+
+def busy(client: Client, document: dict[str, Any]) -> tuple[float, float]:
+    """Return the wall time [s] of a job, and the share of its time in which its workers were running evaluations."""
+    seconds, job = finished(client, document)
+    evaluations = sum(evaluation.seconds or 0.0 for evaluation in client.iterate_evaluations(job.id))
+    if job.finished_at is None:
+        raise SystemExit(f"{job.name} has no end")
+    return seconds, evaluations / (WORKERS * (job.finished_at - job.created_at).total_seconds())
 
 
 def ended_after(client: Client, action: str) -> float:
@@ -163,7 +179,7 @@ def memory(pids: list[int]) -> float:
     return sum(memory_below(pid) for pid in pids)
 
 
-def line(text: str, seconds: list[float], ratio: str = "") -> None:
+def line(text: str, seconds: Sequence[float], ratio: str = "") -> None:
     """Print a result."""
     print(f"{text:58s} {statistics.median(seconds):8.3f} s   {ratio}", flush=True)
 
@@ -184,9 +200,9 @@ def main() -> None:
         for document in (slow_problem("sleep"), slow_problem("compute"), oedometer()):
             served(client, document | {"stopping": {"max_evaluations": 2 * PARTICLES}})  # every process is warm
         for _ in range(arguments.rounds):
-            sleeping.append(served(client, slow_problem("sleep")))
+            sleeping.append(busy(client, slow_problem("sleep")))
             pool.append(bare_pool(slow_problem("compute")))
-            computing.append(served(client, slow_problem("compute")))
+            computing.append(busy(client, slow_problem("compute")))
             inside.append(calibrate(whole).seconds)
             began = time.perf_counter()
             calibrate(whole, workers=WORKERS)
@@ -195,10 +211,14 @@ def main() -> None:
                 seconds.append(ended_after(client, action))
             http.append(served(client, oedometer()))
         median = statistics.median
-        line("100 runs that sleep 100 ms", sleeping, f"{100 * ideal / median(sleeping):.1f} % of ideal")
+        seconds, shares = ([found[i] for found in sleeping] for i in (0, 1))
+        text = f"{100 * ideal / median(seconds):.1f} % of ideal, workers {100 * median(shares):.1f} % busy"
+        line("100 runs that sleep 100 ms", seconds, text)
         line("100 runs that compute 100 ms, bare pool", pool)
-        ratios = [a / b for a, b in zip(pool, computing, strict=True)]
-        line("100 runs that compute 100 ms, service", computing, f"{100 * median(ratios):.1f} % of the bare pool")
+        seconds, shares = ([found[i] for found in computing] for i in (0, 1))
+        ratios = [a / b for a, b in zip(pool, seconds, strict=True)]
+        text = f"{100 * median(ratios):.1f} % of the bare pool, workers {100 * median(shares):.1f} % busy"
+        line("100 runs that compute 100 ms, service", seconds, text)
         line("oedometer, 1590 runs, in process, one core", inside)
         line(f"oedometer, 1590 runs, in process, {WORKERS} processes", side_by_side)
         ratios = [a / b for a, b in zip(http, inside, strict=True)]
@@ -209,10 +229,10 @@ def main() -> None:
             line(f"an endless run after {action}", found, f"longest {max(found):.2f} s")
         served(client, monte_carlo(arguments.samples // 5))
         before = memory(processes)
-        seconds = served(client, monte_carlo(arguments.samples))
+        stored = served(client, monte_carlo(arguments.samples))
         after = memory(processes)
-        rate = f"{arguments.samples / seconds:.0f} a second, memory {before:.0f} -> {after:.0f} MiB"
-        line(f"isotropic, {arguments.samples} samples stored", [seconds], rate)
+        rate = f"{arguments.samples / stored:.0f} a second, memory {before:.0f} -> {after:.0f} MiB"
+        line(f"isotropic, {arguments.samples} samples stored", [stored], rate)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
-__all__ = ["SECRETS", "SecretFileError", "given_settings", "secret", "settings_mistakes", "without_secrets"]
+__all__ = ["SECRETS", "SecretFileError", "given_settings", "listed", "secret", "settings_mistakes", "without_secrets"]
 
 SECRETS = ("GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL", "GEOSWARM_API_KEY")
 """Variables with passwords and keys."""
@@ -96,6 +96,11 @@ def settings_mistakes(error: ValidationError, variables: Mapping[str, str], over
             value = "" if variable in SECRETS else f" {item['input']!r:.100}"
             told.append(f"{name}{value}: {item['msg']}")
     return "; ".join(told)
+
+
+def listed(value: Any) -> Any:
+    """Return the names of a text with commas between them; what is no text stays as it is."""
+    return [part.strip() for part in value.split(",") if part.strip()] if isinstance(value, str) else value
 
 
 def _only_line(variable: str, path: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import signal
 import sys
@@ -24,8 +25,6 @@ EvaluateGeneration: TypeAlias = Callable[[FloatArray], list[Evaluation]]
 
 Finished: TypeAlias = Callable[[FloatArray, Evaluation], None]
 """Called with the position and outcome of every evaluation as it finishes, in any order."""
-
-EvaluateChunk: TypeAlias = Callable[[FloatArray], list[Evaluation]]
 
 _SECONDS_PER_TASK = 0.05
 """Shorter evaluations are handed out several at a time."""
@@ -54,18 +53,18 @@ def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Ite
     if workers < 1:
         raise ValueError(f"workers is {workers}, at least 1 is needed")
     limited = WATCHED and calibration.problem.limits != Limits()
-    here = None if workers == 1 and not limited else _seconds_here(calibration, limited)
+    here = math.inf if workers == 1 and not limited else _seconds_here(calibration, limited)
     with ExitStack() as started:
         shared: _Shared | None = None
 
         def evaluate(positions: FloatArray) -> list[Evaluation]:
             nonlocal here, shared
             evaluations: list[Evaluation] = []
-            while len(evaluations) < len(positions) and (here is None or here > 0.0):
+            while len(evaluations) < len(positions) and here > 0.0:
                 position = positions[len(evaluations)]
                 evaluations.append(_evaluate(calibration, position))
                 finished(position, evaluations[-1])
-                here = None if here is None else here - evaluations[-1].seconds
+                here -= evaluations[-1].seconds
             if len(evaluations) == len(positions):
                 return evaluations
             if shared is None:
@@ -98,7 +97,7 @@ def _shared(calibration: Calibration, workers: int, finished: Finished) -> Itera
 class _Shared:
     """Evaluates positions by an executor, cheap ones several at a time."""
 
-    def __init__(self, executor: Executor, workers: int, evaluate: EvaluateChunk, finished: Finished) -> None:
+    def __init__(self, executor: Executor, workers: int, evaluate: EvaluateGeneration, finished: Finished) -> None:
         self._executor = executor
         self._workers = workers
         self._evaluate = evaluate

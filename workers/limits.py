@@ -11,4 +11,5 @@ __all__ = ["limits_of"]
 
 def limits_of(problem: Problem, settings: Settings) -> RunLimits:
     """Return the limits of a problem, and of these workers where they are tighter."""
-    return RunLimits.of(problem).within(settings.evaluation_seconds, settings.evaluation_memory_mb)
+    most = (settings.evaluation_seconds, settings.evaluation_memory_mb)
+    return RunLimits.of(problem).within(*most, of_time="GEOSWARM_EVALUATION_SECONDS of the workers")

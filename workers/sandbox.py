@@ -55,7 +55,9 @@ class Sandbox:
             self._evaluator = Runner(self._settings.passed_environment) if self._settings.isolate else InlineEvaluator()
             self._evaluator.start()
         make_ready(self._evaluator, calibration.problem)
-        limits = limits_of(calibration.problem, self._settings).within(self._settings.check_seconds)
+        limits = limits_of(calibration.problem, self._settings).within(
+            self._settings.check_seconds, of_time="GEOSWARM_CHECK_SECONDS of the service"
+        )
         name = f"test run {self._number}"
         (outcome,) = self._evaluator.run(name, calibration, position[np.newaxis], limits, fields=fields)
         return outcome.evaluation

@@ -138,8 +138,8 @@ class JobService(JobRecords):
             "grids": pack_json({observation.series: observation.x.tolist() for observation in problem.observations}),
         }
         size = sizes(problem, documents, offer)
-        limited = owner is not None and self.principal.role != "admin"
-        taken = self.store.size_bytes() if limited else 0
+        quota_of = None if self.principal.role == "admin" else owner
+        taken = 0 if quota_of is None else self.store.size_bytes()
         values: dict[str, Any] = {
             "id": secrets.token_hex(8),
             "name": clean_text(problem.name),
@@ -162,9 +162,9 @@ class JobService(JobRecords):
             same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None:
                 self._require_room()
-                if owner is not None and limited:
+                if quota_of is not None:
                     planned = problem.planned_evaluations
-                    check_quotas(connection, owner, planned, self.settings, size=size, taken=taken)
+                    check_quotas(connection, quota_of, planned, self.settings, size=size, taken=taken)
                 if jobs.insert_job(connection, values):
                     if offer is not None:
                         write_offer(connection, values["id"], offer)
@@ -210,7 +210,8 @@ class JobService(JobRecords):
 
         def work(connection: Connection) -> Page[JobView]:
             rows, following = list_jobs(connection, chosen, owner=owner, limit=clip(limit), cursor=cursor)
-            views = [self._view(row) for row in rows]
+            shortage = self._runtime.shortage()
+            views = [self._view(row, shortage) for row in rows]
             if trend:
                 trends = list_trends(connection, {view.id: view.generations for view in views}, trend)
                 views = [replace(view, trend=trends[view.id]) for view in views]
@@ -342,12 +343,13 @@ class JobService(JobRecords):
             return False
 
     def _get(self, connection: Connection, job_id: str) -> JobView:
-        return self._view(self._row(connection, job_id))
+        return self._view(self._row(connection, job_id), self._runtime.shortage())
 
-    def _view(self, row: Any) -> JobView:
+    def _view(self, row: Any, shortage: str | None) -> JobView:
         view = job_view(row, self._gap)
-        shortage = self._runtime.shortage() if view.state in ("queued", "running") else None
-        return view if shortage is None else replace(view, warnings=[*view.warnings, f"waits: {shortage}"])
+        if shortage is None or view.state not in ("queued", "running"):
+            return view
+        return replace(view, warnings=[*view.warnings, f"waits: {shortage}"])
 
     def _require_room(self) -> None:
         shortage = self._runtime.shortage()

@@ -9,7 +9,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
-from geoswarm.environment import SecretFileError, given_settings, settings_mistakes
+from geoswarm.environment import SecretFileError, given_settings, listed, settings_mistakes
 from geoswarm.workers.errors import SettingsError
 
 __all__ = ["Settings", "mask_url"]
@@ -46,11 +46,6 @@ def mask_url(url: str) -> str:
         return make_url(url).render_as_string(hide_password=True)
     except ArgumentError:
         return "(address that cannot be parsed)"
-
-
-def _names(value: Any) -> Any:
-    """Names from a list, or from a text with commas between them."""
-    return tuple(part.strip() for part in value.split(",") if part.strip()) if isinstance(value, str) else value
 
 
 def _limit(value: Any) -> Any:
@@ -144,7 +139,7 @@ class Settings(BaseModel):
     overdue_seconds: float = Field(30.0, gt=0)
     overdue_factor: float = Field(4.0, ge=1)
     isolate: bool = True
-    passed_environment: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
+    passed_environment: Annotated[tuple[str, ...], BeforeValidator(listed)] = ()
     evaluation_seconds: Annotated[float | None, BeforeValidator(_limit)] = Field(3600.0, gt=0)
     evaluation_memory_mb: Annotated[float | None, BeforeValidator(_limit)] = Field(None, ge=16)
     build_memory_mb: float = Field(4096.0, ge=64)

@@ -33,6 +33,7 @@ from geoswarm.workers.store.evaluations import get_evaluation
 from geoswarm.workers.store.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
 from geoswarm.workers.store.selection import (
     MOST_READ,
+    MOST_VALUES,
     chosen_generations,
     counted_failures,
     read_evaluations,
@@ -40,10 +41,7 @@ from geoswarm.workers.store.selection import (
 )
 from geoswarm.workers.store.versions import recorded_versions, version_warnings
 
-__all__ = ["MOST_VALUES", "StatisticsService", "StoredJob"]
-
-MOST_VALUES = 4_000_000
-"""Calculated values that are read of a job: evaluations times points, about 32 MB."""
+__all__ = ["StatisticsService", "StoredJob"]
 
 _ABOUT = 1.5  # whole generations are read while they are not more than so many times what is wanted
 

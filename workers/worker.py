@@ -197,10 +197,10 @@ class Worker:
 
         A ring through the broker would come later than a look at the database.
         """
-        pause = min(max(0.01 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        pause = min(max(0.03 * typical, SHORTEST_LOOK), LONGEST_LOOK)
         now = time.monotonic()
         patience = min(turn.until, now + max(3.0 * typical, PATIENCE_SECONDS))
-        others = now  # when to look for other work
+        others = now + LONGEST_LOOK  # when to look for other work
         while now < patience and self.heartbeat.unwanted() is None:
             if self.store.read(lambda connection: current_generation(connection, claim.job_id)) != claim.generation:
                 return True
@@ -231,7 +231,7 @@ class Worker:
         self, job_id: str, calibration: Calibration, hand_in: HandIn, turn: _Turn, *, want: bool = True
     ) -> Exchange:
         """Exchange with the runtime once."""
-        want = want and turn.goes_on()
+        want = want and turn.goes_on(soon=hand_in.partial)
         answer = self.runtime.exchange(
             job_id,
             self.identity.id,
@@ -308,11 +308,16 @@ class _Turn:
         """Take no further claim of this job."""
         self._ended = True
 
-    def goes_on(self) -> bool:
-        """Whether the worker takes another claim of this job."""
+    def goes_on(self, *, soon: bool) -> bool:
+        """Whether the worker takes another claim of this job.
+
+        With ``soon`` an evaluation still runs: a slice that is about to end is looked at now, while nothing waits.
+        """
         if self._ended or self._worker.stopping.is_set() or (self._worker.heartbeat.late and not self.begins):
             return False
-        if time.monotonic() >= self.until and self._worker.next_job() in (None, self._job_id):
-            self.until = time.monotonic() + self._worker.settings.slice_seconds
+        slice_seconds = self._worker.settings.slice_seconds
+        ends = self.until - (0.5 * slice_seconds if soon else 0.0)
+        if time.monotonic() >= ends and self._worker.next_job() in (None, self._job_id):
+            self.until = time.monotonic() + slice_seconds
             self.begins = True
         return time.monotonic() < self.until

@@ -26,19 +26,21 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class RunLimits:
-    """Wall time [s] and memory [MiB] that one evaluation may use; None: any."""
+    """Wall time [s] and memory [MiB] that one evaluation may use; None: any. ``of_time``: what limits the time."""
 
     seconds: float | None = None
     memory_mb: float | None = None
+    of_time: str = "limits.seconds_per_evaluation"
 
     @classmethod
     def of(cls, problem: Problem) -> RunLimits:
         """Return those that a problem sets."""
         return cls(problem.limits.seconds_per_evaluation, problem.limits.memory_mb)
 
-    def within(self, seconds: float | None, memory_mb: float | None = None) -> RunLimits:
+    def within(self, seconds: float | None, memory_mb: float | None = None, *, of_time: str) -> RunLimits:
         """Return these limits where they are tighter than the given ones, else those."""
-        return RunLimits(_least(self.seconds, seconds), _least(self.memory_mb, memory_mb))
+        least = _least(self.seconds, seconds)
+        return RunLimits(least, _least(self.memory_mb, memory_mb), self.of_time if least == self.seconds else of_time)
 
 
 class NeverMind(Exception):  # noqa: N818  no error

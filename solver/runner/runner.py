@@ -242,7 +242,7 @@ class Runner:
         reason = "worker_lost"
         if index >= 0 and limits.seconds is not None and running > limits.seconds:
             reason = "timeout"
-            message = f"ran for longer than {limits.seconds:g} s (limits.seconds_per_evaluation) and was killed"
+            message = f"ran for longer than {limits.seconds:g} s ({limits.of_time}) and was killed"
         elif index == BUILDING and running > BUILD_SECONDS:
             message = f"the problem was not built within {BUILD_SECONDS:g} s in the evaluation process"
         elif (process.answering or index == IDLE) and min(running, silent) > SILENT_SECONDS:

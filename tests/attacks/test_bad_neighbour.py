@@ -137,8 +137,15 @@ def log_size(folder: Path) -> int:
 
 
 @pytest.mark.timeout(900)
-def test_ten_attacks_at_once_are_not_noticed(tmp_path: Path) -> None:
-    names = list(ATTACKS)[::2]
+def test_some_attacks_at_once_are_not_noticed(tmp_path: Path) -> None:
+    names = [
+        "long cells and digits",
+        "merge keys of YAML",
+        "a slip of a unit",
+        "large bodies",
+        "half requests",
+        "readiness",
+    ]
     with attacked(tmp_path) as (service, calm, neighbour):
         before = log_size(tmp_path)
         with neighbour:

@@ -6,16 +6,17 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
 
 from geoswarm.solver.runner.processes import descendants
+from tests.attacks.attacks import bad
 from tests.attacks.services import Service, serving, watched
 from tests.integration.engines import wait_for
 from tests.servers import free_port
 
+OTHERS = ("problems/check", "jobs")  # work on a problem in the same way
 LIMITS = {"GEOSWARM_HEAVY_SECONDS": "10", "GEOSWARM_HEAVY_MEMORY_MB": "900"}
 
 
@@ -23,16 +24,6 @@ LIMITS = {"GEOSWARM_HEAVY_SECONDS": "10", "GEOSWARM_HEAVY_MEMORY_MB": "900"}
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     with serving(tmp_path_factory.mktemp("attacked"), free_port(), "--workers", "1", **LIMITS) as running:
         yield running
-
-
-def bad(builds: str = "", behaviour: str = "good") -> dict[str, Any]:
-    return {
-        "forward_model": {"kind": "bad", "builds": builds, "behaviour": behaviour},
-        "parameters": {"slope": {"lower": -5, "upper": 5}},
-        "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 1, 2]}}],
-        "stopping": {"max_evaluations": 12},
-        "seed": 1,
-    }
 
 
 @pytest.mark.parametrize(
@@ -44,7 +35,9 @@ def bad(builds: str = "", behaviour: str = "good") -> dict[str, Any]:
         ("raise", "cannot be built: it raised SilentError"),
     ],
 )
-@pytest.mark.parametrize("route", ["problems/read", "problems/check", "jobs"])
+@pytest.mark.parametrize(
+    "route", ["problems/read", *(pytest.param(r, marks=pytest.mark.slow) for r in ("problems/check", "jobs"))]
+)
 def test_a_model_that_fails_while_it_is_built_fails_its_request_alone(
     service: Service, builds: str, detail: str, route: str
 ) -> None:
@@ -56,6 +49,7 @@ def test_a_model_that_fails_while_it_is_built_fails_its_request_alone(
         assert client.post("/api/v1/problems/read", json=bad()).status_code == 200
 
 
+@pytest.mark.slow
 def test_a_neighbour_that_hangs_everything_is_not_noticed(service: Service) -> None:
     attacker, victim = service.key_of("attacker"), service.key_of("victim")
 

@@ -112,6 +112,7 @@ def test_the_service_and_its_workers_work(installed: Installation, folder: Path,
             assert (job.state, job.evaluations) == ("finished", 20)
 
 
+@pytest.mark.slow
 def test_a_celery_worker_works(
     installed: Installation,
     folder: Path,

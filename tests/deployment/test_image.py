@@ -42,6 +42,7 @@ def test_the_build_sees_only_what_git_knows_and_the_wheel_needs(tmp_path: Path) 
     assert [path.name for path in (tmp_path / "requirements").iterdir()] == ["image.txt"]
 
 
+@pytest.mark.slow
 def test_the_build_folder_is_enough(image: Image) -> None:
     done = image.run(["python", "-m", "pip", "check"], entrypoint=False)
     assert done.returncode == 0, done.stdout
@@ -52,6 +53,7 @@ def test_the_build_folder_is_enough(image: Image) -> None:
     assert where.stdout.startswith(str(image.path("/opt/geoswarm"))), where.stderr
 
 
+@pytest.mark.slow
 def test_every_service_is_healthy_and_a_job_goes_through(
     image: Image, fresh_postgres_url: str, fresh_redis_url: str, tmp_path: Path
 ) -> None:

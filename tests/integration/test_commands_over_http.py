@@ -127,6 +127,7 @@ def test_embedded_service_gives_the_in_process_history(workers: int, tmp_path: P
         assert over_http(client, job.id) == in_process()
 
 
+@pytest.mark.slow
 def test_an_accelerated_job_gives_the_in_process_history(
     tmp_path: Path, fresh_postgres_url: str, fresh_redis_url: str
 ) -> None:
@@ -154,6 +155,7 @@ def test_redis_and_postgresql_give_the_in_process_history(
         assert over_http(client, job.id) == in_process()
 
 
+@pytest.mark.slow
 def test_a_killed_worker_and_a_restarted_redis_change_nothing(
     fresh_postgres_url: str, fresh_redis_url: str, redis_server: RedisServer
 ) -> None:

@@ -122,6 +122,7 @@ def test_an_unreachable_broker_is_one_clear_line(fresh_postgres_url: str) -> Non
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_worker_ends_in_time_although_one_of_its_processes_hangs(settings: Settings) -> None:
     hasty = settings.model_copy(update={"grace_seconds": 0.5})
     with open_engine(hasty) as engine, celery_workers(hasty, count=1, concurrency=2) as (process,):

@@ -93,6 +93,7 @@ def test_pause_stops_and_resume_goes_on(database_url: str) -> None:
         assert recorded_history(engine.service, job_id) == long_history()
 
 
+@pytest.mark.slow
 def test_a_job_goes_on_in_the_next_engine(database_url: str) -> None:
     settings = Settings(database_url=database_url, workers=2, **STEADY)
     with open_engine(settings) as engine:
@@ -125,6 +126,7 @@ def test_no_worker_outlives_a_killed_engine(tmp_path: Path) -> None:
     wait_for(lambda: not any(process_exists(pid) for pid in pids), "the end of the orphans", 10)
 
 
+@pytest.mark.slow
 def test_a_restarted_database_changes_nothing(postgres_server: PostgresServer, fresh_postgres_url: str) -> None:
     with open_engine(Settings(database_url=fresh_postgres_url, workers=2, **STEADY)) as engine:
         job_id = engine.service.submit(LONG)[0].id

@@ -86,6 +86,7 @@ def test_bad_runs_are_failed_evaluations_and_the_job_goes_on(
     assert not any(process_exists(pid) for pid in pids(notes))
 
 
+@pytest.mark.slow
 def test_a_job_whose_every_run_fails_ends_failed_and_tells_why(engine_with: Open) -> None:
     problem = misbehaving("diverge", above=-2, failures={"retry": {"diverged": 1}})
     with engine_with() as engine:
@@ -165,6 +166,7 @@ def test_failed_runs_are_run_again_and_only_they(engine_with: Open, tmp_path: Pa
     assert job.parameters == calm.parameters
 
 
+@pytest.mark.slow
 def test_a_job_that_one_failure_ended_goes_on_as_if_it_had_not_happened(engine_with: Open, tmp_path: Path) -> None:
     cured = tmp_path / "cured"
     swarm = {
@@ -187,6 +189,7 @@ def test_a_job_that_one_failure_ended_goes_on_as_if_it_had_not_happened(engine_w
     assert found == expected
 
 
+@pytest.mark.slow
 def test_another_try_can_be_cancelled_and_needs_a_job_at_rest(engine_with: Open, tmp_path: Path) -> None:
     cured = tmp_path / "cured"
     failing = misbehaving("diverge", cured=str(cured))
@@ -253,6 +256,7 @@ def test_slots_limit_how_many_run_at_once(engine_with: Open) -> None:
     assert all(before[1] <= after[0] for before, after in itertools.pairwise(spans))
 
 
+@pytest.mark.slow
 def test_workers_of_one_kind_leave_others_alone(engine_with: Open) -> None:
     with engine_with(workers=2, kinds=("misbehaving",)) as engine:
         service = engine.service

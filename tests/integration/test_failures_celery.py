@@ -79,6 +79,7 @@ def test_pause_and_cancel_reach_runs_in_their_middle(settings: Settings, tmp_pat
         assert service.get(ids["cancel"]).state == "cancelled"
 
 
+@pytest.mark.slow
 def test_the_time_of_a_job_goes_on_after_a_restart(settings: Settings) -> None:
     problem = misbehaving(
         "sleep",

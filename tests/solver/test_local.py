@@ -3,6 +3,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -76,16 +77,23 @@ def test_failed_evaluations_do_not_stop_the_search() -> None:
 
 
 @pytest.fixture
+def below() -> Callable[[], list[int]]:
+    """Gives the processes below this one that were not there when the test began: servers of other tests stay."""
+    before = set(descendants(os.getpid()))
+    return lambda: [pid for pid in descendants(os.getpid()) if pid not in before]
+
+
+@pytest.fixture
 def processes_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Processes are started for the first evaluation, however quick."""
     monkeypatch.setattr(evaluators, "_START_SECONDS", 0.0)
 
 
-def test_quick_runs_need_no_processes() -> None:
-    below = []
+def test_quick_runs_need_no_processes(below: Callable[[], list[int]]) -> None:
+    found: list[int] = []
     problem = decay_problem(stopping={"max_evaluations": 60})
-    calibrate(problem, workers=2, on_generation=lambda _: below.extend(descendants(os.getpid())))
-    assert not below
+    calibrate(problem, workers=2, on_generation=lambda _: found.extend(below()))
+    assert not found
 
 
 def test_processes_take_over_when_quick_runs_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,19 +105,18 @@ def test_processes_take_over_when_quick_runs_are_many(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.usefixtures("processes_at_once")
-def test_killed_worker_processes_change_nothing() -> None:
+def test_killed_worker_processes_change_nothing(below: Callable[[], list[int]]) -> None:
     problem = decay_problem(stopping={"max_evaluations": 60})
     killed = []
 
     def kill(_: GenerationRecord) -> None:
-        below = descendants(os.getpid())
-        if below:  # those that were killed last may not have been replaced yet
-            killed.append(below[len(killed) % len(below)])
+        if found := below():  # those that were killed last may not have been replaced yet
+            killed.append(found[len(killed) % len(found)])
             os.kill(killed[-1], signal.SIGKILL)
 
     assert bits(calibrate(problem, workers=2, on_generation=kill)) == bits(calibrate(problem))
     assert killed
-    assert not descendants(os.getpid())
+    assert not below()
 
 
 @pytest.mark.usefixtures("misbehaving_models")
@@ -143,13 +150,13 @@ def test_failed_evaluations_get_their_further_tries(workers: int, tmp_path: Path
 
 
 @pytest.mark.usefixtures("processes_at_once")
-def test_an_interrupt_ends_all_processes() -> None:
+def test_an_interrupt_ends_all_processes(below: Callable[[], list[int]]) -> None:
     def interrupt(_: GenerationRecord) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         calibrate(decay_problem(), workers=2, on_generation=interrupt)
-    assert not descendants(os.getpid())
+    assert not below()
 
 
 @pytest.mark.usefixtures("processes_at_once")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import load_problem, parse_problem
@@ -12,6 +13,7 @@ from geoswarm.solver.problem import load_problem, parse_problem
 PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
 
 
+@pytest.mark.slow
 def test_reaches_the_published_objective_within_the_published_number_of_evaluations() -> None:
     document = load_problem(PROBLEM).document()
     problem = parse_problem(document | {"method": document["method"] | {"acceleration": "none"}})

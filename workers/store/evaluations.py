@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from sqlalchemy import (
     ColumnElement,
     Connection,
+    Update,
     and_,
     bindparam,
     delete,
@@ -46,6 +48,7 @@ __all__ = [
 
 WORTH_COPYING = 50  # rows
 ROWS_AT_ONCE = 200  # keys in one statement
+KEY = ("job_id", "generation", "particle")
 
 RESULT_COLUMNS = (
     "state",
@@ -65,6 +68,22 @@ RESULT_COLUMNS = (
 )
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
 GENERATION_COLUMNS = [column for column in LIST_COLUMNS if column.name != "misfits"]
+# Asked for in every exchange: built once, as building takes as long as the database's answer.
+GENERATION = (
+    select(*GENERATION_COLUMNS)
+    .where(evaluations.c.job_id == bindparam("job_id"), evaluations.c.generation == bindparam("generation"))
+    .order_by(evaluations.c.particle)
+)
+EARLIER = (
+    select(evaluations, database_now().label("now"))
+    .where(
+        evaluations.c.job_id == bindparam("job_id"),
+        evaluations.c.generation < bindparam("generation"),
+        evaluations.c.state.in_(("finished", "failed")),
+        evaluations.c.parameters.in_(bindparam("wanted", expanding=True)),
+    )
+    .order_by(evaluations.c.generation, evaluations.c.particle)
+)
 
 
 @dataclass(slots=True)
@@ -173,14 +192,13 @@ class GenerationRows:
             if cell.changes:
                 alike.setdefault(tuple(cell.changes), []).append(cell)
         for names, cells in alike.items():
-            statement = update(evaluations).where(
-                evaluations.c.job_id == self.job_id,
-                evaluations.c.generation == self.generation,
-                evaluations.c.particle == bindparam("key"),
-            )
+            here = {"of_job_id": self.job_id, "of_generation": self.generation}
             connection.execute(
-                statement.values({name: bindparam(f"to_{name}") for name in names}),
-                [{"key": cell.particle} | {f"to_{name}": cell.changes[name] for name in names} for cell in cells],
+                _change(names),
+                [
+                    here | {"of_particle": cell.particle} | {f"to_{name}": cell.changes[name] for name in names}
+                    for cell in cells
+                ],
             )
             for cell in cells:
                 cell.changes = {}
@@ -188,6 +206,13 @@ class GenerationRows:
     def _rows(self) -> list[dict[str, Any]]:
         key = {"job_id": self.job_id, "generation": self.generation}
         return [key | {"particle": c.particle, "parameters": c.parameters} | c.values for c in self.cells]
+
+
+@cache
+def _change(names: tuple[str, ...]) -> Update:
+    """Return the statement that writes these columns of one evaluation."""
+    here = (evaluations.c[name] == bindparam(f"of_{name}") for name in KEY)
+    return update(evaluations).where(*here).values({name: bindparam(f"to_{name}") for name in names})
 
 
 def write_new(connection: Connection, generations: Sequence[GenerationRows]) -> None:
@@ -217,8 +242,7 @@ def load_generation(connection: Connection, job_id: str, generation: int) -> Gen
 
     Responses and misfits stay in the database: an evaluation that has them has ended and changes no more.
     """
-    condition = and_(evaluations.c.job_id == job_id, evaluations.c.generation == generation)
-    rows = connection.execute(select(*GENERATION_COLUMNS).where(condition).order_by(evaluations.c.particle)).all()
+    rows = connection.execute(GENERATION, {"job_id": job_id, "generation": generation}).all()
     return GenerationRows(
         job_id,
         generation,
@@ -315,20 +339,10 @@ def list_responses(connection: Connection, job_id: str, keys: Sequence[tuple[int
 
 def reuse(connection: Connection, generation_rows: GenerationRows) -> None:
     """Give cells of a new generation the counted results that the same parameters had earlier in the job."""
-    pending = {cell.parameters: cell for cell in generation_rows.cells if not cell.status.done}
-    condition = and_(
-        evaluations.c.job_id == generation_rows.job_id,
-        evaluations.c.generation < generation_rows.generation,
-        evaluations.c.state.in_(("finished", "failed")),
-        evaluations.c.parameters.in_(list(pending)),
-    )
-    rows = connection.execute(
-        select(evaluations, database_now().label("now"))
-        .where(condition)
-        .order_by(evaluations.c.generation, evaluations.c.particle)
-    ).all()
+    pending = {cell.parameters for cell in generation_rows.cells if not cell.status.done}
+    given = {"job_id": generation_rows.job_id, "generation": generation_rows.generation, "wanted": list(pending)}
     earlier: dict[bytes, Record] = {}
-    for row in rows:
+    for row in connection.execute(EARLIER, given):
         earlier.setdefault(row.parameters, row)
     for cell in generation_rows.cells:
         if cell.parameters in earlier and not cell.status.done:

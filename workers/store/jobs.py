@@ -11,6 +11,7 @@ from sqlalchemy import (
     ColumnElement,
     Connection,
     and_,
+    bindparam,
     case,
     delete,
     exists,
@@ -62,6 +63,9 @@ JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
 LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).scalar_subquery().label("last_event")
 VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
+# Asked for in every exchange: built once, as building takes as long as the database's answer.
+LOCK = select(*COLUMNS, database_now().label("now")).where(jobs.c.id == bindparam("job_id")).with_for_update()
+CURRENT_GENERATION = select(jobs.c.generation).where(jobs.c.id == bindparam("job_id"), jobs.c.state == "running")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +104,7 @@ class LockedJob:
 
 def lock_job(connection: Connection, job_id: str) -> LockedJob | None:
     """Lock a job's row and read it; None when there is no such job."""
-    statement = select(*COLUMNS, database_now().label("now")).where(jobs.c.id == job_id)
-    row = connection.execute(statement.with_for_update()).one_or_none()
+    row = connection.execute(LOCK, {"job_id": job_id}).one_or_none()
     return None if row is None else LockedJob(row, row.now)
 
 
@@ -243,8 +246,7 @@ def get_job(connection: Connection, job_id: str) -> Record | None:
 
 def current_generation(connection: Connection, job_id: str) -> int | None:
     """Return the number of the generation that a running job is at, None when there is no such job."""
-    running = and_(jobs.c.id == job_id, jobs.c.state == "running")
-    number: int | None = connection.scalar(select(jobs.c.generation).where(running))
+    number: int | None = connection.scalar(CURRENT_GENERATION, {"job_id": job_id})
     return number
 
 

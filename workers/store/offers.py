@@ -19,15 +19,10 @@ from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.store.codec import pack_array, pack_responses, unpack_array, unpack_problem, unpack_responses
 from geoswarm.workers.store.database import Record, Store
 from geoswarm.workers.store.jobs import get_problem
+from geoswarm.workers.store.selection import MOST_READ, MOST_VALUES
 from geoswarm.workers.store.tables import evaluations, jobs, offers
 
-__all__ = ["MOST_READ", "WarmStart", "find_offer", "find_warm_starts", "read_offer", "write_offer"]
-
-MOST_READ = 20_000
-"""Evaluations of an earlier job that are looked at: its first ones."""
-
-MOST_VALUES = 4_000_000
-"""Calculated values that are read of them at most: fewer evaluations where responses are long."""
+__all__ = ["WarmStart", "find_offer", "find_warm_starts", "read_offer", "write_offer"]
 
 _LOOKED_AT, _SUGGESTED, _COUNTED = 50, 5, 2000  # newest jobs of the kind; those named; evaluations of each
 
@@ -121,7 +116,7 @@ def _offer(
     if (store.read(known) or _learned_hash(store, job_id)) != wanted:
         return OTHER_MODEL
     earlier = _stored_problem(store, job_id)
-    most = max(min(MOST_READ, MOST_VALUES // sum(o.x.size for o in earlier.observations)), 1)
+    most = max(min(MOST_READ, MOST_VALUES // sum(o.x.size for o in earlier.observations)), 1)  # its first ones
     runs = store.read(partial(_runs, job_id=job_id, most=most, responses=True))
     responses = [unpack_responses(run.responses) for run in runs]
     return offer_of(problem, EarlierRuns(earlier, _parameters(earlier, runs), responses))

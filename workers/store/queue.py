@@ -8,12 +8,14 @@ only where an administrator gave it.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from functools import lru_cache
 from typing import Any
 
 from sqlalchemy import (
     ColumnElement,
     Connection,
     ScalarSelect,
+    Select,
     TextClause,
     and_,
     case,
@@ -65,6 +67,16 @@ def most_urgent_job(
         Time [s] and multiple of the typical time after which an evaluation may be run twice at once, when there is
         nothing else to do; None: never.
     """
+    first, late = _most_urgent(frozenset(kinds), frozenset(without), overdue)
+    row = connection.execute(first).one_or_none()
+    return connection.execute(late).one_or_none() if row is None and late is not None else row
+
+
+@lru_cache(maxsize=64)  # workers ask often, and building these takes longer than the database's answer
+def _most_urgent(
+    kinds: frozenset[str], without: frozenset[str], overdue: tuple[float, float] | None
+) -> tuple[Select[Any], Select[Any] | None]:
+    """Return what asks for the job whose turn it is, and for one with an evaluation that is overdue."""
     wanted = and_(WAITING, _of_kinds(kinds, without))
     first = (
         select(jobs.c.id)
@@ -78,11 +90,11 @@ def most_urgent_job(
     since = func.coalesce(firsts.c.served_at, jobs.c.created_at - SECONDS_A_PRIORITY)
     turn = _of_job(since - SECONDS_A_PRIORITY * jobs.c.shared_priority, firsts.c.id)
     chosen = select(firsts.c.id, _of_job(jobs.c.forward_model, firsts.c.id).label("forward_model"))
-    row = connection.execute(chosen.where(firsts.c.id.is_not(None)).order_by(turn, firsts.c.id).limit(1)).one_or_none()
-    if row is None and overdue is not None:
-        late = select(jobs.c.id, jobs.c.forward_model).where(wanted, _late(*overdue))
-        row = connection.execute(late.order_by(jobs.c.place).limit(1)).one_or_none()
-    return row
+    chosen = chosen.where(firsts.c.id.is_not(None)).order_by(turn, firsts.c.id).limit(1)
+    if overdue is None:
+        return chosen, None
+    late = select(jobs.c.id, jobs.c.forward_model).where(wanted, _late(*overdue))
+    return chosen, late.order_by(jobs.c.place).limit(1)
 
 
 def claimable_jobs(

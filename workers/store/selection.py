@@ -16,7 +16,18 @@ from geoswarm.workers.store.codec import unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import evaluations, generations, jobs
 
-__all__ = ["MOST_READ", "chosen_generations", "counted_failures", "read_evaluations", "read_records", "spaced"]
+__all__ = [
+    "MOST_READ",
+    "MOST_VALUES",
+    "chosen_generations",
+    "counted_failures",
+    "read_evaluations",
+    "read_records",
+    "spaced",
+]
+
+MOST_VALUES = 4_000_000
+"""Calculated values that are read of a job at once: evaluations times points, about 32 MB."""
 
 MOST_READ = 20_000
 MOST_RECORDS = 2_000

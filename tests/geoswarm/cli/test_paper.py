@@ -32,6 +32,7 @@ def rows(study: dict[str, Any]) -> Rows:
     return {(row["topic"], row["quantity"]): row for row in study["rows"]}
 
 
+@pytest.mark.slow
 def test_inputs_are_the_published_ones(studies: tuple[Path, dict[str, Any]]) -> None:
     _, found = studies
     for key in ("A", "B"):
@@ -41,6 +42,7 @@ def test_inputs_are_the_published_ones(studies: tuple[Path, dict[str, Any]]) -> 
         assert {r["difference"] for r in inputs} == {"0"}
 
 
+@pytest.mark.slow
 def test_oedometer_repeats_the_published_findings(studies: tuple[Path, dict[str, Any]]) -> None:
     found = rows(studies[1]["A"])
     assert found["statistics", "samples"]["here"] == "2000"
@@ -69,6 +71,7 @@ def percent(row: dict[str, Any]) -> float:
     return float(row["difference"].removesuffix(" %").replace("−", "-"))
 
 
+@pytest.mark.slow
 def test_isotropic_repeats_the_published_findings(studies: tuple[Path, dict[str, Any]]) -> None:
     found = rows(studies[1]["B"])
     for words in COORDINATES:
@@ -81,6 +84,7 @@ def test_isotropic_repeats_the_published_findings(studies: tuple[Path, dict[str,
         assert abs(percent(found["swarm, polished", name])) < 5.0
 
 
+@pytest.mark.slow
 def test_files_hold_the_same_numbers(studies: tuple[Path, dict[str, Any]]) -> None:
     folder, found = studies
     for key in ("A", "B"):

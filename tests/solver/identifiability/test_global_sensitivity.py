@@ -52,6 +52,7 @@ def test_designs_keep_to_the_constraints_and_drop_what_failed() -> None:
     assert (morris.positions.sum(axis=1) < 1.2).all()
 
 
+@pytest.mark.slow
 def test_a_design_without_feasible_blocks_is_refused() -> None:
     parameters = {"a": free(0.0, 1.0), "b": free(0.0, 1.0)}
     narrow = problem_of("a + b", parameters, X, constraints=["a - b < 1e-3", "b - a < 1e-3"])

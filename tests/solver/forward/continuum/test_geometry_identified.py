@@ -61,6 +61,7 @@ def problem(vectors: dict[str, list[float]]) -> Problem:
     )
 
 
+@pytest.mark.slow
 def test_the_depth_of_the_shear_zone_is_recovered() -> None:
     series = ("gps.ux", "gps.uy")
     blank = problem(dict.fromkeys(series, [0.0] * 4))
