@@ -19,8 +19,10 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, analyse
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
-from geoswarm.solver.report import Report, png_of, record_of_result, svg_of
+from geoswarm.solver.report.build import Report
 from geoswarm.solver.report.figures import FigureSet
+from geoswarm.solver.report.record import record_of_result
+from geoswarm.solver.report.style import png_of, svg_of
 
 ROOT = Path(__file__).resolve().parents[1]
 PROBLEM = ROOT / "examples" / "oedometer" / "problem.yaml"

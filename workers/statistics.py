@@ -18,7 +18,10 @@ from geoswarm.solver.identifiability.follow_ups import Findings, findings_of, fo
 from geoswarm.solver.identifiability.posterior import Posterior, sample_posterior
 from geoswarm.solver.identifiability.weighting import Weighting
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report import BestFit, Report, RunRecord, Uncertainty, linearise_stored, reweighted_document
+from geoswarm.solver.report.build import Report, linearise_stored
+from geoswarm.solver.report.record import BestFit, RunRecord
+from geoswarm.solver.report.reweighted import reweighted_document
+from geoswarm.solver.report.uncertainty import Uncertainty
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.store import Store, jobs

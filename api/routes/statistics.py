@@ -13,8 +13,9 @@ from geoswarm.api.headers import DOCUMENT_POLICY
 from geoswarm.api.statistics_schemas import FigureList, ReweightAnswer, StatisticsAnswer
 from geoswarm.api.views import WantedView
 from geoswarm.solver.extras import needs_extra
-from geoswarm.solver.report import Report, figures_available, png_of, svg_of
+from geoswarm.solver.report.build import Report
 from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.report.style import figures_available, png_of, svg_of
 from geoswarm.workers.service import JobService
 
 __all__ = ["ReweightRequest", "router"]

@@ -30,10 +30,11 @@ def check_command(problem: Path, as_json: bool) -> None:
     Every mistake in the file is listed with its path. The test run uses the 'initial' values of the free parameters
     and the middle of the bounds of those without. Exit code 1 when the test run fails, 2 when the problem has mistakes.
     """
-    from geoswarm.solver.check import check_problem
     from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem)
+    from geoswarm.solver.check import check_problem  # a mistake in the problem is told before all this is imported
+
     compile_seconds = ready(loaded)
     warn_of_many_points(loaded)
     check = check_problem(loaded)
@@ -47,7 +48,7 @@ def check_command(problem: Path, as_json: bool) -> None:
 
 def _show(problem: Problem, check: CheckReport) -> None:
     from geoswarm.cli.labels import parameter_rows, root_mean_square, with_unit
-    from geoswarm.solver.report import objective_unit, series_shares
+    from geoswarm.solver.report.curves import objective_unit, series_shares
 
     run = check.test_run
     shares = series_shares(problem, run.misfits) if run.misfits else []

@@ -12,9 +12,8 @@ import click
 
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.error_messages import BadInputError
-from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import connection_options, job_argument
-from geoswarm.cli.output import note
+from geoswarm.cli.output import jsonable, note
 
 if TYPE_CHECKING:
     from geoswarm.client import Client

@@ -12,7 +12,7 @@ import click
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.options import connection_options, job_argument, json_option
-from geoswarm.cli.output import duration, echo_json, echo_table, number
+from geoswarm.cli.output import duration, echo_json, echo_table, jsonable, number
 from geoswarm.solver.words import visible
 
 if TYPE_CHECKING:
@@ -107,8 +107,6 @@ def retry_failed_command(job: str, as_json: bool, url: str, api_key: str | None)
     with connect(url, api_key) as client:
         retry = client.retry_failed(find_job(client, job).id)
     if as_json:
-        from geoswarm.cli.jobs import jsonable
-
         data: dict[str, Any] = {"evaluations": retry.evaluations, "job": jsonable(retry.job)}
         echo_json(data)
         return

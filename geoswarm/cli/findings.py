@@ -32,7 +32,7 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
     if folder is not None:
         from geoswarm.solver.calibration import Calibration
         from geoswarm.solver.identifiability.posterior import sample_posterior
-        from geoswarm.solver.report import run_of_folder
+        from geoswarm.solver.report.folder import run_of_folder
         from geoswarm.solver.report.jsonable import jsonable
 
         stored = run_of_folder(folder)

@@ -13,7 +13,7 @@ from geoswarm.cli.output import note
 if TYPE_CHECKING:
     from geoswarm.solver.local import CalibrationResult
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.report import Report
+    from geoswarm.solver.report.build import Report
 
 __all__ = ["fit_of_run", "interval_heading", "show_fit"]
 

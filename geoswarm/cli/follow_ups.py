@@ -207,7 +207,7 @@ def _local(source: str, workers: int) -> _LocalRun | None:
     folder = as_folder(source)
     if folder is None:
         return None
-    from geoswarm.solver.report import run_of_folder
+    from geoswarm.solver.report.folder import run_of_folder
 
     return _LocalRun(run_of_folder(folder).problem, folder, workers)
 
@@ -249,7 +249,7 @@ class _LocalRun:
 
     def profile(self, at: dict[str, float] | None, parameters: list[str] | None, noise: Noise) -> Findings:
         from geoswarm.solver.identifiability.follow_ups import profile_problem
-        from geoswarm.solver.report import findings_of_folder
+        from geoswarm.solver.report.folder_findings import findings_of_folder
 
         found = None
         if self.folder is not None and at is None:
@@ -270,7 +270,7 @@ class _LocalRun:
         import numpy as np
 
         if at is None and self.folder is not None:
-            from geoswarm.solver.report import run_of_folder
+            from geoswarm.solver.report.folder import run_of_folder
 
             samples = run_of_folder(self.folder).samples
             return np.asarray(samples.parameters[samples.best], dtype=np.float64)
@@ -286,9 +286,9 @@ class _LocalRun:
         return np.array([values[name] for name in names], dtype=np.float64)
 
     def _run(self, problem: Problem, noise: Noise) -> Findings:
-        from geoswarm.solver import report
         from geoswarm.solver.identifiability.follow_ups import findings_of
         from geoswarm.solver.local import calibrate
+        from geoswarm.solver.report import tables
 
         ready(problem)
         with progress_bar(problem.name, problem.planned_evaluations) as update:
@@ -300,10 +300,10 @@ class _LocalRun:
         if self.folder is not None:
             place = self.folder / problem.method.kind
             place.mkdir(exist_ok=True)
-            report.write_result(place / "result.json", problem, result)
-            report.write_problem(place / "problem.json", problem, result.seed)
-            report.write_evaluations(place / "evaluations.csv", problem, result)
-            report.write_generations(place / "generations.csv", problem, result)
-            report.write_responses(place / "responses.npz", problem, result)
+            tables.write_result(place / "result.json", problem, result)
+            tables.write_problem(place / "problem.json", problem, result.seed)
+            tables.write_evaluations(place / "evaluations.csv", problem, result)
+            tables.write_generations(place / "generations.csv", problem, result)
+            tables.write_responses(place / "responses.npz", problem, result)
             note(f"Evaluations kept in {place}; 'geoswarm report {self.folder}' has what they tell.")
         return findings_of(problem, result.seed, [record.evaluation for record in result.history], noise=noise)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -12,7 +11,7 @@ import click
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.labels import root_mean_square, with_unit
 from geoswarm.cli.options import connection_options, job_argument, json_option
-from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, number, reasons_in_words
+from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, jsonable, number, reasons_in_words
 
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "cancel_command",
-    "jsonable",
     "list_command",
     "pause_command",
     "resume_command",
@@ -40,19 +38,6 @@ def _searches(method: str) -> bool:
         return find_method(method).role == "search"
     except UnknownMethodError:
         return False
-
-
-def jsonable(record: Any) -> Any:
-    """Return a record of the client as JSON values; times in ISO 8601."""
-    return _plain(asdict(record))
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value.isoformat().replace("+00:00", "Z") if isinstance(value, datetime) else value
 
 
 def _age(moment: datetime) -> str:
@@ -136,7 +121,7 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
 
 def _misfit_rows(problem: Problem | None, misfits: Mapping[str, float | None]) -> list[tuple[str, str, str]]:
     """Series, misfit and root mean square."""
-    from geoswarm.solver.report import series_shares
+    from geoswarm.solver.report.curves import series_shares
 
     known = {series: misfit for series, misfit in misfits.items() if misfit is not None}
     if problem is None or len(known) < len(misfits):
@@ -159,7 +144,7 @@ def show_job(job: Job, *, diversity: float | None = None, problem: Problem | Non
     """Write what a job is and has found; ``diversity`` of its last generation and ``problem``, where they are known."""
     unit = ""
     if problem is not None:
-        from geoswarm.solver.report import objective_unit
+        from geoswarm.solver.report.curves import objective_unit
 
         unit = objective_unit(problem)
     facts = {

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from geoswarm.cli.databases import existing_store
-from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import database_option, json_option
-from geoswarm.cli.output import echo_facts, echo_json, echo_table, note
+from geoswarm.cli.output import echo_facts, echo_json, echo_table, jsonable, note
 from geoswarm.cli.spans import SPAN
 
 if TYPE_CHECKING:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 __all__ = [
+    "jsonable",
     "duration",
     "echo_facts",
     "echo_json",
@@ -47,6 +50,19 @@ def duration(seconds: float | None) -> str:
 def reasons_in_words(stop_reasons: Sequence[str]) -> str:
     """Return stop reasons as a phrase; ``-`` when there are none."""
     return words.reasons_in_words(stop_reasons, plain=True)
+
+
+def jsonable(record: Any) -> Any:
+    """Return a record of the client as JSON values; times in ISO 8601."""
+    return _plain(asdict(record))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.isoformat().replace("+00:00", "Z") if isinstance(value, datetime) else value
 
 
 def echo_json(data: Any) -> None:

@@ -6,9 +6,8 @@ import click
 
 from geoswarm.cli.databases import existing_store
 from geoswarm.cli.error_messages import BadInputError
-from geoswarm.cli.jobs import jsonable
 from geoswarm.cli.options import database_option, json_option
-from geoswarm.cli.output import echo_json, echo_table, note
+from geoswarm.cli.output import echo_json, echo_table, jsonable, note
 from geoswarm.cli.serve import logging_options, prepare
 from geoswarm.cli.spans import SPAN
 

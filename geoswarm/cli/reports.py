@@ -71,7 +71,7 @@ def report_command(
 
 
 def _of_folder(folder: Path, target: Path, view: dict[str, Any], html: bool, pdf: bool, figures: bool) -> list[Path]:
-    from geoswarm.solver.report import report_of_folder
+    from geoswarm.solver.report.folder import report_of_folder
 
     missing = figures_missing("geoswarm report")
     if missing:

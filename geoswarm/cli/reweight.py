@@ -74,8 +74,9 @@ def reweight_command(
 
 def _of_folder(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
     from geoswarm.solver.identifiability import reweight
-    from geoswarm.solver.report import reweighted_document, run_of_folder
+    from geoswarm.solver.report.folder import run_of_folder
     from geoswarm.solver.report.jsonable import jsonable
+    from geoswarm.solver.report.reweighted import reweighted_document
 
     stored = run_of_folder(folder)
     if stored.samples.size == 0:

@@ -94,7 +94,7 @@ def run_command(
         result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer, keeper=folder)
     report = None
     if folder is not None and not without_figures:
-        from geoswarm.solver.report import report_of_result
+        from geoswarm.solver.report.build import report_of_result
 
         with kept(folder, problem):
             report = report_of_result(loaded, result)
@@ -166,7 +166,7 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
 def show_result(problem: Problem, result: CalibrationResult) -> None:
     """Write the tables of a finished calibration."""
     from geoswarm.cli.labels import root_mean_square, with_unit
-    from geoswarm.solver.report import objective_unit, series_shares
+    from geoswarm.solver.report.curves import objective_unit, series_shares
 
     if result.parameters is None or result.best is None:
         return

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.identifiability.polish import Polished
     from geoswarm.solver.local import CalibrationResult
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.report import Report
+    from geoswarm.solver.report.build import Report
     from geoswarm.solver.report.run_folder import RunFolder
 
 __all__ = ["kept", "open_folder", "show_finished", "summary", "write_output"]

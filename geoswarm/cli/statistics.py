@@ -60,7 +60,7 @@ def statistics_command(
     known = known_noise(noise)
     folder = as_folder(source)
     if folder is not None:
-        from geoswarm.solver.report import report_of_folder
+        from geoswarm.solver.report.folder import report_of_folder
         from geoswarm.solver.report.jsonable import jsonable
 
         report = report_of_folder(folder, threshold=threshold, noise=known)
@@ -123,18 +123,20 @@ def _follow_up(
     found: Mapping[str, Any], document: dict[str, Any], accept: tuple[str, ...], output: Path | None
 ) -> None:
     """Write the problem with the accepted proposals; it is checked before."""
+    from geoswarm.solver.identifiability.proposals import apply_changes
+
     proposals = proposals_by_key(found)
-    changed = json.loads(json.dumps(document))
+    changes: list[Mapping[str, Any]] = []
     for item in accept:
         kind, _, rest = item.partition(":")
         name, given, value = rest.partition("=")
         if given:
-            if kind != "fix" or name not in changed["parameters"]:
+            if kind != "fix" or name not in document["parameters"]:
                 raise BadInputError(
                     f"--accept {item}: only fix:NAME=VALUE takes a value, for a parameter of the problem"
                 )
             try:
-                changed["parameters"][name] = {"value": float(value)}
+                changes.append({"parameters": {name: {"value": float(value)}}})
             except ValueError:
                 raise BadInputError(f"--accept {item}: '{value}' is not a number") from None
             continue
@@ -143,8 +145,8 @@ def _follow_up(
             raise BadInputError(f"--accept {item}: no such proposal; there are: {', '.join(proposals) or 'none'}")
         if len(chosen) > 1:
             raise BadInputError(f"--accept {item}: several proposals are called so; give {' or '.join(chosen)}")
-        changed["parameters"] |= proposals[chosen[0]]["changes"]["parameters"]
-    _write_problem(_checked(changed), output)
+        changes.append(proposals[chosen[0]]["changes"])
+    _write_problem(_checked(apply_changes(document, changes)), output)
 
 
 def _checked(document: dict[str, Any]) -> Problem:

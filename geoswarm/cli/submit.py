@@ -9,10 +9,10 @@ import click
 
 from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.error_messages import FailedRunError
-from geoswarm.cli.jobs import jsonable, show_job
+from geoswarm.cli.jobs import show_job
 from geoswarm.cli.kernels import COMPILING, compiled_in
 from geoswarm.cli.options import connection_options, job_argument, json_option, problem_argument
-from geoswarm.cli.output import echo_json, note
+from geoswarm.cli.output import echo_json, jsonable, note
 from geoswarm.cli.progress import progress_bar
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from geoswarm.paper.study import (
 )
 from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report import report_of_result
+from geoswarm.solver.report.build import report_of_result
 
 __all__ = ["run_oedometer"]
 

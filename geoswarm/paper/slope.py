@@ -29,7 +29,8 @@ from geoswarm.solver.forward.section import SectionModel
 from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report import Report, linearise_stored, record_of_result
+from geoswarm.solver.report.build import Report, linearise_stored
+from geoswarm.solver.report.record import record_of_result
 
 __all__ = ["run_slope"]
 

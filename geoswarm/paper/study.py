@@ -14,7 +14,8 @@ from geoswarm.solver.identifiability import Samples, Statistics, analyse
 from geoswarm.solver.identifiability.correlations import Coordinates
 from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
-from geoswarm.solver.report import Report, record_of_result
+from geoswarm.solver.report.build import Report
+from geoswarm.solver.report.record import record_of_result
 from geoswarm.solver.words import ends
 
 if TYPE_CHECKING:

@@ -34,7 +34,7 @@ from geoswarm.solver.identifiability.filtering import Filtered, Threshold, filte
 from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, noise_objective
 from geoswarm.solver.identifiability.projections import Projection, project
-from geoswarm.solver.identifiability.proposals import FittedLine, Proposal, apply_proposals, fit_line
+from geoswarm.solver.identifiability.proposals import FittedLine, Proposal, apply_changes, fit_line
 from geoswarm.solver.identifiability.residuals import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.sensitivity import from_evaluations, linearise
@@ -72,7 +72,7 @@ __all__ = [
     "TooFewPointsError",
     "Verdict",
     "analyse",
-    "apply_proposals",
+    "apply_changes",
     "correlate",
     "design",
     "differentiate",

@@ -19,7 +19,7 @@ from geoswarm.solver.extras import has, needs_extra
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.search.follow_ups import GlobalPoints
 
-__all__ = ["GlobalIndex", "GlobalSensitivity", "analyse_design", "global_design", "outputs_of"]
+__all__ = ["GlobalIndex", "GlobalSensitivity", "analyse_design", "outputs_of"]
 
 _FEWEST_BLOCKS = 8
 
@@ -55,27 +55,6 @@ class GlobalSensitivity:
             for index in self.indices
         ]
         return asdict(self) | {"indices": indices}
-
-
-def global_design(
-    calibration: Calibration, *, kind: Literal["sobol", "morris"] = "sobol", samples: int = 256, seed: int = 0
-) -> GlobalPoints:
-    """Plan the evaluations: ``samples`` (d + 2) for Sobol, ``samples`` (d + 1) for Morris.
-
-    Parameters
-    ----------
-    samples
-        Base points (a power of two) or trajectories.
-
-    Raises
-    ------
-    StatisticsError
-        When SALib is not installed, or ``samples`` is no power of two for Sobol.
-    """
-    _require_salib()
-    if kind == "sobol" and (samples < 2 or samples & (samples - 1)):
-        raise StatisticsError(f"samples is {samples}; a Sobol design needs a power of two")
-    return GlobalPoints(calibration.space, kind, samples, seed)
 
 
 def outputs_of(calibration: Calibration, evaluations: Sequence[Evaluation], output: str) -> FloatArray:

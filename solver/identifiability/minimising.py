@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.identifiability.combinations import Directions
+from geoswarm.solver.search.bounded import bounded_least_squares
 
 __all__ = ["MinimisingStep", "minimising_step"]
 
@@ -55,7 +55,7 @@ def minimising_step(
     basis = found.basis
     # a bound needs some room for the solver; what is left of it is far below a standard error
     room = (np.minimum(lowest, -1e-12), np.maximum(highest, 1e-12))
-    move = np.asarray(lsq_linear(basis.T @ weighted, -basis.T @ residuals, room, method="bvls").x)
+    move = bounded_least_squares(basis.T @ weighted, -basis.T @ residuals, *room)
     gradient = weighted.T @ (basis @ (basis.T @ (residuals + weighted @ move)))
     held[(lowest == 0.0) & (gradient > 0.0) & (move <= 0.0)] = -1
     held[(highest == 0.0) & (gradient < 0.0) & (move >= 0.0)] = 1

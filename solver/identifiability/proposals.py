@@ -5,7 +5,7 @@ Each carries the change of the problem file that a follow-up job needs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
@@ -17,7 +17,7 @@ from geoswarm.solver.identifiability.projections import Projection
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.words import ends
 
-__all__ = ["FittedLine", "Proposal", "ProposalKind", "apply_proposals", "fit_line", "propose"]
+__all__ = ["FittedLine", "Proposal", "ProposalKind", "apply_changes", "fit_line", "propose"]
 
 ProposalKind: TypeAlias = Literal["fix", "link", "widen", "add_test"]
 
@@ -117,12 +117,11 @@ class Proposal:
         return asdict(self) | {"line": line}
 
 
-def apply_proposals(document: Mapping[str, Any], accepted: list[Proposal]) -> dict[str, Any]:
-    """Give the problem document of a follow-up job; of two proposals about one parameter the later counts."""
+def apply_changes(document: Mapping[str, Any], changes: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Give the problem document of a follow-up job, with the ``changes`` of proposals; the later ones count."""
     changed = deepcopy(dict(document))
-    for proposal in accepted:
-        for name, section in proposal.changes.get("parameters", {}).items():
-            changed["parameters"][name] = section
+    for change in changes:
+        changed["parameters"] |= change.get("parameters", {})
     return changed
 
 

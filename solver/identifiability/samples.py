@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -165,28 +165,6 @@ class Samples:
         return cls.from_history(problem, result.history)
 
     @classmethod
-    def from_rows(cls, problem: Problem, rows: Iterable[Mapping[str, Any]], *, failed: int = 0) -> Samples:
-        """Take rows with ``generation``, ``particle``, ``parameters``, ``objective``, ``misfits``, ``responses``.
-
-        ``parameters`` maps free names to values, ``responses`` series to values (m_g,) or to ``{"x": .., "y": ..}`` or
-        is None; this is the form of the HTTP interface. Rows without an objective count as failed.
-        """
-        rows = list(rows)
-        good = [row for row in rows if row["objective"] is not None]
-        series = [o.series for o in problem.observations]
-        stored = bool(good) and all(row.get("responses") for row in good)
-        return cls.from_arrays(
-            problem,
-            np.array([[row["parameters"][name] for name in problem.free_names] for row in good]),
-            np.array([row["objective"] for row in good], dtype=np.float64),
-            misfits={s: np.array([row["misfits"][s] for row in good]) for s in series},
-            responses={s: np.array([_values(row["responses"][s]) for row in good]) for s in series} if stored else {},
-            generations=np.array([row["generation"] for row in good], dtype=np.int64),
-            particles=np.array([row["particle"] for row in good], dtype=np.int64),
-            failed=failed + len(rows) - len(good),
-        )
-
-    @classmethod
     def merge(cls, parts: Sequence[Samples]) -> Samples:
         """Put samples of the same problem (one free space, same series) together, such as a sampling and a swarm.
 
@@ -282,7 +260,3 @@ class Samples:
             generations=self.generations[chosen],
             particles=self.particles[chosen],
         )
-
-
-def _values(response: Any) -> Any:
-    return response["y"] if isinstance(response, Mapping) else response

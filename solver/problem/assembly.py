@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -90,6 +91,10 @@ def load_problem(path: str | Path) -> Problem:
     if extreme := extreme_issues(problem):
         raise ProblemError(extreme)
     return problem
+
+
+# Compiled expressions and models need not travel to other processes: the document says it all.
+copyreg.pickle(Problem, lambda problem: (parse_problem, (problem.document(),)))
 
 
 @dataclass

@@ -8,6 +8,7 @@ root of time gives, and primary consolidation ends (99.4 %) at t_100 = 2.36 t_90
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -111,22 +112,25 @@ def _t90(times: FloatArray, values: FloatArray) -> float | None:
     if times.size < _FEWEST or moved == 0.0:
         return None
     grid = np.geomspace(float(times.min()), float(times.max()), _GRID)
-    creep = min(_fit(np.log1p(times / tau)[:, None], values)[0] for tau in np.geomspace(grid[0] / 1e3, grid[-1], _GRID))
-    best = (np.inf, 0.0, 0.0)
-    for t90 in grid:
-        if np.sum(times < t90) < _BEFORE or np.sum(times > t90) < _AFTER:
-            continue
-        columns = np.stack([consolidation_degree(_T90 * times / t90), np.log10(1.0 + times / t90)], axis=1)
-        squares, parts = _fit(columns, values)
-        if squares < best[0] and parts[0] * parts[1] >= 0.0:
-            best = (squares, float(t90), abs(float(parts[0])))
-    squares, found, primary = best
-    scale = max(creep, 1e-12 * moved**2)
-    return found if squares <= _BETTER * scale and primary >= _PRIMARY * moved else None
+    creep = _fit([np.log1p(times / np.geomspace(grid[0] / 1e3, grid[-1], _GRID)[:, None])], values)[0].min()
+    tried = [t90 for t90 in grid if np.sum(times < t90) >= _BEFORE and np.sum(times > t90) >= _AFTER]
+    if not tried:
+        return None
+    parts_of_t90 = times / np.array(tried)[:, None]
+    squares, parts = _fit([consolidation_degree(_T90 * parts_of_t90), np.log10(1.0 + parts_of_t90)], values)
+    squares[parts[:, 0] * parts[:, 1] < 0.0] = np.inf
+    best = int(np.argmin(squares))
+    scale = max(float(creep), 1e-12 * moved**2)
+    found = squares[best] <= _BETTER * scale and abs(parts[best, 0]) >= _PRIMARY * moved
+    return float(tried[best]) if found else None
 
 
-def _fit(columns: FloatArray, values: FloatArray) -> tuple[float, FloatArray]:
-    """Sum of squares and coefficients (without the constant) of a linear fit."""
-    table = np.column_stack([columns, np.ones(len(values))])
-    parts = np.linalg.lstsq(table, values, rcond=None)[0]
-    return float(np.sum((table @ parts - values) ** 2)), np.asarray(parts[:-1], dtype=np.float64)
+def _fit(columns: Sequence[FloatArray], values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sums of squares, shape (k,), and coefficients without the constant, (k, c), of k linear fits.
+
+    ``columns`` are c arrays of shape (k, m), ``values`` has shape (m,).
+    """
+    table = np.stack([*columns, np.ones_like(columns[0])], axis=-1)
+    parts = np.linalg.pinv(table) @ values
+    left = np.einsum("kmc,kc->km", table, parts) - values
+    return np.asarray((left**2).sum(axis=1)), np.asarray(parts[:, :-1])

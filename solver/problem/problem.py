@@ -169,12 +169,6 @@ class Problem:
     def __hash__(self) -> int:
         return hash((self.name, self.free_names, self.seed))
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Compiled expressions and models need not travel to other processes: the document says it all.
-        from geoswarm.solver.problem.assembly import parse_problem
-
-        return parse_problem, (self.document(),)
-
 
 def _section(parameter: Parameter) -> dict[str, Any]:
     if isinstance(parameter, FixedParameter):

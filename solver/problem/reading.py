@@ -11,13 +11,11 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem.depth import MAX_DEPTH, too_deep
 from geoswarm.solver.problem.issues import join_path
 from geoswarm.solver.problem.json_places import duplicate_place
 
-__all__ = ["MAX_BYTES", "MAX_DEPTH", "Form", "plain_document", "read_document", "read_problem_file", "too_deep"]
-
-MAX_DEPTH = 30
-"""Levels of nesting that a problem may have."""
+__all__ = ["MAX_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
 
 _MAX_VALUES = 4_000_000
 _MAX_KEYS = 10_000
@@ -233,8 +231,3 @@ def _error(message: str) -> ProblemError:
 
 def _too_large(most: int) -> ProblemError:
     return _error(f"problem is larger than {most} bytes; put long series into CSV files (file: ...), or write JSON")
-
-
-def too_deep(path: str) -> ProblemError:
-    """Return the error for a value at a path that is nested too deeply."""
-    return ProblemError([Issue(path[:100], f"nested more than {MAX_DEPTH} levels deep")])

@@ -57,22 +57,34 @@ def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:
 
 
 COMMON = {
-    ("s", "day"): Fraction(1, 86400),
-    ("min", "day"): Fraction(1, 1440),
-    ("h", "day"): Fraction(1, 24),
-    ("mm", "m"): Fraction(1, 1000),
-    ("cm", "m"): Fraction(1, 100),
-    ("MPa", "kPa"): Fraction(1000),
-    ("%", "dimensionless"): Fraction(1, 100),
+    "s": (Fraction(1, 86400), "day"),
+    "min": (Fraction(1, 1440), "day"),
+    "h": (Fraction(1, 24), "day"),
+    "day": (Fraction(1), "day"),
+    "mm": (Fraction(1, 1000), "m"),
+    "cm": (Fraction(1, 100), "m"),
+    "m": (Fraction(1), "m"),
+    "kPa": (Fraction(1), "kPa"),
+    "MPa": (Fraction(1000), "kPa"),
+    "%": (Fraction(1, 100), "dimensionless"),
+    "dimensionless": (Fraction(1), "dimensionless"),
 }
-"""What nearly all measurements need, so that a worker need not load the registry (tests compare the two)."""
+"""What nearly all measurements need, so that the registry need not be loaded (tests compare the two)."""
 
 
 @lru_cache(maxsize=256)
 def _factor(unit: str, base: str) -> Fraction:
-    if (unit, base) in COMMON:
-        return COMMON[unit, base]
-    return 1 / COMMON[base, unit] if (base, unit) in COMMON else _registered_factor(unit, base)
+    if unit not in COMMON or base not in COMMON:
+        return _registered_factor(unit, base)
+    (factor, dimension), (base_factor, base_dimension) = COMMON[unit], COMMON[base]
+    if dimension != base_dimension:
+        raise _other_dimension(unit, base)
+    return factor / base_factor
+
+
+def _other_dimension(unit: str, base: str) -> UnitError:
+    examples = _EXAMPLES.get(base, base)
+    return UnitError(f"unit '{unit}' cannot be converted to {base}; accepted are for example {examples}")
 
 
 def _registered_factor(unit: str, base: str) -> Fraction:
@@ -80,7 +92,7 @@ def _registered_factor(unit: str, base: str) -> Fraction:
     factor, dimension = _root(unit, examples)
     base_factor, base_dimension = _root(base, examples)
     if dimension != base_dimension:
-        raise UnitError(f"unit '{unit}' cannot be converted to {base}; accepted are for example {examples}")
+        raise _other_dimension(unit, base)
     quotient = factor / base_factor
     if not 1e-30 < quotient < 1e30:
         raise UnitError(f"unit '{unit}' is out of all proportion to {base}; accepted are for example {examples}")

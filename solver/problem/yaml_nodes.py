@@ -13,7 +13,7 @@ from ruamel.yaml.nodes import MappingNode, SequenceNode
 from ruamel.yaml.scanner import Scanner
 
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.problem.reading import MAX_DEPTH, too_deep
+from geoswarm.solver.problem.depth import MAX_DEPTH, too_deep
 
 __all__ = ["MAX_REPEATED", "reader"]
 

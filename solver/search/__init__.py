@@ -11,6 +11,8 @@
 ``differences``      where to evaluate for derivatives
 ``descent``          Levenberg-Marquardt, one generation an iteration
 ``chains``           one side of a profile
+``bounded``          linear least squares inside bounds
+``bounded``          linear least squares inside bounds
 ===================  =====================================================================
 """
 

@@ -6,10 +6,10 @@ Points and moves in parts of the range in search coordinates; residuals are read
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.bounded import bounded_least_squares
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["FAR_MOVE", "admissible", "far_moves", "moved", "project", "residuals_of", "slopes_of_moves"]
@@ -59,7 +59,7 @@ def project(
     """
     indices = list(linear)
     low, high = np.minimum(-point[indices], -1e-15), np.maximum(1.0 - point[indices], 1e-15)
-    step = lsq_linear(columns, -residuals, (low, high), method="bvls").x
+    step = bounded_least_squares(columns, -residuals, low, high)
     best = point.copy()
     best[indices] = np.clip(point[indices] + step, 0.0, 1.0)
     return best, float(np.sum((residuals + columns @ step) ** 2))

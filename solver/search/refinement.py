@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.bounded import bounded_least_squares
 from geoswarm.solver.search.projection import (
     FAR_MOVE,
     admissible,
@@ -323,13 +323,8 @@ class Refinement:
         diagonal[list(self.linear)] = 0.0
         damped = np.diag(np.sqrt(self.damping * diagonal))
         low, high = np.minimum(-self.current, -1e-15), np.maximum(1.0 - self.current, 1e-15)
-        found = lsq_linear(
-            np.concatenate([system, damped]),
-            np.concatenate([wanted, np.zeros(len(diagonal))]),
-            (low, high),
-            method="bvls",
-        )
-        return np.asarray(found.x, dtype=np.float64)
+        wanted = np.concatenate([wanted, np.zeros(len(diagonal))])
+        return bounded_least_squares(np.concatenate([system, damped]), wanted, low, high)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, from which :meth:`from_json` restores exactly."""

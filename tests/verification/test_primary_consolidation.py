@@ -11,7 +11,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.consolidation import find_consolidation
-from geoswarm.solver.report import Report, report_of_result
+from geoswarm.solver.report.build import Report, report_of_result
 
 DAY = 1440.0  # min
 TIMES = np.unique(np.round(np.geomspace(0.1, DAY, 24), 2))

@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 import numpy as np
-from cmaes import CMA
 
 from geoswarm.solver.arrays import FloatArray
 
@@ -21,6 +20,13 @@ _SMALLEST_SPREAD = 1e-5
 _FAILED = 1e300  # the library takes finite values only
 
 
+def _library() -> Any:
+    """Import it when these moves are made: with what it needs of SciPy it takes two seconds."""
+    from cmaes import CMA
+
+    return CMA
+
+
 class CovarianceMoves:
     """One run of CMA-ES in the unit box; ``state`` is JSON-able and restores it bit for bit."""
 
@@ -28,7 +34,8 @@ class CovarianceMoves:
         self._told: list[tuple[list[float], float]] = [(point, value) for point, value in state["told"]]
         attributes = dict(state["plain"])
         attributes.update({name: np.array(value) for name, value in state[_ARRAYS].items()})
-        self._cma = CMA.__new__(CMA)
+        library = _library()
+        self._cma = library.__new__(library)
         self._cma.__setstate__(attributes)
 
     @classmethod
@@ -38,7 +45,7 @@ class CovarianceMoves:
         size = max(5, 4 + int(3 * math.log(d)))
         box = np.array([[0.0, 1.0]] * d)
         moves = cls.__new__(cls)
-        moves._cma = CMA(mean=mean.copy(), sigma=spread, bounds=box, seed=0, population_size=size)
+        moves._cma = _library()(mean=mean.copy(), sigma=spread, bounds=box, seed=0, population_size=size)
         moves._cma._funhist_values[:] = 0.0  # the library leaves it uninitialised, a snapshot must not
         moves._told = []
         return moves

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import lsq_linear, minimize
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.search.bounded import bounded_least_squares
 
 __all__ = ["gauss_newton_point", "neighbour_distance", "quadratic_point"]
 
@@ -36,7 +36,7 @@ def gauss_newton_point(
     half = reach * min(farthest, _LARGEST_RADIUS)
     lower, upper = np.maximum(-half, -middle), np.minimum(half, 1.0 - middle)
     lower, upper = np.minimum(lower, -1e-15), np.maximum(upper, 1e-15)
-    step: FloatArray = lsq_linear(slopes.T, -components[centre], (lower, upper), method="bvls", max_iter=50).x
+    step = bounded_least_squares(slopes.T, -components[centre], lower, upper, most_steps=50)
     return np.asarray(np.clip(middle + step, 0.0, 1.0))
 
 
@@ -94,6 +94,8 @@ def quadratic_point(points: FloatArray, objectives: FloatArray, centre: int, rea
     def model(step: FloatArray) -> tuple[float, FloatArray]:
         bent = curvature @ step
         return float(slope @ step + 0.5 * step @ bent), slope + bent
+
+    from scipy.optimize import minimize  # takes half a second to import
 
     lower, upper = np.maximum(-middle / radius, -reach), np.minimum((1.0 - middle) / radius, reach)
     bounds = list(zip(lower, upper, strict=True))

@@ -13,7 +13,7 @@ from geoswarm.solver.identifiability.sensitivity import from_evaluations
 from geoswarm.solver.identifiability.stored import jacobian_from_samples
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.report import linearise_stored, report_of_result
+from geoswarm.solver.report.build import linearise_stored, report_of_result
 from tests.solver.identifiability.cases import X, free, problem_of
 
 NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)

@@ -5,33 +5,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.identifiability import Samples, StatisticsError
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
 from tests.solver.identifiability.cases import X, free, problem_of, sampled
 
 
-def test_history_and_rows_give_the_same_samples() -> None:
+def test_a_history_gives_its_evaluations_in_order() -> None:
     problem = problem_of("a * x ** b", {"a": free(), "b": free(scale="log")}, X)
     result = calibrate(problem)
     samples = Samples.from_result(problem, result)
-    rows = [
-        {
-            "generation": r.generation,
-            "particle": r.particle,
-            "parameters": dict(zip(problem.free_names, r.evaluation.parameters.tolist(), strict=True)),
-            "objective": r.evaluation.objective,
-            "misfits": r.evaluation.misfits,
-            "responses": {s: {"x": X.tolist(), "y": v.tolist()} for s, v in r.evaluation.responses.items()},
-        }
-        for r in result.history
-    ]
-    stored = Samples.from_rows(problem, rows)
-    assert samples.source == stored.source == "particle_swarm"
-    assert samples.size == stored.size == result.evaluations
-    np.testing.assert_array_equal(samples.parameters, stored.parameters)
-    np.testing.assert_array_equal(samples.responses["y"], stored.responses["y"])
-    np.testing.assert_array_equal(samples.generations, stored.generations)
+    assert samples.source == "particle_swarm"
+    assert samples.size == result.evaluations
+    for index, record in enumerate(result.history):
+        assert (samples.generations[index], samples.particles[index]) == (record.generation, record.particle)
+        np.testing.assert_array_equal(samples.parameters[index], record.evaluation.parameters)
+        np.testing.assert_array_equal(samples.responses["y"][index], record.evaluation.responses["y"])
     assert samples.objectives[samples.best] == result.objective
 
 
@@ -39,12 +29,11 @@ def test_failed_evaluations_are_counted_and_left_out() -> None:
     problem = problem_of("a * x", {"a": free()}, X)
     samples = Samples.from_arrays(problem, np.array([[1.0], [2.0], [3.0]]), np.array([1.0, np.nan, np.inf]), failed=4)
     assert (samples.size, samples.failed) == (1, 6)
-    rows = [
-        {"generation": 0, "particle": 0, "parameters": {"a": 1.0}, "objective": None, "misfits": {}, "responses": None}
-    ]
-    assert Samples.from_rows(problem, rows).failed == 1
+    failed = Evaluation(np.array([1.0]), None, {}, {}, 0.1, "diverged", "no balance")
+    none = Samples.from_evaluations(problem, [failed])
+    assert none.failed == 1
     with pytest.raises(StatisticsError, match="no successful evaluation"):
-        _ = Samples.from_rows(problem, rows).best
+        _ = none.best
 
 
 def test_unit_coordinates_follow_the_scale() -> None:

@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability import Samples, analyse, apply_proposals, fit_line
+from geoswarm.solver.identifiability import Samples, analyse, apply_changes, fit_line
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
 from tests.solver.identifiability.cases import X, free, linearised, problem_of, sampled
@@ -46,7 +46,7 @@ def test_a_product_is_named_and_linked() -> None:
     np.testing.assert_allclose(line.slope, -1.0, rtol=0.05)
     np.testing.assert_allclose(line.value(2.0), 1.5, rtol=0.1)
     link = next(p for p in statistics.verdict("a").proposals if p.kind == "link")
-    follow_up = parse_problem(apply_proposals(problem.document(), [link]))
+    follow_up = parse_problem(apply_changes(problem.document(), [link.changes]))
     assert follow_up.free_names == ("b",)
     np.testing.assert_allclose(follow_up.values([2.0])["a"], 1.5, rtol=0.1)
 
@@ -90,7 +90,7 @@ def test_one_sided_parameter_gets_a_wider_bound() -> None:
     assert verdict.evidence.open_below is False
     widen = verdict.proposals[0]
     assert widen.kind == "widen"
-    wider = parse_problem(apply_proposals(problem.document(), [widen]))
+    wider = parse_problem(apply_changes(problem.document(), [widen.changes]))
     assert wider.free[0].upper > 1000.0
     assert wider.free[0].lower == 0.1
 

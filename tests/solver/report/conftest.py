@@ -10,7 +10,7 @@ import pytest
 
 from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
-from geoswarm.solver.report import Report, report_of_result
+from geoswarm.solver.report.build import Report, report_of_result
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "oedometer" / "problem.yaml"
 

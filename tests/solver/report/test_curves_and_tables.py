@@ -10,7 +10,8 @@ import pytest
 
 from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report import objective_unit, series_curves, series_shares, write_evaluations, write_result
+from geoswarm.solver.report.curves import objective_unit, series_curves, series_shares
+from geoswarm.solver.report.tables import write_evaluations, write_result
 
 
 @pytest.fixture(scope="module")

@@ -9,18 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoswarm.solver.report import (
-    report_of_folder,
-    report_of_result,
-    run_of_folder,
+from geoswarm.solver.report.build import report_of_result
+from geoswarm.solver.report.folder import FolderError, report_of_folder, run_of_folder
+from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.report.tables import (
     write_evaluations,
     write_generations,
     write_problem,
     write_responses,
     write_result,
 )
-from geoswarm.solver.report.folder import FolderError
-from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.solver.words import duration, number, typeset
 from tests.solver.report.conftest import Run
 

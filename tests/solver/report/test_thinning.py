@@ -6,7 +6,7 @@ import numpy as np
 
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report import report_of_result
+from geoswarm.solver.report.build import report_of_result
 from geoswarm.solver.report.thinning import MOST_SHOWN, shown
 from tests.solver.problems import decay_document
 

@@ -10,7 +10,8 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.search.acceleration.polishing import Polishing, polish_pattern
+from geoswarm.solver.search.acceleration.arms import PROBE, Local, polish_pattern
+from geoswarm.solver.search.acceleration.polishing import Polishing
 from tests.solver.problems import decay_document
 
 POLISHED = {"kind": "particle_swarm", "particles": 10, "polish": True}
@@ -74,8 +75,8 @@ def test_it_ends_when_two_generations_gain_nothing_or_after_ten() -> None:
 
 
 def test_half_of_a_polishing_generation_are_steps() -> None:
-    assert polish_pattern(2) == ("quadratic:0:1", "probe")
+    assert polish_pattern(2) == (Local("quadratic", 0, 1), PROBE)
     arms = polish_pattern(12)
     assert len(arms) == 12
-    assert sum(arm.startswith("quadratic") for arm in arms) == 3
-    assert polish_pattern(4)[:2] == ("quadratic:0:1", "quadratic:0:0.3")
+    assert sum(arm != PROBE for arm in arms) == 3
+    assert polish_pattern(4)[:2] == (Local("quadratic", 0, 1), Local("quadratic", 0, 0.3))
