@@ -20,7 +20,8 @@ from geoswarm.api.limits import Shares
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
-from geoswarm.api.routes import API_PREFIX, api_router, health_router, metrics_router
+from geoswarm.api.paths import API_PREFIX
+from geoswarm.api.routes import api_router, health_router, metrics_router
 from geoswarm.api.settings import ApiSettings
 from geoswarm.solver.problem import problem_schema
 from geoswarm.workers.service import JobService

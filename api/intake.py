@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.errors import DetailError, detail_response
 from geoswarm.api.limits import Shares
-from geoswarm.api.routes import API_PREFIX
+from geoswarm.api.paths import API_PREFIX
 from geoswarm.api.settings import ApiSettings
 from geoswarm.workers.access import Principal
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
+from geoswarm.api.paths import API_PREFIX
 from geoswarm.api.routes import (
     administration,
     events,
@@ -24,9 +25,7 @@ from geoswarm.api.routes import (
     workers,
 )
 
-__all__ = ["API_PREFIX", "api_router", "health_router", "metrics_router"]
-
-API_PREFIX = "/api/v1"
+__all__ = ["api_router", "health_router", "metrics_router"]
 
 api_router = APIRouter(prefix=API_PREFIX)
 for module in (

@@ -1,0 +1,7 @@
+"""Where the routes of the API begin."""
+
+from __future__ import annotations
+
+__all__ = ["API_PREFIX"]
+
+API_PREFIX = "/api/v1"
