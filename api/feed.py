@@ -22,16 +22,16 @@ import anyio
 import anyio.to_thread
 
 from geoswarm.api.event_text import BatchTexts, thinned
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.service import JobService
 from geoswarm.workers.store.event_bell import EventBell
 from geoswarm.workers.views import EventView
 
-__all__ = ["ENDED_STATES", "EventFeed", "ends_job"]
+__all__ = ["EventFeed", "ends_job"]
 
 logger = logging.getLogger("geoswarm.api")
 
-ENDED_STATES = frozenset({"finished", "failed", "cancelled"})
 KEPT_EVENTS = 500
 BATCH = 500
 RETRY_SECONDS = 2.0

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
+from geoswarm.records.states import EvaluationState, JobState
 from geoswarm.solver.problem import Stopping
 
 __all__ = [
@@ -29,7 +30,6 @@ __all__ = [
     "Job",
     "JobChange",
     "JobPage",
-    "JobState",
     "Liveness",
     "Number",
     "Parameter",
@@ -51,8 +51,6 @@ def _finite(value: object) -> object:
 
 
 Number = Annotated[float | None, BeforeValidator(_finite)]
-JobState = Literal["queued", "running", "paused", "finished", "failed", "cancelled"]
-EvaluationState = Literal["pending", "running", "finished", "failed"]
 
 
 class Model(BaseModel):

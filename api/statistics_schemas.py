@@ -6,10 +6,10 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from geoswarm.api.schemas import JobState, Number
+from geoswarm.api.schemas import Number
+from geoswarm.records.states import JobState
 
 __all__ = [
-    "FigureList",
     "GlobalRequest",
     "PosteriorAnswer",
     "ProfileRequest",

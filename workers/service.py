@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
+from geoswarm.records.states import SERVED_STATES
 from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.check import CheckReport
 from geoswarm.solver.errors import ProblemError
@@ -347,7 +348,7 @@ class JobService(JobRecords):
 
     def _view(self, row: Any, shortage: str | None) -> JobView:
         view = job_view(row, self._gap)
-        if shortage is None or view.state not in ("queued", "running"):
+        if shortage is None or view.state not in SERVED_STATES:
             return view
         return replace(view, warnings=[*view.warnings, f"waits: {shortage}"])
 

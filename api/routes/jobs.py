@@ -8,7 +8,8 @@ from fastapi import APIRouter, Header, Query, Request, Response
 
 from geoswarm.api.bodies import ProblemDocument
 from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from geoswarm.api.schemas import Job, JobChange, JobPage, JobState, Retry
+from geoswarm.api.schemas import Job, JobChange, JobPage, Retry
+from geoswarm.records.states import JobState
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.store.job_list import JobFilters, SortKey
 

@@ -21,11 +21,11 @@ from geoswarm.api.schemas import (
     Best,
     Evaluation,
     EvaluationPage,
-    EvaluationState,
     Generation,
     GenerationList,
 )
 from geoswarm.api.schemas import Response as ResponseValues
+from geoswarm.records.states import EvaluationState
 from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.words import visible

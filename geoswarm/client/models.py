@@ -10,8 +10,9 @@ from datetime import datetime
 from html import escape
 from typing import Any, Generic, TypeVar
 
+from geoswarm.records.states import ENDED_STATES
+
 __all__ = [
-    "ENDED_STATES",
     "Attempt",
     "Best",
     "CheckResult",
@@ -33,8 +34,6 @@ __all__ = [
     "WarmStart",
     "Worker",
 ]
-
-ENDED_STATES = frozenset({"finished", "failed", "cancelled"})
 
 Item = TypeVar("Item")
 

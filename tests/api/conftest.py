@@ -14,8 +14,8 @@ import httpx
 import pytest
 
 from geoswarm.api import ApiSettings, bind, create_app
-from geoswarm.api.feed import ENDED_STATES
 from geoswarm.api.server import base_url, build_server
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.engine import Engine, open_engine
 from geoswarm.workers.service import JobService

@@ -23,6 +23,7 @@ from sqlalchemy import (
     update,
 )
 
+from geoswarm.records.states import DONE_STATES, UNDONE_STATES
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.coordinator.evaluation import EvaluationStatus
 from geoswarm.workers.store.clock import database_now
@@ -79,7 +80,7 @@ EARLIER = (
     .where(
         evaluations.c.job_id == bindparam("job_id"),
         evaluations.c.generation < bindparam("generation"),
-        evaluations.c.state.in_(("finished", "failed")),
+        evaluations.c.state.in_(DONE_STATES),
         evaluations.c.parameters.in_(bindparam("wanted", expanding=True)),
     )
     .order_by(evaluations.c.generation, evaluations.c.particle)
@@ -288,7 +289,7 @@ def still_wanted(connection: Connection, job_id: str, generation: int, particles
         evaluations.c.job_id == job_id,
         evaluations.c.generation == generation,
         evaluations.c.particle.in_(particles),
-        evaluations.c.state.in_(("pending", "running")),
+        evaluations.c.state.in_(UNDONE_STATES),
     )
     return state if connection.scalar(select(missing)) else "done"
 
