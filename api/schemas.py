@@ -11,15 +11,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
-from geoswarm.records.states import EvaluationState, JobState
+from geoswarm.records.evaluation import Evaluation, Response
+from geoswarm.records.states import JobState
 from geoswarm.solver.problem import Stopping
 
 __all__ = [
     "Attempt",
     "AttemptList",
-    "Best",
     "CheckResult",
-    "Evaluation",
     "EvaluationPage",
     "ForwardModelDetail",
     "ForwardModelList",
@@ -33,7 +32,6 @@ __all__ = [
     "Liveness",
     "Number",
     "Parameter",
-    "Response",
     "Retry",
     "Series",
     "Session",
@@ -101,33 +99,6 @@ class JobPage(Model):
     next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
 
 
-class Response(Model):
-    """Calculated values of a series at its observed points, in base units."""
-
-    x: list[Number]
-    y: list[Number]
-
-
-class Evaluation(Model):
-    """One particle's forward calculation in one generation; ``parameters`` are the free ones."""
-
-    generation: int
-    particle: int
-    state: EvaluationState
-    parameters: dict[str, float]
-    objective: Number
-    misfits: dict[str, Number]
-    responses: dict[str, Response] | None = Field(description="only when asked for with responses=true")
-    reason: str | None = Field(description="kind of failure")
-    message: str | None = Field(description="what happened")
-    attempts: int
-    worker: str | None
-    started_at: datetime | None
-    finished_at: datetime | None
-    seconds: float | None
-    log: str | None = Field(description="end of what a failed forward model wrote")
-
-
 class Attempt(Model):
     """One try at an evaluation."""
 
@@ -169,17 +140,6 @@ class EvaluationPage(Model):
 
     items: list[Evaluation]
     next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
-
-
-class Best(Model):
-    """The evaluation of the lowest objective; ``parameters`` are all of them, by name."""
-
-    generation: int
-    particle: int
-    objective: float
-    parameters: dict[str, float]
-    misfits: dict[str, Number]
-    responses: dict[str, Response]
 
 
 class Generation(Model):

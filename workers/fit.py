@@ -9,12 +9,12 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from geoswarm.records.evaluation import Evaluation
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
 from geoswarm.solver.problem.units import convert
 from geoswarm.solver.report.curves import SeriesShare, load_times, objective_unit, series_shares
 from geoswarm.solver.report.labels import parameter_labels
 from geoswarm.workers.service import JobService
-from geoswarm.workers.views import EvaluationView
 
 __all__ = ["FitCurve", "FitParameter", "FitSeries", "FitView", "fit_of"]
 
@@ -108,7 +108,7 @@ def fit_of(service: JobService, job_id: str, chosen: tuple[int, int] | None = No
     problem = parse_problem(service.problem(job_id))
     first = service.evaluations(job_id, generation=0, state="finished", limit=1, responses=True).items
     best = service.best(job_id)
-    found: list[tuple[Literal["initial", "best", "chosen"], EvaluationView]] = [("initial", view) for view in first]
+    found: list[tuple[Literal["initial", "best", "chosen"], Evaluation]] = [("initial", view) for view in first]
     if best is not None:
         found.append(("best", best))
     if chosen is not None:
@@ -171,22 +171,23 @@ def _curve(
     problem: Problem,
     orders: Mapping[str, npt.NDArray[np.intp]],
     role: Literal["initial", "best", "chosen"],
-    view: EvaluationView,
+    view: Evaluation,
 ) -> FitCurve:
     infos = {info.name: info for info in problem.model.series}
     values = {}
     for observation in problem.observations:
         if view.responses is not None and observation.series in view.responses:
             info = infos[observation.series]
-            calculated = np.array(view.responses[observation.series]["y"], dtype=np.float64)
+            calculated = np.array(view.responses[observation.series].y, dtype=np.float64)
             y_unit = observation.y_unit or info.y_unit
             values[observation.series] = convert(calculated, info.y_unit, y_unit)[orders[observation.series]].tolist()
+    misfits = {series: misfit for series, misfit in view.misfits.items() if misfit is not None}
     return FitCurve(
         role=role,
         generation=view.generation,
         particle=view.particle,
         objective=view.objective,
         parameters=problem.values([view.parameters[name] for name in problem.free_names]),
-        shares=series_shares(problem, view.misfits) if view.misfits else [],
+        shares=series_shares(problem, misfits) if misfits else [],
         values=values,
     )

@@ -9,6 +9,8 @@ from typing import Any
 
 from sqlalchemy import Connection
 
+from geoswarm.records.evaluation import Evaluation
+from geoswarm.records.page import Page
 from geoswarm.workers.cursors import decode_cursor, encode_cursor
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.store import Store, jobs
@@ -17,7 +19,7 @@ from geoswarm.workers.store.evaluations import get_evaluation, list_attempts
 from geoswarm.workers.store.listing import Filters, list_evaluations
 from geoswarm.workers.store.selection import spaced
 from geoswarm.workers.store.views import attempt_views, evaluation_view, event_view, generation_view
-from geoswarm.workers.views import AttemptView, EvaluationView, EventView, GenerationView, Page
+from geoswarm.workers.views import AttemptView, EventView, GenerationView
 
 __all__ = ["JobRecords", "clip"]
 
@@ -63,10 +65,10 @@ class JobRecords(ABC):
 
         return self.store.read(work)
 
-    def best(self, job_id: str) -> EvaluationView | None:
+    def best(self, job_id: str) -> Evaluation | None:
         """Return the best evaluation so far with its responses; None while none has succeeded."""
 
-        def work(connection: Connection) -> EvaluationView | None:
+        def work(connection: Connection) -> Evaluation | None:
             job = self._row(connection, job_id)
             if job.best_generation is None:
                 return None
@@ -76,7 +78,7 @@ class JobRecords(ABC):
 
         return self.store.read(work)
 
-    def evaluation(self, job_id: str, generation: int, particle: int) -> EvaluationView:
+    def evaluation(self, job_id: str, generation: int, particle: int) -> Evaluation:
         """Return one evaluation with its responses.
 
         Raises
@@ -84,7 +86,7 @@ class JobRecords(ABC):
         EvaluationNotFoundError
         """
 
-        def work(connection: Connection) -> EvaluationView:
+        def work(connection: Connection) -> Evaluation:
             names, grids = self._frame(connection, job_id)
             row = get_evaluation(connection, job_id, generation, particle)
             if row is None:
@@ -103,7 +105,7 @@ class JobRecords(ABC):
         limit: int = 100,
         cursor: str | None = None,
         responses: bool = False,
-    ) -> Page[EvaluationView]:
+    ) -> Page[Evaluation]:
         """Return evaluations ordered by (generation, particle); with long responses fewer than ``limit`` a page.
 
         Raises
@@ -113,13 +115,14 @@ class JobRecords(ABC):
         after = None if cursor is None else decode_cursor(cursor, int, int)
         filters = Filters(generation, state, max_objective)
 
-        def work(connection: Connection) -> Page[EvaluationView]:
+        def work(connection: Connection) -> Page[Evaluation]:
             names, grids = self._frame(connection, job_id)
             most = rows_with_responses(clip(limit), grids) if responses else clip(limit)
             rows = list_evaluations(connection, job_id, filters, after=after, limit=most + 1, responses=responses)
             views = [evaluation_view(row, names, grids if responses else None) for row in rows[:most]]
             last = views[-1] if len(rows) > most else None
-            return Page(views, None if last is None else encode_cursor(last.generation, last.particle))
+            following = None if last is None else encode_cursor(last.generation, last.particle)
+            return Page(items=views, next_cursor=following)
 
         return self.store.read(work)
 
@@ -131,13 +134,13 @@ class JobRecords(ABC):
         state: str | None = None,
         max_objective: float | None = None,
         responses: bool = False,
-    ) -> Iterator[EvaluationView]:
+    ) -> Iterator[Evaluation]:
         """Stream evaluations ordered by (generation, particle), in short transactions and flat memory."""
         names, grids = self.store.read(lambda connection: self._frame(connection, job_id))
         filters = Filters(generation, state, max_objective)
         most = rows_with_responses(STREAM_ROWS, grids) if responses else STREAM_ROWS
 
-        def stream() -> Iterator[EvaluationView]:
+        def stream() -> Iterator[Evaluation]:
             after: tuple[int, int] | None = None
             while True:
                 rows = self.store.read(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
+from geoswarm.records.page import Page
 from geoswarm.records.states import SERVED_STATES
 from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.check import CheckReport
@@ -44,7 +45,7 @@ from geoswarm.workers.store.job_list import JobFilters, list_jobs, list_trends
 from geoswarm.workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
 from geoswarm.workers.store.views import event_view, job_view, worker_view
 from geoswarm.workers.store.workers import current_work, list_workers
-from geoswarm.workers.views import EventView, JobView, Page, WorkerView
+from geoswarm.workers.views import EventView, JobView, WorkerView
 
 if TYPE_CHECKING:
     from geoswarm.workers.bodies import BodyService
@@ -216,7 +217,7 @@ class JobService(JobRecords):
             if trend:
                 trends = list_trends(connection, {view.id: view.generations for view in views}, trend)
                 views = [replace(view, trend=trends[view.id]) for view in views]
-            return Page(views, following)
+            return Page(items=views, next_cursor=following)
 
         return self.store.read(work)
 

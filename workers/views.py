@@ -4,19 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import Any, Generic, TypeVar
+from typing import Any
 
-__all__ = ["AttemptView", "EvaluationView", "EventView", "GenerationView", "JobView", "Page", "WorkerView"]
-
-Item = TypeVar("Item")
-
-
-@dataclass(frozen=True, slots=True)
-class Page(Generic[Item]):
-    """One page of a listing; ``next_cursor`` None: it is the last."""
-
-    items: list[Item]
-    next_cursor: str | None
+__all__ = ["AttemptView", "EventView", "GenerationView", "JobView", "WorkerView"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,43 +67,6 @@ class JobView:
     trend: list[float | None] | None = None
     versions: dict[str, str] | None = None
     warnings: list[str] = field(default_factory=list)
-
-
-@dataclass(frozen=True, slots=True)
-class EvaluationView:
-    """One particle's forward calculation in one generation.
-
-    Parameters
-    ----------
-    state
-        pending, running, finished or failed.
-    parameters
-        Values of the free parameters by name.
-    misfits, responses
-        f'_g and ``{series: {"x": [...], "y": [...]}}`` in base units; responses None when not asked for or not there.
-    reason, message, log
-        Why it failed, and the end of what the forward model wrote.
-    attempts
-        Number of tries so far, the counted one included.
-    seconds
-        Wall time of the counted forward calculation [s].
-    """
-
-    generation: int
-    particle: int
-    state: str
-    parameters: dict[str, float]
-    objective: float | None
-    misfits: dict[str, float]
-    responses: dict[str, dict[str, list[float]]] | None
-    reason: str | None
-    message: str | None
-    attempts: int
-    worker: str | None
-    started_at: datetime | None
-    finished_at: datetime | None
-    seconds: float | None
-    log: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,8 @@
 ``_async``      :class:`AsyncClient`, written by hand
 ``_sync``       :class:`Client`, generated from it by ``scripts/generate_client.py``
 ``calls``       how requests are put together and answers are read, without any input or output
-``models``      frozen records of the answers; those with arrays in ``points``, ``fit``, ``bodies``,
-                those of keys and operations in ``administration``
+``models``      frozen records that only the client has; those with arrays in ``points``, ``fit``, ``bodies``,
+                those of keys and operations in ``administration``; all others in :mod:`geoswarm.records`
 ``errors``      the tree of errors
 ``follow``      when to take up an event stream again, when to give up
 ``sse``         reads an event stream
@@ -34,10 +34,7 @@ from geoswarm.client.errors import (
 from geoswarm.client.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
 from geoswarm.client.models import (
     Attempt,
-    Best,
     CheckResult,
-    Curve,
-    Evaluation,
     Event,
     Figure,
     ForwardModel,
@@ -45,7 +42,6 @@ from geoswarm.client.models import (
     Generation,
     Health,
     Job,
-    Page,
     Parameter,
     Report,
     Retry,
@@ -55,6 +51,8 @@ from geoswarm.client.models import (
     Worker,
 )
 from geoswarm.client.points import PointParameter, Points, PointSeries
+from geoswarm.records.evaluation import Best, Evaluation, Response
+from geoswarm.records.page import Page
 
 __all__ = [
     "AsyncClient",
@@ -62,7 +60,6 @@ __all__ = [
     "Attempt",
     "Best",
     "CheckResult",
-    "Curve",
     "Displacement",
     "Evaluation",
     "Event",
@@ -89,6 +86,7 @@ __all__ = [
     "PointSeries",
     "Points",
     "Report",
+    "Response",
     "Retry",
     "Series",
     "Session",

@@ -8,16 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from datetime import datetime
 from html import escape
-from typing import Any, Generic, TypeVar
+from typing import Any
 
+from geoswarm.records.evaluation import Response
 from geoswarm.records.states import ENDED_STATES
 
 __all__ = [
     "Attempt",
-    "Best",
     "CheckResult",
-    "Curve",
-    "Evaluation",
     "Event",
     "Figure",
     "ForwardModel",
@@ -25,7 +23,6 @@ __all__ = [
     "Generation",
     "Health",
     "Job",
-    "Page",
     "Parameter",
     "Report",
     "Retry",
@@ -34,8 +31,6 @@ __all__ = [
     "WarmStart",
     "Worker",
 ]
-
-Item = TypeVar("Item")
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,43 +115,6 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
-class Page(Generic[Item]):
-    """Some items of a list; ``next_cursor`` gets those that follow, None at the end."""
-
-    items: list[Item]
-    next_cursor: str | None
-
-
-@dataclass(frozen=True, slots=True)
-class Curve:
-    """Calculated values of a series at its observed points, base units; None where not finite."""
-
-    x: list[float | None]
-    y: list[float | None]
-
-
-@dataclass(frozen=True, slots=True)
-class Evaluation:
-    """One particle's forward calculation in one generation; ``parameters`` are the free ones."""
-
-    generation: int
-    particle: int
-    state: str
-    parameters: dict[str, float]
-    objective: float | None
-    misfits: dict[str, float | None]
-    responses: dict[str, Curve] | None
-    reason: str | None
-    message: str | None
-    attempts: int
-    worker: str | None
-    started_at: datetime | None
-    finished_at: datetime | None
-    seconds: float | None
-    log: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Attempt:
     """One try at an evaluation; ``outcome``: running, finished, the kind of failure, late, overdue or stopped."""
 
@@ -176,18 +134,6 @@ class Retry:
 
     evaluations: int
     job: Job
-
-
-@dataclass(frozen=True, slots=True)
-class Best:
-    """The evaluation of the lowest objective; ``parameters`` are all of them."""
-
-    generation: int
-    particle: int
-    objective: float
-    parameters: dict[str, float]
-    misfits: dict[str, float | None]
-    responses: dict[str, Curve]
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,7 +196,7 @@ class TestRun:
     seconds: float
     reason: str | None
     message: str | None
-    responses: dict[str, Curve] = field(default_factory=dict)
+    responses: dict[str, Response] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

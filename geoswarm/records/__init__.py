@@ -4,6 +4,9 @@ Frozen dataclasses of the standard library: importing them costs next to nothing
 client reads answers into them. Fields as in the HTTP contract; units kN, m, day, degree, seconds where named so.
 
 ==============  =====================================================================
+``record``      how a record is written
 ``states``      states of jobs, evaluations, workers and keys
+``page``        one page of a listing
+``evaluation``  an evaluation, its columns in tables, the best one
 ==============  =====================================================================
 """

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 
+import numpy as np
+
+from geoswarm.records.evaluation import COLUMNS, Evaluation, Response
+from geoswarm.records.record import Number
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.versions import recorded_versions, version_warnings
-from geoswarm.workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, WorkerView
+from geoswarm.workers.views import AttemptView, EventView, GenerationView, JobView, WorkerView
 
 __all__ = ["attempt_views", "evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
 
@@ -47,31 +54,29 @@ def job_view(row: Record, gap: float) -> JobView:
     )
 
 
-def evaluation_view(
-    row: Record, names: Sequence[str], grids: Mapping[str, list[float]] | None = None
-) -> EvaluationView:
+_AS_STORED = tuple(column.name for column in COLUMNS if column.kind is not datetime)
+"""Columns of an evaluation that are shown as they are in its row."""
+
+
+def evaluation_view(row: Record, names: Sequence[str], grids: Mapping[str, list[float]] | None = None) -> Evaluation:
     """Show an evaluation, with responses over ``grids`` when these are given and it has any."""
     responses = None
     if grids is not None and row.responses is not None:
         calculated = unpack_responses(row.responses)
-        responses = {series: {"x": grids[series], "y": y.tolist()} for series, y in calculated.items()}
-    return EvaluationView(
-        generation=row.generation,
-        particle=row.particle,
-        state=row.state,
+        responses = {series: Response(x=list(grids[series]), y=_numbers(y)) for series, y in calculated.items()}
+    return Evaluation(
         parameters=dict(zip(names, unpack_array(row.parameters).tolist(), strict=True)),
-        objective=row.objective,
         misfits={} if row.misfits is None else unpack_json(row.misfits),
         responses=responses,
-        reason=row.reason,
-        message=row.message,
-        attempts=row.attempts,
-        worker=row.worker,
         started_at=to_optional_datetime(row.started_at),
         finished_at=to_optional_datetime(row.finished_at),
-        seconds=row.seconds,
-        log=row.log,
+        **{name: getattr(row, name) for name in _AS_STORED},
     )
+
+
+def _numbers(values: FloatArray) -> list[Number]:
+    listed: list[Number] = values.tolist()
+    return listed if np.isfinite(values).all() else [v if v is not None and math.isfinite(v) else None for v in listed]
 
 
 def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[AttemptView]:
