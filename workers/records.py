@@ -9,7 +9,10 @@ from typing import Any
 
 from sqlalchemy import Connection
 
+from geoswarm.records.attempt import Attempt
 from geoswarm.records.evaluation import Evaluation
+from geoswarm.records.event import Event
+from geoswarm.records.generation import Generation
 from geoswarm.records.page import Page
 from geoswarm.workers.cursors import decode_cursor, encode_cursor
 from geoswarm.workers.errors import EvaluationNotFoundError
@@ -19,7 +22,6 @@ from geoswarm.workers.store.evaluations import get_evaluation, list_attempts
 from geoswarm.workers.store.listing import Filters, list_evaluations
 from geoswarm.workers.store.selection import spaced
 from geoswarm.workers.store.views import attempt_views, evaluation_view, event_view, generation_view
-from geoswarm.workers.views import AttemptView, EventView, GenerationView
 
 __all__ = ["JobRecords", "clip"]
 
@@ -53,10 +55,10 @@ class JobRecords(ABC):
     def _frame(self, connection: Connection, job_id: str) -> tuple[list[str], dict[str, list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
 
-    def attempts(self, job_id: str, generation: int, particle: int) -> list[AttemptView]:
+    def attempts(self, job_id: str, generation: int, particle: int) -> list[Attempt]:
         """Return the tries at one evaluation, the one under way or counted last; empty: there is no such evaluation."""
 
-        def work(connection: Connection) -> list[AttemptView]:
+        def work(connection: Connection) -> list[Attempt]:
             self._row(connection, job_id)
             return attempt_views(
                 get_evaluation(connection, job_id, generation, particle),
@@ -169,14 +171,14 @@ class JobRecords(ABC):
         limit: int = 1000,
         points: int | None = None,
         diversity: bool = False,
-    ) -> list[GenerationView]:
+    ) -> list[Generation]:
         """Return finished generations with a number above ``after``, in order.
 
         With ``points`` at most so many of all, evenly spaced, the first and the last one included; ``diversity`` reads
         all their runs.
         """
 
-        def work(connection: Connection) -> list[GenerationView]:
+        def work(connection: Connection) -> list[Generation]:
             total = self._row(connection, job_id).generations
             numbers = None if points is None or total <= points else spaced(total, points)
             rows = jobs.list_generations(connection, job_id, after=after, limit=clip(limit), numbers=numbers)
@@ -185,10 +187,10 @@ class JobRecords(ABC):
 
         return self.store.read(work)
 
-    def events(self, job_id: str, *, after: int = 0, limit: int = 500) -> list[EventView]:
+    def events(self, job_id: str, *, after: int = 0, limit: int = 500) -> list[Event]:
         """Return events with an id above ``after``, in order."""
 
-        def work(connection: Connection) -> list[EventView]:
+        def work(connection: Connection) -> list[Event]:
             self._row(connection, job_id)
             rows = jobs.list_events(connection, job_id, after=after, limit=clip(limit))
             return [event_view(row) for row in rows]

@@ -13,8 +13,8 @@ from geoswarm.api.assets import PLOTLY, Assets
 from geoswarm.api.authentication import Identity
 from geoswarm.api.errors import DetailError
 from geoswarm.api.headers import PLOT_POLICY
+from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES, OPEN_STATES
-from geoswarm.workers.views import JobView
 
 __all__ = ["error_page", "number", "progress", "render", "words"]
 
@@ -29,7 +29,7 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def progress(job: JobView) -> float | None:
+def progress(job: Job) -> float | None:
     """Share of the planned evaluations, from 0 to 1; None without a plan."""
     return min(job.evaluations / job.max_evaluations, 1.0) if job.max_evaluations else None
 

@@ -16,10 +16,8 @@ from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.parquet import parquet_available, parquet_pieces
 from geoswarm.api.schemas import (
-    Attempt,
     AttemptList,
     EvaluationPage,
-    Generation,
     GenerationList,
 )
 from geoswarm.records.evaluation import COLUMNS, Best, Evaluation
@@ -55,7 +53,7 @@ def generations(
 ) -> GenerationList:
     """Show how the search went, one item a generation."""
     views = service.generations(job_id, after=after, limit=limit, points=points, diversity=diversity)
-    return GenerationList(items=[Generation.model_validate(view) for view in views])
+    return GenerationList(items=views)
 
 
 @router.get("/best", responses=problems_of(404))
@@ -175,8 +173,7 @@ def attempts(
     particle: Annotated[int, Path(ge=0, le=2**31 - 1)],
 ) -> AttemptList:
     """Show every try at one evaluation: by whom, when, and how it ended."""
-    views = service.attempts(job_id, generation, particle)
-    return AttemptList(items=[Attempt.model_validate(view) for view in views])
+    return AttemptList(items=service.attempts(job_id, generation, particle))
 
 
 def csv_header(names: Sequence[str], series: Sequence[str]) -> list[str]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Request, Response
 
 from geoswarm.api.dependencies import JobId, Service, problems_of
-from geoswarm.api.schemas import Job
 from geoswarm.api.statistics_schemas import (
     GlobalRequest,
     PosteriorAnswer,
@@ -17,9 +15,9 @@ from geoswarm.api.statistics_schemas import (
     UncertaintyAnswer,
 )
 from geoswarm.api.views import Noise
+from geoswarm.records.job import Job
 from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.workers.follow_ups import submit_global_sensitivity, submit_profile, submit_sensitivity
-from geoswarm.workers.views import JobView
 
 __all__ = ["router"]
 
@@ -96,9 +94,8 @@ def posterior(job_id: JobId, service: Service, noise: Noise) -> PosteriorAnswer:
     return PosteriorAnswer.model_validate(jsonable(service.statistics.posterior(job_id, noise=noise).to_json()))
 
 
-def _created(request: Request, response: Response, submitted: Sequence[JobView | bool]) -> Job:
-    view, created = submitted
-    job = Job.model_validate(view)
+def _created(request: Request, response: Response, submitted: tuple[Job, bool]) -> Job:
+    job, created = submitted
     response.status_code = 201 if created else 200
     response.headers["Location"] = request.app.url_path_for("show", job_id=job.id)
     return job

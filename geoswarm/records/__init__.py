@@ -7,6 +7,14 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``record``      how a record is written
 ``states``      states of jobs, evaluations, workers and keys
 ``page``        one page of a listing
-``evaluation``  an evaluation, its columns in tables, the best one
+``job``         a job
+``generation``  one cycle of its search
+``evaluation``  one forward calculation, its columns in tables, the best one
+``attempt``     one of several tries at it
+``event``       what happens to a job
+``fit``         measured points with what was calculated there
+``worker``      who runs forward calculations
+``key``         API keys and roles
+``arrays``      how arrays are read and written
 ==============  =====================================================================
 """

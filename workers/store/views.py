@@ -1,4 +1,4 @@
-"""Turns rows into views."""
+"""Turns rows into records."""
 
 from __future__ import annotations
 
@@ -8,24 +8,28 @@ from datetime import datetime
 
 import numpy as np
 
+from geoswarm.records.attempt import Attempt
 from geoswarm.records.evaluation import COLUMNS, Evaluation, Response
+from geoswarm.records.event import Event
+from geoswarm.records.generation import Generation
+from geoswarm.records.job import Job
 from geoswarm.records.record import Number
+from geoswarm.records.worker import Worker
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.versions import recorded_versions, version_warnings
-from geoswarm.workers.views import AttemptView, EventView, GenerationView, JobView, WorkerView
 
 __all__ = ["attempt_views", "evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
 
 
-def job_view(row: Record, gap: float) -> JobView:
+def job_view(row: Record, gap: float) -> Job:
     """Show a job; silence of more than ``gap`` [s] is not running time."""
     seconds = None if row.started_at is None else row.run_seconds
     if row.state == "running":
         seconds = row.run_seconds + min(max(row.now - row.clock_at, 0.0), gap)
     recorded = recorded_versions(row)
-    return JobView(
+    return Job(
         id=row.id,
         name=row.name,
         state=row.state,
@@ -79,10 +83,10 @@ def _numbers(values: FloatArray) -> list[Number]:
     return listed if np.isfinite(values).all() else [v if v is not None and math.isfinite(v) else None for v in listed]
 
 
-def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[AttemptView]:
+def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[Attempt]:
     """Show the tries at an evaluation in order, the one under way or counted last."""
     views = [
-        AttemptView(
+        Attempt(
             number=row.number,
             worker=row.worker,
             outcome=row.outcome,
@@ -98,7 +102,7 @@ def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[At
         failed = evaluation.state == "failed"
         others = {row.number for row in tries}  # one given to two workers may be counted by its first number
         numbers = (number for number in range(evaluation.attempts, 0, -1) if number not in others)
-        last = AttemptView(
+        last = Attempt(
             number=next(numbers, evaluation.attempts),
             worker=evaluation.worker,
             outcome=evaluation.reason if failed else evaluation.state,
@@ -112,9 +116,9 @@ def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[At
     return views
 
 
-def generation_view(row: Record, diversity: float | None = None) -> GenerationView:
+def generation_view(row: Record, diversity: float | None = None) -> Generation:
     """Show a finished generation."""
-    return GenerationView(
+    return Generation(
         number=row.number,
         evaluations=row.evaluations,
         failed=row.failed,
@@ -127,14 +131,14 @@ def generation_view(row: Record, diversity: float | None = None) -> GenerationVi
     )
 
 
-def event_view(row: Record) -> EventView:
+def event_view(row: Record) -> Event:
     """Show an event."""
-    return EventView(row.id, row.kind, unpack_json(row.data), to_datetime(row.created_at))
+    return Event(id=row.id, kind=row.kind, data=unpack_json(row.data))
 
 
-def worker_view(row: Record, work: Record | None, *, visible: bool = True) -> WorkerView:
+def worker_view(row: Record, work: Record | None, *, visible: bool = True) -> Worker:
     """Show a worker and what it has claimed, None: nothing; ``visible``: the viewer may see that job."""
-    return WorkerView(
+    return Worker(
         id=row.id,
         host=row.host,
         pid=row.pid,

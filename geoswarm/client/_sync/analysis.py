@@ -11,7 +11,8 @@ from urllib.parse import quote
 
 from geoswarm.client._sync.connection import Connection
 from geoswarm.client.calls import JSON_BODY, Call, Noise, job_path, noise_query, plain, present, reader, view_query
-from geoswarm.client.models import Figure, Job, Report
+from geoswarm.client.models import Figure, Report
+from geoswarm.records.job import Job
 
 __all__ = [
     "figure",
