@@ -52,6 +52,8 @@ from geoswarm.records.generation import Generation
 from geoswarm.records.job import Job, Retry
 from geoswarm.records.key import Key, NewKey
 from geoswarm.records.page import Page
+from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 from geoswarm.records.worker import Worker
 
 __all__ = [
@@ -85,12 +87,16 @@ __all__ = [
     "PointParameter",
     "PointSeries",
     "Points",
+    "PosteriorAnswer",
     "Report",
     "Response",
     "Retry",
+    "ReweightAnswer",
     "Series",
     "Session",
+    "StatisticsAnswer",
     "TestRun",
+    "UncertaintyAnswer",
     "WarmStart",
     "Worker",
     "ConflictError",

@@ -13,6 +13,8 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``attempt``     one of several tries at it
 ``event``       what happens to a job
 ``fit``         measured points with what was calculated there
+``statistics``  what the stored evaluations of a job tell
+``uncertainty`` what its follow-ups have found, a sample of the posterior
 ``worker``      who runs forward calculations
 ``key``         API keys and roles
 ``arrays``      how arrays are read and written
