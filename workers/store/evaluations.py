@@ -51,22 +51,7 @@ WORTH_COPYING = 50  # rows
 ROWS_AT_ONCE = 200  # keys in one statement
 KEY = ("job_id", "generation", "particle")
 
-RESULT_COLUMNS = (
-    "state",
-    "objective",
-    "misfits",
-    "responses",
-    "reason",
-    "message",
-    "log",
-    "attempts",
-    "duplicates",
-    "worker",
-    "lease_expires_at",
-    "started_at",
-    "finished_at",
-    "seconds",
-)
+RESULT_COLUMNS = [column.name for column in evaluations.columns if column.name not in (*KEY, "parameters")]
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
 GENERATION_COLUMNS = [column for column in LIST_COLUMNS if column.name != "misfits"]
 # Asked for in every exchange: built once, as building takes as long as the database's answer.

@@ -60,6 +60,7 @@ def job_view(row: Record, gap: float) -> Job:
 
 _AS_STORED = tuple(column.name for column in COLUMNS if column.kind is not datetime)
 """Columns of an evaluation that are shown as they are in its row."""
+_TIMES = tuple(column.name for column in COLUMNS if column.kind is datetime)
 
 
 def evaluation_view(row: Record, names: Sequence[str], grids: Mapping[str, list[float]] | None = None) -> Evaluation:
@@ -72,9 +73,8 @@ def evaluation_view(row: Record, names: Sequence[str], grids: Mapping[str, list[
         parameters=dict(zip(names, unpack_array(row.parameters).tolist(), strict=True)),
         misfits={} if row.misfits is None else unpack_json(row.misfits),
         responses=responses,
-        started_at=to_optional_datetime(row.started_at),
-        finished_at=to_optional_datetime(row.finished_at),
         **{name: getattr(row, name) for name in _AS_STORED},
+        **{name: to_optional_datetime(getattr(row, name)) for name in _TIMES},
     )
 
 
