@@ -5,7 +5,7 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 
 ==============  =====================================================================
 ``record``      how a record is written
-``states``      states of jobs, evaluations, workers and keys
+``states``      states of jobs, evaluations and keys
 ``page``        one page of a listing
 ``job``         a job
 ``generation``  one cycle of its search

@@ -1,4 +1,4 @@
-"""The states of jobs, evaluations, workers and keys: everything that names a set of them takes it from here."""
+"""The states of jobs, evaluations and keys: everything that names a set of them takes it from here."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ __all__ = [
     "EvaluationState",
     "JobState",
     "KeyState",
-    "WorkerState",
 ]
 
 JobState: TypeAlias = Literal["queued", "running", "paused", "finished", "failed", "cancelled"]
@@ -39,5 +38,4 @@ DONE_STATES: tuple[EvaluationState, ...] = ("finished", "failed")
 UNDONE_STATES: tuple[EvaluationState, ...] = ("pending", "running")
 """No result has been counted yet."""
 
-WorkerState: TypeAlias = Literal["idle", "busy", "lost"]
 KeyState: TypeAlias = Literal["active", "expired", "revoked"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -63,24 +64,27 @@ _AS_STORED = tuple(column.name for column in COLUMNS if column.kind is not datet
 _TIMES = tuple(column.name for column in COLUMNS if column.kind is datetime)
 
 
-def evaluation_view(row: Record, names: Sequence[str], grids: Mapping[str, list[float]] | None = None) -> Evaluation:
+def evaluation_view(row: Record, names: Sequence[str], grids: Mapping[str, list[Any]] | None = None) -> Evaluation:
     """Show an evaluation, with responses over ``grids`` when these are given and it has any."""
     responses = None
     if grids is not None and row.responses is not None:
         calculated = unpack_responses(row.responses)
-        responses = {series: Response(x=list(grids[series]), y=_numbers(y)) for series, y in calculated.items()}
+        responses = {series: Response(x=grids[series], y=_numbers(y)) for series, y in calculated.items()}
+    own: dict[str, Any] = {name: getattr(row, name) for name in _AS_STORED}
+    own |= {name: to_optional_datetime(getattr(row, name)) for name in _TIMES}
     return Evaluation(
         parameters=dict(zip(names, unpack_array(row.parameters).tolist(), strict=True)),
         misfits={} if row.misfits is None else unpack_json(row.misfits),
         responses=responses,
-        **{name: getattr(row, name) for name in _AS_STORED},
-        **{name: to_optional_datetime(getattr(row, name)) for name in _TIMES},
+        **own,
     )
 
 
 def _numbers(values: FloatArray) -> list[Number]:
-    listed: list[Number] = values.tolist()
-    return listed if np.isfinite(values).all() else [v if v is not None and math.isfinite(v) else None for v in listed]
+    listed: list[Any] = values.tolist()
+    if np.isfinite(values).all():
+        return listed
+    return [value if math.isfinite(value) else None for value in listed]
 
 
 def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[Attempt]:
