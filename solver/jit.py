@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import config
 
 from geoswarm.solver.kernel_cache import settle
 
-__all__ = ["kernel"]
+__all__ = ["compiled", "kernel"]
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -25,4 +25,9 @@ def kernel(function: Function) -> Function:
     No ``fastmath``: the same input gives the same bits on every worker. ``error_model="numpy"`` lets a division by zero
     give inf or nan, which the finite-value guard of the objective then names.
     """
-    return cast(Function, numba.njit(cache=_folder is not None, nogil=True, error_model="numpy")(function))
+    return cast(Function, numba.njit(cache=_folder is not None, nogil=True, no_cfunc_wrapper=True, error_model="numpy")(function))
+
+
+def compiled(function: Callable[..., object], signature: Any) -> Any:
+    """Compile a function that is called by its address, as :func:`kernel` does; with ``address``."""
+    return numba.cfunc(signature, cache=_folder is not None, error_model="numpy")(function)
