@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.element_test.material_point import History, point_under
+from geoswarm.solver.element_test.stage_steps import PointState
 from geoswarm.solver.fem.materials import Material
+from geoswarm.solver.fem.setup import SoilTable
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.registry import find_law
+from geoswarm.solver.laws.soft_soil_creep import equivalent_pressures
 
-__all__ = ["creeping", "elastic", "mohr_coulomb"]
+__all__ = ["creep_law", "creep_point", "creeping", "elastic", "mohr_coulomb", "overconsolidation", "soil_arrays"]
 
 
 def elastic(young: float, poisson: float, unit_weight: float = 0.0, K0: float | None = None) -> Material:
@@ -37,3 +44,25 @@ def creeping(
 ) -> Material:
     """Soft soil creep with constants as the kernels take them."""
     return Material(Soil(find_law("soft_soil_creep"), np.array([*soil, OCR, POP])), unit_weight, K0)
+
+
+def soil_arrays(material: Material) -> tuple[IntArray, FloatArray, IntArray, FloatArray]:
+    """What a body of one soil holds about it: update, constants, strength and elastic moduli."""
+    table = SoilTable.of([material.soil])
+    return table.updates, table.constants, table.strength, table.elastic
+
+
+def creep_law(soil: SoftSoilCreep, OCR: float = 1.0) -> Soil:
+    """Soft soil creep with constants as the kernels take them."""
+    return Soil(find_law("soft_soil_creep"), np.array([*soil, OCR, 0.0]))
+
+
+def creep_point(stress: Sequence[float], soil: SoftSoilCreep, OCR: float = 1.0) -> PointState:
+    """Unstrained state under a stress, with p_p = OCR p_eq."""
+    return point_under(stress, creep_law(soil, OCR))
+
+
+def overconsolidation(history: History, soil: SoftSoilCreep) -> FloatArray:
+    """p_p/p_eq at all times."""
+    ratio: FloatArray = np.exp(history.internal[:, 0]) / equivalent_pressures(history.stress, soil)
+    return ratio

@@ -13,14 +13,14 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.planar_mohr_coulomb import return_to_limit
 from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.jit import inlined
 
 __all__ = ["general_mohr_coulomb"]
 
 _PAIRS: Final = ((0, 1), (1, 2), (2, 0))
 
 
-@kernel
+@inlined
 def general_mohr_coulomb(
     stress: FloatArray,
     strain_increment: FloatArray,

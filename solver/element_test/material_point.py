@@ -110,7 +110,7 @@ def follow(
         np.array(wanted),
         np.array([one.stress for one in states]).reshape(-1, 6),
         np.array([one.strain for one in states]).reshape(-1, 6),
-        np.array([one.internal for one in states]).reshape(-1, state.internal.size),
+        np.array([one.internal for one in states]).reshape(len(states), state.internal.size),
         state,
     )
 

@@ -191,9 +191,7 @@ def three_ways(
             if log_length > 0.0:
                 s = log_length / count
                 share = log_time + step * s + math.log(-math.expm1(-s))
-            status = mixed_step(
-                rows, of_stress, target, now, share, internal, address, constants, piece, reached, kept
-            )
+            status = mixed_step(rows, of_stress, target, now, share, internal, address, constants, piece, reached, kept)
             if status < 0:
                 return -1
             _copy(reached, now)

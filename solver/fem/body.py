@@ -37,7 +37,8 @@ class Body(NamedTuple):
 
 class State(NamedTuple):
     """State at the integration points: ``stress`` (e, 3, 4) kPa, tension positive; ``internal`` (e, 3, s), the
-    state variables of the laws; ``plastic`` (e, 3); ``traction`` (k, 3, 2) kPa, normal (tension positive) and shear; ``gap`` (k, 3), m, how far sides are apart.
+    state variables of the laws; ``plastic`` (e, 3); ``traction`` (k, 3, 2) kPa, normal (tension positive) and shear;
+    ``gap`` (k, 3), m, how far sides are apart.
     """
 
     stress: FloatArray

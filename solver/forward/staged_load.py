@@ -12,19 +12,22 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from geoswarm.solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
-from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo, in_unit
-from geoswarm.solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, SeriesInfo, in_unit
+from geoswarm.solver.forward.staged_history import FAST_PATHS, history_of
+from geoswarm.solver.laws.base import Law, Soil
+from geoswarm.solver.laws.registry import UnknownLawError, find_law, kinds
+from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.specimen import Specimen
@@ -80,7 +83,9 @@ class SpecimenMesh(BaseModel):
 class StagedLoadSpec(ForwardModelSpec, ABC):
     """Fields of the tests with constant loads in stages."""
 
-    material: Literal["soft_soil_creep"] = Field("soft_soil_creep", description="Material law.")
+    material: str = Field(
+        "soft_soil_creep", description="Law of the material.", json_schema_extra={"enum": list(kinds())}
+    )
     discretization: Literal["material_point", "finite_element"] = Field(
         "material_point",
         description="How the specimen is represented: one point, or axisymmetric six-node triangles with their weight.",
@@ -139,6 +144,30 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         json_schema_extra=in_unit("1", 0.5, 3),
     )
 
+    @field_validator("material")
+    @classmethod
+    def _known(cls, kind: str) -> str:
+        try:
+            find_law(kind)
+        except UnknownLawError as error:
+            raise ValueError(str(error)) from error
+        return kind
+
+    @property
+    def law(self) -> Law:
+        """The law of the material."""
+        return find_law(self.material)
+
+    @property
+    def has_fast_path(self) -> bool:
+        """Whether the law has a calculation of its own for loads at a material point."""
+        return self.material in FAST_PATHS
+
+    @property
+    def components(self) -> int:
+        """Stress components that the calculation needs of the law."""
+        return 6 if self.discretization == "material_point" else 4
+
     @property
     def quick(self) -> bool:
         """At one material point, not with finite elements."""
@@ -152,7 +181,21 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
             raise ValueError("unit_weight and mesh are of a specimen with discretization: finite_element")
         if self.zero_at_stage > len(self.stages):
             raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
+        fault = self._missing()
+        if fault is not None:
+            raise ValueError(fault)
         return self
+
+    def _missing(self) -> str | None:
+        """What the law lacks for this test, or what is given that it does not have, in words."""
+        law = self.law
+        if self.components not in law.components:
+            return f"material {law.kind} has no stress update for discretization: {self.discretization}"
+        names = {info.name for info in law.parameters} | {one.name for one in law.settings}
+        for name in ("OCR", "POP", "formulation", "tension_cutoff"):
+            if name not in names and getattr(self, name) != type(self).model_fields[name].default:
+                return f"{name} is given, which material {law.kind} does not have"
+        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,12 +221,33 @@ class StagedLoadModel(ABC):
 
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Soil parameters; the first five are required."""
+        """Parameters of the law; the section may give other defaults to some of them."""
         return self._parameters
 
     @cached_property
     def _parameters(self) -> tuple[ParameterInfo, ...]:
-        return soil_parameters(self.spec.OCR or 1.0, self.spec.POP or 0.0)
+        own = {"OCR": self.spec.OCR, "POP": self.spec.POP}
+        return tuple(
+            info if own.get(info.name) is None else replace(info, default=own[info.name])
+            for info in self.law.parameters
+        )
+
+    @cached_property
+    def law(self) -> Law:
+        """The law of the material."""
+        return self.spec.law
+
+    def soil(self, parameters: Mapping[str, float]) -> Soil:
+        """The soil of one forward calculation.
+
+        Raises
+        ------
+        InfeasibleError
+            A value is outside what the law admits.
+        """
+        defaults = {info.name: info.default for info in self._parameters}
+        choices = {one.name: getattr(self.spec, one.name, one.default) for one in self.law.settings}
+        return self.law.soil({**defaults, **parameters, **choices})
 
     @property
     def open_parameters(self) -> bool:
@@ -247,11 +311,26 @@ class StagedLoadModel(ABC):
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the soil parameters given, or None."""
-        return inadmissible_soil(self._parameters, parameters)
+        own = {name: value for name in ("OCR", "POP") if (value := getattr(self.spec, name)) is not None}
+        return self.law.inadmissible({**own, **parameters})
 
     @abstractmethod
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
-        """Initial lateral stress, kPa, and ln of the preconsolidation pressure."""
+        """Initial lateral stress, kPa, and ln of the preconsolidation pressure, of soft soil creep."""
+
+    @abstractmethod
+    def initial_lateral(self, soil: Soil) -> float:
+        """Initial lateral stress of a soil of any law, kPa.
+
+        Raises
+        ------
+        InfeasibleError
+            The law knows none, or it violates the strength.
+        """
+
+    @abstractmethod
+    def load(self, stress: float, duration: float) -> Stage:
+        """One stage of loading as a material point is led through it."""
 
     @abstractmethod
     def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
@@ -267,38 +346,13 @@ class StagedLoadModel(ABC):
         """
         schedule = self._schedule(points)
         spec = self.spec
-        specimen = self.specimen if spec.discretization == "finite_element" else None
-        stresses = np.array([stage.stress for stage in spec.stages])
-        durations = np.array([stage.duration for stage in spec.stages])
-        default_OCR, default_POP = spec.OCR or 1.0, spec.POP or 0.0
         points_count = schedule.times.shape[0]
         strain = np.zeros((1 + points_count + len(spec.stages), 2))
         zero_row = points_count + spec.zero_at_stage - 1 if spec.zero_at_stage > 1 else 0
+        calculate = history_of(self, schedule.times, schedule.firsts)
 
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
-            soil = soil_from(parameters, spec.formulation, spec.tension_cutoff)
-            OCR, POP = parameters.get("OCR", default_OCR), parameters.get("POP", default_POP)
-            if not (OCR >= 1.0 and POP >= 0.0 and (OCR == 1.0 or POP == 0.0)):
-                raise InfeasibleError(self.check({"OCR": OCR, "POP": POP}))
-            lateral, log_pp = self.initial_state(soil, OCR, POP)
-            if specimen is None:
-                status, stage, time, output, ends = constant_load_history(
-                    soil,
-                    stresses,
-                    durations,
-                    self.lateral_ratio,
-                    spec.initial_stress,
-                    lateral,
-                    log_pp,
-                    spec.tolerance,
-                    schedule.times,
-                    schedule.firsts,
-                )
-                if status != FINISHED:
-                    raise DivergedError(self._failure(status, stage, time))
-            else:
-                ratio, past = lateral / spec.initial_stress, math.exp(log_pp - self._log_equivalent(lateral, soil))
-                output, ends = specimen.history(soil, ratio, past, stresses, durations, schedule.times, schedule.firsts)
+            output, ends = calculate(parameters)
             history = strain.copy()
             history[1 : 1 + points_count] = output
             history[1 + points_count :] = ends
@@ -333,21 +387,6 @@ class StagedLoadModel(ABC):
     @abstractmethod
     def radius(self) -> float:
         """Radius of the specimen, m."""
-
-    def _log_equivalent(self, lateral: float, soil: SoftSoilCreep) -> float:
-        """ln of the equivalent pressure of the initial state."""
-        vertical = self.spec.initial_stress
-        deviator = vertical - lateral
-        return math.log(equivalent_pressure((vertical + 2.0 * lateral) / 3.0, deviator * deviator, soil)[0])
-
-    def _failure(self, status: int, stage: int, time: float) -> str:
-        load = self.spec.stages[stage].stress
-        if status == FAILED_SOIL:
-            return f"stage {stage + 1} ({load:g} kPa): the load is above the strength of the soil"
-        return (
-            f"stage {stage + 1} ({load:g} kPa): no step meets the tolerance {self.spec.tolerance:g} "
-            f"{time:.3g} day after its application; a larger tolerance may"
-        )
 
     def _values(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         if series != "stage_void_ratio":

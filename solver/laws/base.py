@@ -99,6 +99,11 @@ class Law(ABC):
         """What is inadmissible about some of the parameters, in words, or None."""
         return outside_limits(self.parameters, values) or self.contradiction(values)
 
+    @property
+    def knows_K0(self) -> bool:
+        """Whether :meth:`K0` gives a number."""
+        return type(self).K0 is not Law.K0
+
     def K0(self, constants: FloatArray) -> float | None:
         """Ratio of horizontal to vertical stress at rest; None: the law knows none."""
         del constants
@@ -143,7 +148,11 @@ class Law(ABC):
         message = self.inadmissible(values)
         if message is not None:
             raise InfeasibleError(message)
-        choices = {one.name: given[one.name] if one.name in given else one.default for one in self.settings}
+        for one in self.settings:
+            value = given.get(one.name)
+            if not one.choices and value is not None and not value >= one.lower:
+                raise InfeasibleError(f"{one.name} = {value:g} {one.unit}: at least {one.lower:g} is accepted")
+        choices = {one.name: given.get(one.name, one.default) for one in self.settings}
         return Soil(self, self.constants({**values, **choices}))
 
 

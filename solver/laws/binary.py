@@ -23,7 +23,6 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
-import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -91,8 +90,8 @@ class NumbaUpdate(StressUpdate):
 @intrinsic  # type: ignore[misc]  # Numba has no types
 def call_update(  # type: ignore[no-untyped-def]  # likewise
     typing_context,
-    address,
-    log_time,
+    address,  # noqa: ARG001  Numba hands it to ``generate``
+    log_time,  # noqa: ARG001  likewise
     strain,
     stress,
     state,

@@ -6,11 +6,13 @@ import logging
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.laws.base import Law
 from geoswarm.solver.words import did_you_mean
+
+if TYPE_CHECKING:
+    from geoswarm.solver.laws.base import Law
 
 __all__ = ["BUILT_IN", "GROUP", "UnknownLawError", "find_law", "forget", "installed_laws", "kinds"]
 
@@ -68,6 +70,8 @@ def find_law(kind: str) -> Law:
 
 @cache
 def _load(entry: EntryPoint) -> Law:
+    from geoswarm.solver.laws.base import Law  # with Numba, for which a formula should not wait
+
     source = f"law '{entry.name}' ({entry.value}) is installed but"
     try:
         found: Any = import_module(entry.module)

@@ -12,14 +12,19 @@ from numba import carray
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.creep_update import creep_update
 from geoswarm.solver.constitutive.planar_creep import planar_creep
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, friction_constant, soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep import (
+    Formulation,
+    SoftSoilCreep,
+    friction_constant,
+    soft_soil_creep,
+)
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate
 from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["SoftSoilCreepLaw", "creep_constants", "equivalent_pressures"]
+__all__ = ["SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
 
 _OCR, _POP = 16, 17
 """Where the constants hold the initial preconsolidation, after those of the kernels."""
@@ -193,15 +198,7 @@ class SoftSoilCreepLaw(Law):
 
     def constants(self, given: Mapping[str, Any]) -> FloatArray:
         """Those that the class names."""
-        names = ("lambda_star", "kappa_star", "mu_star", "c", "phi", "psi", "nu_ur")
-        soil = soft_soil_creep(
-            *[given[name] for name in names],
-            given["K0nc"] or None,
-            given["M"] or None,
-            formulation=given["formulation"],
-            tension_cutoff=given["tension_cutoff"],
-        )
-        return np.array([*soil, given["OCR"], given["POP"]])
+        return np.array([*creep_soil(given, given["formulation"], given["tension_cutoff"]), given["OCR"], given["POP"]])
 
     def K0(self, constants: FloatArray) -> float:
         """K0nc."""
@@ -233,6 +230,31 @@ class SoftSoilCreepLaw(Law):
     def state_weights(self, constants: FloatArray) -> FloatArray:
         """Creep strain of a unit of ln p_p."""
         return np.array([constants[0] - constants[1]])
+
+
+def creep_soil(
+    parameters: Mapping[str, float], formulation: Formulation, tension_cutoff: float | None
+) -> SoftSoilCreep:
+    """Constants of the kernels from parameters by name.
+
+    Raises
+    ------
+    InfeasibleError
+        A value is outside what the law admits.
+    """
+    return soft_soil_creep(
+        parameters["lambda_star"],
+        parameters["kappa_star"],
+        parameters["mu_star"],
+        parameters["c"],
+        parameters["phi"],
+        parameters.get("psi", 0.0),
+        parameters.get("nu_ur", 0.15),
+        parameters.get("K0nc") or None,
+        parameters.get("M") or None,
+        formulation=formulation,
+        tension_cutoff=tension_cutoff,
+    )
 
 
 def creep_constants(constants: FloatArray) -> SoftSoilCreep:
