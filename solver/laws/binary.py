@@ -23,6 +23,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -32,10 +33,12 @@ from numba.extending import intrinsic
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.jit import compiled
 
-__all__ = ["NumbaUpdate", "StressUpdate", "call_update"]
+__all__ = ["NumbaUpdate", "StressUpdate", "call_update", "carray"]
 
 _POINTERS = 7
-_SIGNATURE = types.int64(types.int64, types.float64, *[types.CPointer(types.float64)] * _POINTERS)
+_SIGNATURE = types.int64(types.int64, types.float64, *[types.CPointer(types.float64)] * _POINTERS)  # type: ignore[no-untyped-call]
+carray: Any = numba.carray  # type: ignore[attr-defined]  # Numba exports it
+"""An array of a pointer and a shape, in updates that are written for Numba."""
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_double, *[ctypes.c_void_p] * _POINTERS)
 
 
@@ -87,8 +90,8 @@ class NumbaUpdate(StressUpdate):
         return int(self._compiled.address)
 
 
-@intrinsic  # type: ignore[misc]  # Numba has no types
-def call_update(  # type: ignore[no-untyped-def]  # likewise
+@intrinsic
+def _call_update(  # type: ignore[no-untyped-def]  # Numba has no types
     typing_context,
     address,  # noqa: ARG001  Numba hands it to ``generate``
     log_time,  # noqa: ARG001  likewise
@@ -100,7 +103,7 @@ def call_update(  # type: ignore[no-untyped-def]  # likewise
     new_state,
     tangent,
 ):
-    """Call the stress update at an address (int64); arguments as in the module, arrays without gaps."""
+    """See :data:`call_update`."""
     del typing_context
     arrays = (strain, stress, state, constants, new_stress, new_state, tangent)
     for one in arrays:
@@ -119,3 +122,9 @@ def call_update(  # type: ignore[no-untyped-def]  # likewise
         return builder.call(function, [components, values[1], *[one.data for one in made]])
 
     return types.int64(types.int64, types.float64, *arrays), generate
+
+
+call_update: Any = _call_update
+"""``call_update(address, log_time, strain, stress, state, constants, new_stress, new_state, tangent)`` in a kernel.
+
+Calls the stress update at an address (int64) with arrays without gaps; there are as many components as strains."""

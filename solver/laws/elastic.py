@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import carray
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law
-from geoswarm.solver.laws.binary import NumbaUpdate
+from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["MODULI", "Elastic", "moduli_contradiction", "moduli_incomplete", "young_of"]

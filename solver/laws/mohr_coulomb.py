@@ -7,13 +7,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import carray
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.general_mohr_coulomb import general_mohr_coulomb
 from geoswarm.solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
 from geoswarm.solver.laws.base import Law, Setting, StrengthPlaces
-from geoswarm.solver.laws.binary import NumbaUpdate
+from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.elastic import MODULI, moduli_contradiction, moduli_incomplete, young_of
 from geoswarm.solver.parameter_info import ParameterInfo
 

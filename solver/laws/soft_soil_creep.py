@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import carray
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.creep_update import creep_update
@@ -20,7 +19,7 @@ from geoswarm.solver.constitutive.soft_soil_creep import (
 )
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
-from geoswarm.solver.laws.binary import NumbaUpdate
+from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
 from geoswarm.solver.parameter_info import ParameterInfo
 

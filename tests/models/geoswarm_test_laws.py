@@ -13,11 +13,10 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import carray
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.laws.base import Law, StateVariable
-from geoswarm.solver.laws.binary import NumbaUpdate
+from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["NoPlaneLaw", "StandardSolid"]
@@ -46,10 +45,7 @@ def _update(components, log_time, strain, stress, state, constants, new_stress, 
         new_state[i] = 0.0
     for i in range(components):
         change = new_stress[i] - stress[i]
-        if i < 3:
-            elastic = (change - mean) / (2.0 * shear) + mean / (3.0 * bulk)
-        else:
-            elastic = change / shear
+        elastic = (change - mean) / (2.0 * shear) + mean / (3.0 * bulk) if i < 3 else change / shear
         new_state[i] = (state[i] - ratio * elastic) / (1.0 + x)
     return 0
 
@@ -78,13 +74,13 @@ class StandardSolid(Law):
     def K0(self, constants: FloatArray) -> float:
         return float(constants[1] / (constants[1] + 2.0 * constants[0]))
 
-    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> FloatArray:
+    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> FloatArray:  # noqa: ARG002
         return np.full(stress.shape[:-1], math.log(constants[3]))
 
-    def elastic_moduli(self, constants: FloatArray, p: float) -> tuple[float, float]:
+    def elastic_moduli(self, constants: FloatArray, p: float) -> tuple[float, float]:  # noqa: ARG002
         return float(constants[1] + 2.0 / 3.0 * constants[0]), float(constants[0])
 
-    def state_weights(self, constants: FloatArray) -> FloatArray:
+    def state_weights(self, constants: FloatArray) -> FloatArray:  # noqa: ARG002
         return np.ones(len(self.state))
 
 

@@ -84,7 +84,8 @@ def test_four_components_give_what_six_give(kind: str, step: np.ndarray) -> None
 @pytest.mark.parametrize("log_time", [-math.inf, 0.0])
 def test_the_tangent_is_the_derivative(kind: str, step: np.ndarray, log_time: float) -> None:
     of = soil(kind)
-    stress, strain = STRESS + [0.0, 0.0, 0.0, 0.0, -5.0, 3.0], step + [0.0, 0.0, 0.0, 0.0, 2.0e-4, -4.0e-4]
+    stress = STRESS + np.array([0.0, 0.0, 0.0, 0.0, -5.0, 3.0])
+    strain = step + np.array([0.0, 0.0, 0.0, 0.0, 2.0e-4, -4.0e-4])
     state = of.law.initial_state(stress, of.constants)
     *_, tangent, status = of.law.update(strain, log_time, stress, state, of.constants)
     assert status >= 0
