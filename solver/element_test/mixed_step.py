@@ -85,7 +85,7 @@ def mixed_step(
         size = max(size, abs(stress[k]))
     residual, tangent, trial = np.empty(6), np.empty((6, 6)), np.empty(6)
     matrix, right = np.empty((6, 6)), np.empty((6, 1))
-    status = call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
+    status: int = call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
     if status < 0:
         strain[:] = 0.0
         status = call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)

@@ -122,3 +122,14 @@ def test_an_address_is_all_that_a_calculation_needs() -> None:
     bare = StressUpdate(of.law.update.address)
     found = bare(SMALL, -math.inf, STRESS, np.zeros(0), of.constants)
     assert found[0] == pytest.approx(STRESS + found[2] @ SMALL)
+
+
+def test_elasticity_follows_hooke() -> None:
+    of = find_law("elastic").soil({"E": 1.0e4, "nu": 0.3})
+    strain = np.array([1.0e-3, -2.0e-4, 4.0e-4, 6.0e-4, 2.0e-4, -1.0e-4])
+    stress, _, _, status = of.law.update(strain, -math.inf, STRESS, np.zeros(0), of.constants)
+    change = stress - STRESS
+    mean = change[:3].sum()
+    back = np.append((1.3 * change[:3] - 0.3 * mean) / 1.0e4, 2.6 * change[3:] / 1.0e4)
+    assert status == 0
+    assert back == pytest.approx(strain, rel=1.0e-10)
