@@ -15,7 +15,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import entry_points
@@ -234,9 +233,12 @@ def warm(report: Callable[[str, float], None] | None = None) -> None:
     with alone(folder):
         began = time.perf_counter()
         missing = [group for group in GROUPS if not _is_compiled(folder, group)]
-        if folder is not None and len(missing) > 1:
-            with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-                list(pool.map(_compile_apart, sorted(missing, key=lambda group: -KERNELS.get(group, 1))))
+        own, *others = _shares(missing, 1 if folder is None else os.cpu_count() or 1)
+        helpers = [_compile_apart(share) for share in others if share]
+        for group in own:
+            run_sample(group)
+        for helper in helpers:
+            helper.wait()  # what it could not compile is compiled below
         for group in GROUPS:
             run_sample(group)
             note_compiled(group)
@@ -244,10 +246,19 @@ def warm(report: Callable[[str, float], None] | None = None) -> None:
                 report(group, time.perf_counter() - began)
 
 
-def _compile_apart(group: str) -> None:
-    """Compile a group in a process of its own; what that cannot do is done when the group is loaded."""
-    words = f"from geoswarm.solver.warm import run_sample; run_sample({group!r})"
-    subprocess.run([sys.executable, "-c", words], check=False, stdin=subprocess.DEVNULL, capture_output=True)
+def _shares(groups: list[str], count: int) -> list[list[str]]:
+    """Divide groups among processes, the largest first, so that these end at about the same time."""
+    shares: list[list[str]] = [[] for _ in range(count)]
+    for group in sorted(groups, key=lambda group: -KERNELS.get(group, 1)):
+        min(shares, key=lambda share: sum(KERNELS.get(one, 1) for one in share)).append(group)
+    return shares
+
+
+def _compile_apart(groups: list[str]) -> subprocess.Popen[bytes]:
+    """Begin to compile groups in another process."""
+    words = f"from geoswarm.solver.warm import run_sample\nfor group in {groups!r}: run_sample(group)"
+    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    return subprocess.Popen([sys.executable, "-c", words], **quiet)
 
 
 def _is_compiled(folder: Path | None, group: str) -> bool:
