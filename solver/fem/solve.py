@@ -116,6 +116,7 @@ class Calculation:
         self._tractions = self._tractions if phase.tractions is None else phase.tractions
         self._gravity = self._gravity if phase.gravity is None else phase.gravity
         tables = material_tables(self.mesh, self._materials, self._active)
+        self._make_room()
         if phase.kind in ("gravity", "K0"):
             self._state = self._blank()
         self._state.stress[tables.material < 0] = 0.0
@@ -168,16 +169,16 @@ class Calculation:
         for name, material in placed.items():
             if isinstance(material, Material) and material.soil.law.state:
                 chosen, width = self._triangles(name, tables), len(material.soil.law.state)
-                self._widen(width)
                 internal = initial_internal(self._state.stress[chosen], material.soil)
                 self._state.internal[chosen] = 0.0
                 self._state.internal[chosen, :, :width] = internal
 
-    def _widen(self, width: int) -> None:
-        """Make room for a law of more state variables than those before."""
-        more = width - self._width
+    def _make_room(self) -> None:
+        """Make room for the state variables of all laws: their updates write them in every phase."""
+        soils = [material.soil for material in self._materials.values() if isinstance(material, Material)]
+        more = max((len(soil.law.state) for soil in soils), default=0) - self._width
         if more > 0:
-            self._width = width
+            self._width += more
             internal = np.pad(self._state.internal, ((0, 0), (0, 0), (0, more)))
             self._state = self._state._replace(internal=internal)
 

@@ -69,7 +69,8 @@ def oedometer(**changes: object) -> dict[str, object]:
     [("material_point", 1.0e-4, "element_test"), ("finite_element", 2.0e-3, "section")],
 )
 def test_the_oedometer_follows_the_closed_form(discretization: str, tolerance: float, group: str) -> None:
-    extra = {"unit_weight": 0.0} if discretization == "finite_element" else {}
+    # Finite elements step time to first order: the error goes with the root of what is granted to one step.
+    extra = {"unit_weight": 0.0, "tolerance": 1.0e-7} if discretization == "finite_element" else {}
     done = answer(oedometer(discretization=discretization, **extra), "axial_strain", TIMES)
     assert done.returncode == 0, done.stderr
     found, groups = json.loads(done.stdout)
@@ -86,7 +87,7 @@ def test_a_section_settles_by_the_closed_form() -> None:
         "points": {"A": {"x": 2}},
         "element_length": 2,
         "materials": {"clay": {"law": "standard_solid", "E": "E", "nu": "nu", "ratio": "ratio", "T": "T"}},
-        "control": {"time_tolerance": 1.0e-5},
+        "control": {"time_tolerance": 1.0e-6},
         "phases": [
             {"name": "weight", "kind": "gravity", "materials": {"ground": "clay"}},
             {
