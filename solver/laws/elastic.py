@@ -16,19 +16,9 @@ from geoswarm.solver.parameter_info import ParameterInfo
 __all__ = ["MODULI", "Elastic", "moduli_contradiction", "moduli_incomplete", "young_of"]
 
 MODULI = (
-    ParameterInfo(
-        "E",
-        "E",
-        "kPa",
-        "Young's modulus; or give G.",
-        default=0.0,
-        lower=0.0,
-        typical=(1.0e3, 1.0e5),
-    ),
-    ParameterInfo("G", "G", "kPa", "Shear modulus; or give E.", default=0.0, lower=0.0, typical=(400.0, 4.0e4)),
-    ParameterInfo(
-        "nu", "ν", "", "Poisson's ratio.", lower=-1.0, lower_open=True, upper=0.5, upper_open=True, typical=(0.2, 0.4)
-    ),
+    ParameterInfo("E", "E", "kPa", "Young's modulus; or give G.", default=0.0, lower=0.0),
+    ParameterInfo("G", "G", "kPa", "Shear modulus; or give E.", default=0.0, lower=0.0),
+    ParameterInfo("nu", "ν", "", "Poisson's ratio.", lower=-1.0, lower_open=True, upper=0.5, upper_open=True),
 )
 """Parameters of an isotropic elastic law: one of E and G, and nu."""
 

@@ -35,7 +35,7 @@ class MohrCoulomb(Law):
     """Mohr-Coulomb; constants: bulk and shear modulus, c, sin(phi), cos(phi), sin(psi), tension cut-off."""
 
     kind: ClassVar[str] = "mohr_coulomb"
-    title: ClassVar[str] = "Mohr-Coulomb"
+    title: ClassVar[str] = "elasticity with the strength of Mohr and Coulomb"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = (
         *MODULI,
         ParameterInfo("c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, 50.0)),

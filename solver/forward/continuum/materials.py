@@ -49,9 +49,10 @@ def _parameter_field(law: Law, info: ParameterInfo) -> Any:
         info.upper_open,
     )
     kind: Any = Annotated[Any, limits]
+    text = f"{info.description.rstrip('.')} [{info.unit}]." if info.unit else info.description
     if derived:
-        return (kind | None, Field(None, description=info.description))
-    return (kind, Field(... if info.default is None else info.default, description=info.description))
+        return (kind | None, Field(None, description=text))
+    return (kind, Field(... if info.default is None else info.default, description=text))
 
 
 def _setting_field(one: Setting) -> Any:

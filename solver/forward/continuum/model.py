@@ -90,7 +90,7 @@ class BodyModel(ABC):
     @cached_property
     def _parameters(self) -> tuple[ParameterInfo, ...]:
         used = [find_law(one.law) for one in self.body.materials.values() if isinstance(one, LawSection)]
-        known = {info.name: info for law in used for info in law.parameters}
+        known = {info.name: info for law in reversed(used) for info in law.parameters}
         found = []
         for name, users in self._quantities.items():
             alone = [quantity for quantity in users if quantity.expression.text == name]
