@@ -257,8 +257,8 @@ def _shares(groups: list[str], count: int) -> list[list[str]]:
 def _compile_apart(groups: list[str]) -> subprocess.Popen[bytes]:
     """Begin to compile groups in another process."""
     words = f"from geoswarm.solver.warm import run_sample\nfor group in {groups!r}: run_sample(group)"
-    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    return subprocess.Popen([sys.executable, "-c", words], **quiet)
+    nowhere = subprocess.DEVNULL
+    return subprocess.Popen([sys.executable, "-c", words], stdin=nowhere, stdout=nowhere, stderr=nowhere)
 
 
 def _is_compiled(folder: Path | None, group: str) -> bool:
