@@ -13,7 +13,8 @@ from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivale
 from geoswarm.solver.element_test.controls import Stage
 from geoswarm.solver.element_test.setups import isotropic_load
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadModel, StagedLoadSpec
+from geoswarm.solver.forward.staged_load import StagedLoadModel
+from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
 from geoswarm.solver.laws.base import Soil
 
 __all__ = ["IsotropicCompressionModel", "IsotropicCompressionSpec"]

@@ -87,7 +87,7 @@ def test_a_section_settles_by_the_closed_form() -> None:
         "points": {"A": {"x": 2}},
         "element_length": 2,
         "materials": {"clay": {"law": "standard_solid", "E": "E", "nu": "nu", "ratio": "ratio", "T": "T"}},
-        "control": {"time_tolerance": 1.0e-6},
+        "control": {"time_tolerance": 1.0e-6, "largest_steps": 5000},
         "phases": [
             {"name": "weight", "kind": "gravity", "materials": {"ground": "clay"}},
             {
