@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -133,3 +136,19 @@ def test_elasticity_follows_hooke() -> None:
     back = np.append((1.3 * change[:3] - 0.3 * mean) / 1.0e4, 2.6 * change[3:] / 1.0e4)
     assert status == 0
     assert back == pytest.approx(strain, rel=1.0e-10)
+
+
+def test_the_update_of_the_documentation_is_elasticity(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "plug-ins.md").read_text(encoding="utf-8")
+    (code,) = [one for one in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "@NumbaUpdate" in one]
+    (tmp_path / "documented_law.py").write_text(code, encoding="utf-8")
+    place = spec_from_file_location("documented_law", tmp_path / "documented_law.py")
+    assert place is not None
+    assert place.loader is not None
+    module = module_from_spec(place)
+    place.loader.exec_module(module)
+    of = soil("elastic")
+    found = module.update(LARGE, -math.inf, STRESS, np.zeros(0), of.constants)
+    expected = of.law.update(LARGE, -math.inf, STRESS, np.zeros(0), of.constants)
+    assert found[0] == pytest.approx(expected[0], rel=1.0e-12)
+    assert found[2] == pytest.approx(expected[2], rel=1.0e-12)
