@@ -2,30 +2,11 @@
 
 from __future__ import annotations
 
-from datetime import datetime
-from typing import Literal
-
 from pydantic import BaseModel, ConfigDict, Field
 
-from geoswarm.api.schemas import Model
+from geoswarm.records.key import Key, Role
 
-__all__ = ["Key", "KeyList", "NewKey", "NewKeyRequest", "Operations"]
-
-Role = Literal["read", "submit", "admin"]
-
-
-class Key(Model):
-    """An API key, without its secret."""
-
-    id: str
-    owner: str
-    role: Role
-    label: str
-    state: Literal["active", "expired", "revoked"]
-    created_at: datetime
-    expires_at: datetime | None
-    revoked_at: datetime | None
-    used_at: datetime | None = Field(description="to a minute")
+__all__ = ["KeyList", "NewKeyRequest", "Operations"]
 
 
 class KeyList(BaseModel):
@@ -48,13 +29,6 @@ class NewKeyRequest(BaseModel):
     role: Role = "submit"
     label: str = Field("", max_length=200, description="what it is for")
     valid_seconds: float | None = Field(None, gt=0, le=3.2e9, description="time until it expires; null: never")
-
-
-class NewKey(BaseModel):
-    """A key that was made."""
-
-    key: str = Field(description="the key itself, which is shown only now")
-    view: Key
 
 
 class Operations(BaseModel):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cachetools import FIFOCache
 
-from geoswarm.workers.views import EventView
+from geoswarm.records.event import Event
 
 __all__ = ["MOST_GENERATIONS", "BatchTexts", "encode_event", "thinned"]
 
@@ -17,13 +17,13 @@ MOST_GENERATIONS = 25
 _KEPT = 8
 
 
-def encode_event(event: EventView) -> str:
+def encode_event(event: Event) -> str:
     """Write an event as the lines of an event stream; ``data`` is one line of JSON."""
     data = json.dumps(event.data, allow_nan=False, separators=(",", ":"))
     return f"id: {event.id}\nevent: {event.kind}\ndata: {data}\n\n"
 
 
-def thinned(batch: Sequence[EventView]) -> list[EventView]:
+def thinned(batch: Sequence[Event]) -> list[Event]:
     """Leave out generations where there are many, evenly; the last one and every other kind of event stay."""
     places = [place for place, event in enumerate(batch) if event.kind == "generation"]
     if len(places) <= MOST_GENERATIONS:
@@ -39,7 +39,7 @@ class BatchTexts:
     def __init__(self) -> None:
         self._texts: FIFOCache[tuple[int, int, int], str] = FIFOCache(_KEPT)
 
-    def of(self, batch: Sequence[EventView]) -> str:
+    def of(self, batch: Sequence[Event]) -> str:
         """Return the text of a batch, written by the first who wants it."""
         key = (batch[0].id, batch[-1].id, len(batch))
         if key not in self._texts:

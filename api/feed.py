@@ -22,16 +22,16 @@ import anyio
 import anyio.to_thread
 
 from geoswarm.api.event_text import BatchTexts, thinned
+from geoswarm.records.event import Event
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.service import JobService
 from geoswarm.workers.store.event_bell import EventBell
-from geoswarm.workers.views import EventView
 
-__all__ = ["ENDED_STATES", "EventFeed", "ends_job"]
+__all__ = ["EventFeed"]
 
 logger = logging.getLogger("geoswarm.api")
 
-ENDED_STATES = frozenset({"finished", "failed", "cancelled"})
 KEPT_EVENTS = 500
 BATCH = 500
 RETRY_SECONDS = 2.0
@@ -44,18 +44,13 @@ QUIET_SECONDS = 1.0  # between two looks while the database tells of events by i
 T = TypeVar("T")
 
 
-def ends_job(event: EventView) -> bool:
-    """Whether nothing can follow this event."""
-    return event.kind == "state" and event.data.get("state") in ENDED_STATES
-
-
 @dataclass(eq=False, slots=True)
 class _Tail:
     """The newest events of one watched job: all with an id above ``floor`` are in ``events``."""
 
     floor: int
     last: int
-    events: deque[EventView] = field(default_factory=deque)
+    events: deque[Event] = field(default_factory=deque)
     changed: asyncio.Event = field(default_factory=asyncio.Event)
     listeners: int = 0
     gone: bool = False
@@ -66,11 +61,11 @@ class _Tail:
         changed, self.changed = self.changed, asyncio.Event()
         changed.set()
 
-    def after(self, last: int) -> list[EventView]:
+    def after(self, last: int) -> list[Event]:
         """Events that follow one, looked for from the newest: most listeners lack only a few."""
         return list(takewhile(lambda event: event.id > last, reversed(self.events)))[::-1]
 
-    def add(self, batch: list[EventView]) -> None:
+    def add(self, batch: list[Event]) -> None:
         self.events.extend(thinned(batch) if self.caught_up else batch)
         self.last = batch[-1].id
         while len(self.events) > KEPT_EVENTS:
@@ -112,7 +107,7 @@ class EventFeed:
         """Number of open streams."""
         return sum(tail.listeners for tail in self._tails.values())
 
-    async def read(self, job_id: str, after: int) -> list[EventView]:
+    async def read(self, job_id: str, after: int) -> list[Event]:
         """Read the events that follow ``after`` from the database, at most one batch.
 
         Raises
@@ -152,7 +147,7 @@ class EventFeed:
                 if batch:
                     yield tail.texts.of(batch)
                     after = batch[-1].id
-                    if ends_job(batch[-1]):
+                    if batch[-1].ends_job:
                         return
                     await asyncio.sleep(0)  # others first
                     continue
@@ -232,7 +227,7 @@ class EventFeed:
         """Give every tail its new events; return how many came."""
         after = {job_id: last for job_id, (_, last) in watched.items()}
         news = await self._in_thread(lambda: self._service.news(after, limit=BATCH))
-        batches: dict[str, list[EventView]] = {}
+        batches: dict[str, list[Event]] = {}
         for job_id, event in news:
             batches.setdefault(job_id, []).append(event)
         for job_id, batch in batches.items():

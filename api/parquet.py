@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
+from datetime import datetime
 from typing import IO, Any
 
+from geoswarm.records.evaluation import COLUMNS, Evaluation
 from geoswarm.solver.extras import has
-from geoswarm.workers.views import EvaluationView
 
 __all__ = ["parquet_available", "parquet_pieces"]
 
@@ -16,9 +17,7 @@ VALUES_A_GROUP = 400_000  # of calculated series, as Python's numbers some 10 MB
 PIECE = 1 << 18
 IN_MEMORY = 16 << 20
 
-_TEXT = ("state", "reason", "message", "worker")
-_WHOLE = ("generation", "particle", "attempts")
-_TIMES = ("started_at", "finished_at")
+_OWN = {column.name: column.kind for column in COLUMNS}
 
 
 def parquet_available() -> bool:
@@ -27,7 +26,7 @@ def parquet_available() -> bool:
 
 
 def parquet_pieces(
-    views: Iterable[EvaluationView],
+    views: Iterable[Evaluation],
     columns: Sequence[tuple[str, str, str]],
     series: Sequence[str],
     *,
@@ -61,17 +60,15 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
 
 
 def _write(
-    file: IO[bytes], views: Iterable[EvaluationView], columns: Sequence[tuple[str, str, str]], series: Sequence[str]
+    file: IO[bytes], views: Iterable[Evaluation], columns: Sequence[tuple[str, str, str]], series: Sequence[str]
 ) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
+    types = {str: pa.string(), int: pa.int64(), float: pa.float64(), datetime: pa.timestamp("us", tz="UTC")}
+
     def kind(place: str, name: str) -> Any:
-        if place == "own" and name in _TEXT:
-            return pa.string()
-        if place == "own" and name in _WHOLE:
-            return pa.int64()
-        return pa.timestamp("us", tz="UTC") if place == "own" and name in _TIMES else pa.float64()
+        return types[_OWN[name] if place == "own" else float]
 
     fields = [pa.field(header, kind(place, name)) for header, place, name in columns]
     fields += [pa.field(f"response.{name}", pa.list_(pa.float64())) for name in series]
@@ -79,24 +76,24 @@ def _write(
     with pq.ParquetWriter(file, schema, compression="zstd") as writer:
         for group in _groups(views, series):
             cells = [[_cell(view, place, name) for view in group] for _, place, name in columns]
-            cells += [[None if v.responses is None else v.responses[name]["y"] for v in group] for name in series]
+            cells += [[None if v.responses is None else v.responses[name].y for v in group] for name in series]
             arrays = [pa.array(column, type=field.type) for column, field in zip(cells, schema, strict=True)]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
 
 
-def _cell(view: EvaluationView, place: str, name: str) -> Any:
+def _cell(view: Evaluation, place: str, name: str) -> Any:
     if place == "parameter":
         return view.parameters.get(name)
     return view.misfits.get(name) if place == "misfit" else getattr(view, name)
 
 
-def _groups(views: Iterable[EvaluationView], series: Sequence[str]) -> Iterator[list[EvaluationView]]:
+def _groups(views: Iterable[Evaluation], series: Sequence[str]) -> Iterator[list[Evaluation]]:
     """Rows that are written at once: fewer where the responses of ``series`` are long."""
-    group: list[EvaluationView] = []
+    group: list[Evaluation] = []
     values = 0
     for view in views:
         group.append(view)
-        values += 0 if view.responses is None else sum(len(view.responses[name]["y"]) for name in series)
+        values += 0 if view.responses is None else sum(len(view.responses[name].y) for name in series)
         if len(group) >= ROWS_A_GROUP or values >= VALUES_A_GROUP:
             yield group
             group, values = [], 0

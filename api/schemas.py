@@ -11,37 +11,33 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
+from geoswarm.records.attempt import Attempt
+from geoswarm.records.evaluation import Evaluation, Response
+from geoswarm.records.generation import Generation
+from geoswarm.records.job import Job
+from geoswarm.records.worker import Worker
 from geoswarm.solver.problem import Stopping
 
 __all__ = [
-    "Attempt",
     "AttemptList",
-    "Best",
     "CheckResult",
-    "Evaluation",
     "EvaluationPage",
     "ForwardModelDetail",
     "ForwardModelList",
     "ForwardModelSummary",
-    "Generation",
     "GenerationList",
     "Health",
-    "Job",
     "JobChange",
     "JobPage",
-    "JobState",
     "Liveness",
     "Number",
     "Parameter",
-    "Response",
-    "Retry",
     "Series",
     "Session",
     "SignIn",
     "TestRun",
     "WarmStart",
     "WarmStarts",
-    "Worker",
     "WorkerList",
 ]
 
@@ -51,8 +47,6 @@ def _finite(value: object) -> object:
 
 
 Number = Annotated[float | None, BeforeValidator(_finite)]
-JobState = Literal["queued", "running", "paused", "finished", "failed", "cancelled"]
-EvaluationState = Literal["pending", "running", "finished", "failed"]
 
 
 class Model(BaseModel):
@@ -61,88 +55,11 @@ class Model(BaseModel):
     model_config = ConfigDict(from_attributes=True)
 
 
-class Job(Model):
-    """A submitted problem and how far it is; ``objective`` and ``parameters`` are the best so far."""
-
-    id: str
-    name: str
-    state: JobState
-    forward_model: str
-    method: str
-    stop_reasons: list[str] = Field(description="every stop criterion that was satisfied at the end")
-    objective: Number = Field(description="lowest objective f so far; null before the first success")
-    parameters: dict[str, float] | None = Field(description="all parameters (free, fixed, linked) at that objective")
-    evaluations: int = Field(description="counted in finished generations")
-    generations: int
-    failed_evaluations: int
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
-    seconds: float | None = Field(description="running time so far")
-    error: str | None = Field(description="why the job failed")
-    seed: int
-    free_parameters: list[str]
-    max_evaluations: int | None = Field(description="planned number of evaluations, when there is one")
-    priority: int
-    retrying: bool = Field(description="its failed evaluations are run again; then it is what it was before")
-    owner: str | None = Field(description="whose key submitted it; null: none, or that of the environment")
-    last_event: int = Field(description="id of its newest event: follow the events after it")
-    trend: list[Number] | None = Field(
-        None, description="lowest objective so far at evenly spaced generations; only in lists, when asked for"
-    )
-    versions: dict[str, str] | None = Field(
-        description="of geoswarm, python and what calculates, when it was begun; null: not begun, or not recorded"
-    )
-    warnings: list[str] = Field(description="other versions that took part; what it waits for, when there is no room")
-
-
 class JobPage(Model):
     """Jobs, newest first."""
 
     items: list[Job]
     next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
-
-
-class Response(Model):
-    """Calculated values of a series at its observed points, in base units."""
-
-    x: list[Number]
-    y: list[Number]
-
-
-class Evaluation(Model):
-    """One particle's forward calculation in one generation; ``parameters`` are the free ones."""
-
-    generation: int
-    particle: int
-    state: EvaluationState
-    parameters: dict[str, float]
-    objective: Number
-    misfits: dict[str, Number]
-    responses: dict[str, Response] | None = Field(description="only when asked for with responses=true")
-    reason: str | None = Field(description="kind of failure")
-    message: str | None = Field(description="what happened")
-    attempts: int
-    worker: str | None
-    started_at: datetime | None
-    finished_at: datetime | None
-    seconds: float | None
-    log: str | None = Field(description="end of what a failed forward model wrote")
-
-
-class Attempt(Model):
-    """One try at an evaluation."""
-
-    number: int
-    worker: str | None
-    outcome: str = Field(
-        description="running, finished, the kind of failure, or why it does not count: late, overdue, stopped"
-    )
-    counted: bool = Field(description="it gave the evaluation's result")
-    message: str | None
-    log: str | None = Field(description="end of what the forward model wrote")
-    started_at: datetime | None
-    finished_at: datetime | None
 
 
 class AttemptList(Model):
@@ -159,13 +76,6 @@ class JobChange(BaseModel):
     stopping: Stopping = Field(description="the stop criteria from now on, in place of all there were")
 
 
-class Retry(Model):
-    """Failed evaluations that are run again."""
-
-    evaluations: int = Field(description="their number")
-    job: Job
-
-
 class EvaluationPage(Model):
     """Evaluations ordered by generation and particle."""
 
@@ -173,53 +83,10 @@ class EvaluationPage(Model):
     next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
 
 
-class Best(Model):
-    """The evaluation of the lowest objective; ``parameters`` are all of them, by name."""
-
-    generation: int
-    particle: int
-    objective: float
-    parameters: dict[str, float]
-    misfits: dict[str, Number]
-    responses: dict[str, Response]
-
-
-class Generation(Model):
-    """One finished generation."""
-
-    number: int
-    evaluations: int = Field(description="total so far")
-    failed: int = Field(description="failed evaluations so far")
-    best_objective: Number = Field(description="lowest objective inside this generation")
-    objective: Number = Field(description="lowest objective so far")
-    parameters: dict[str, float] | None = Field(description="parameters of the lowest objective so far")
-    created_at: datetime
-    finished_at: datetime
-    diversity: float | None = Field(
-        description="scatter of the particles: near 1 all over the space, 0 at one point; null: not asked for"
-    )
-
-
 class GenerationList(Model):
     """Generations in order."""
 
     items: list[Generation]
-
-
-class Worker(Model):
-    """A process that runs forward calculations."""
-
-    id: str
-    host: str
-    pid: int
-    engine: str
-    state: str
-    job: str | None = Field(description="what it works on; null: on nothing, or on a job of somebody else")
-    generation: int | None
-    evaluations: int | None = Field(description="number of evaluations that it has claimed")
-    busy_since: datetime | None
-    started_at: datetime
-    seen_at: datetime
 
 
 class WorkerList(Model):

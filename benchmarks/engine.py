@@ -36,7 +36,7 @@ os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_N
 
 # Imported late: the number of threads must be set before the numerical libraries are loaded.
 from geoswarm import Client, GeoswarmError  # noqa: E402
-from geoswarm.client.models import Job  # noqa: E402
+from geoswarm.records.job import Job  # noqa: E402
 from geoswarm.solver.calibration import Calibration  # noqa: E402
 from geoswarm.solver.local import calibrate  # noqa: E402
 from geoswarm.solver.problem import load_problem, parse_problem  # noqa: E402

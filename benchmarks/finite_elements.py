@@ -16,17 +16,17 @@ from scipy.sparse.linalg import splu
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
-from geoswarm.solver.fem.materials import MohrCoulomb, SoftSoilCreepMaterial
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.multifrontal import equations_of, factorise, solve_factorised
 from geoswarm.solver.fem.phases import Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.setup import elements_of, fronts_of
 from geoswarm.solver.fem.solve import solve_phases
+from tests.soils import creeping, mohr_coulomb
 from tests.verification.fem.bodies import block, slope
 
 HELD = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))
-SOIL = MohrCoulomb(1.0e5, 0.3, 10.0, 20.0, tension_cutoff=None, unit_weight=20.0)
+SOIL = mohr_coulomb(1.0e5, 0.3, 10.0, 20.0, tension_cutoff=None, unit_weight=20.0)
 YEARS = 33
 
 
@@ -102,7 +102,7 @@ def creep() -> None:
     soil = soft_soil_creep(0.05, 0.01, 0.002, 10.0, 22.0)
     specimen = block(np.array([0.0, 0.025]), np.array([0.0, 0.02]))
     sides = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", y=0.0))
-    stages = [Phase("start", "K0", {"soil": SoftSoilCreepMaterial(soil)}, fixities=sides, surcharge=5.0)]
+    stages = [Phase("start", "K0", {"soil": creeping(soil)}, fixities=sides, surcharge=5.0)]
     for number in range(16):
         load = (Traction("top", normal=-10.0 * 1.3**number),)
         stages.append(Phase(f"{number}", "creep", tractions=load, duration=1.0, output_times=(0.0, 0.1, 0.5, 1.0)))
@@ -111,11 +111,11 @@ def creep() -> None:
     mesh = slope(20.0, 20.0, 10.0, (13, 13, 12), 14)
     days = 365.0 * YEARS
     phases = [
-        Phase("weight", "gravity", {"soil": MohrCoulomb(1.0e4, 0.35, 10.0, 22.0, unit_weight=20.0)}, fixities=HELD),
+        Phase("weight", "gravity", {"soil": mohr_coulomb(1.0e4, 0.35, 10.0, 22.0, unit_weight=20.0)}, fixities=HELD),
         Phase(
             "creep",
             "creep",
-            {"soil": SoftSoilCreepMaterial(soil, 20.0)},
+            {"soil": creeping(soil, 20.0)},
             duration=days,
             updated_mesh=True,
             output_times=tuple(np.linspace(0.0, days, YEARS + 1)),

@@ -3,7 +3,8 @@
 ==================  ==========================================================================
 ``problem``         what a user asks for: models of the problem file, reading, units
 ``forward``         forward models behind one protocol, found through entry points
-``constitutive``    material laws as pure functions: stress, tangent, new state
+``laws``            soil laws behind one binary interface
+``constitutive``    their kernels: stress, tangent, new state
 ``element_test``    one material point under mixed stress and strain control
 ``objective``       misfits f'_g and objective f of the responses
 ``search``          ask / tell / snapshot: particle swarm, Monte Carlo sampling

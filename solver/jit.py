@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar, cast
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import config
 
-from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.kernel_cache import part_of, settle
 
-__all__ = ["kernel"]
+__all__ = ["compiled", "inlined", "kernel"]
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -19,10 +21,46 @@ if _folder is not None:
     config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]  # Numba sets its options by name
 
 
+@contextmanager
+def _cached(function: Callable[..., object]) -> Iterator[bool]:
+    """Have the machine code of a function kept in the folder of its source; whether there is one.
+
+    Numba reads its option in the moment in which it decorates a function.
+    """
+    if _folder is None:
+        yield False
+        return
+    config.CACHE_DIR = str(part_of(_folder, Path(function.__code__.co_filename)))  # type: ignore[attr-defined]
+    try:
+        yield True
+    finally:
+        config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]
+
+
 def kernel(function: Function) -> Function:
     """Compile a kernel.
 
     No ``fastmath``: the same input gives the same bits on every worker. ``error_model="numpy"`` lets a division by zero
-    give inf or nan, which the finite-value guard of the objective then names.
+    give inf or nan, which the finite-value guard of the objective then names. A function whose name begins with an
+    underscore is called by kernels only, which makes it quicker to compile.
     """
-    return cast(Function, numba.njit(cache=_folder is not None, nogil=True, error_model="numpy")(function))
+    private = function.__name__.startswith("_")
+    with _cached(function) as cache:
+        options: Any = {"cache": cache, "nogil": True, "no_cfunc_wrapper": True, "no_cpython_wrapper": private}
+        return cast(Function, numba.njit(error_model="numpy", **options)(function))
+
+
+def inlined(function: Function) -> Function:
+    """Compile a function as a part of every kernel that calls it.
+
+    For what one kernel calls: compiled by itself it would be translated once for itself and once more for each kernel
+    above it. The numbers are the same.
+    """
+    options: Any = {"nogil": True, "no_cfunc_wrapper": True, "inline": "always"}
+    return cast(Function, numba.njit(error_model="numpy", **options)(function))
+
+
+def compiled(function: Callable[..., object], signature: Any) -> Any:
+    """Compile a function that is called by its address, as :func:`kernel` does; with ``address``."""
+    with _cached(function) as cache:
+        return numba.cfunc(signature, cache=cache, error_model="numpy")(function)

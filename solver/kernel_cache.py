@@ -1,8 +1,10 @@
 """Where compiled kernels are kept, and which have been compiled there before.
 
-The folder carries a fingerprint of all kernel sources. Numba alone renews a cached kernel only when the kernel's own
-file changes, not when a kernel that it calls does; a stale caller linked with a new callee gives wrong numbers or
-crashes. In order of preference: ``NUMBA_CACHE_DIR``, the package itself, the user's cache folder, a temporary folder.
+Each source has a folder of its own in it, with a fingerprint of that source and of the kernels that it imports. Numba
+alone renews a cached kernel only when the kernel's own file changes, not when a kernel that it calls does; a stale
+caller linked with a new callee gives wrong numbers or crashes. Soil laws are called by address and imported by no
+kernel: a change in one compiles that law only. In order of preference: ``NUMBA_CACHE_DIR``, the package itself, the
+user's cache folder, a temporary folder.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import contextlib
 import hashlib
 import logging
 import os
+import re
 import shutil
 import stat
 import sys
@@ -24,7 +27,7 @@ from pathlib import Path
 
 from geoswarm.solver.file_locks import try_lock
 
-__all__ = ["SOLVER", "alone", "cache_folder", "fingerprint", "settle"]
+__all__ = ["SOLVER", "alone", "cache_folder", "fingerprint", "part_of", "settle"]
 
 log = logging.getLogger(__name__)
 
@@ -33,22 +36,36 @@ SOLVER = Path(__file__).parent
 LOOK_SECONDS = 0.1
 _LOCK = Path("compiling.lock")
 
-_KERNEL_PACKAGES = ("constitutive", "element_test", "fem")
+_KERNELS = ("constitutive", "element_test", "fem", "laws")
+_IMPORT = re.compile(rf"^from geoswarm\.solver\.((?:{'|'.join(_KERNELS)}|jit)[\w.]*) import", re.MULTILINE)
 
 
-def fingerprint(solver: Path = SOLVER) -> str:
-    """Return 16 letters that are others for any change in a kernel's source."""
+def fingerprint(source: Path, solver: Path = SOLVER) -> str:
+    """Return 16 letters that are others for any change in a source or in kernels that it imports, however far down."""
+    found: dict[Path, bytes] = {}
+    wanted = [source]
+    while wanted:
+        path = wanted.pop()
+        if path not in found and path.is_file():
+            found[path] = path.read_bytes()
+            names = _IMPORT.findall(found[path].decode())
+            wanted += [(solver / name.replace(".", "/")).with_suffix(".py") for name in names]
     digest = hashlib.sha256()
-    for package in _KERNEL_PACKAGES:
-        for source in sorted((solver / package).glob("**/*.py")):
-            digest.update(source.relative_to(solver).as_posix().encode())
-            digest.update(source.read_bytes())
+    for path in sorted(found):
+        digest.update(path.relative_to(solver).as_posix().encode() if path.is_relative_to(solver) else b"")
+        digest.update(found[path])
     return digest.hexdigest()[:16]
+
+
+@cache
+def part_of(folder: Path, source: Path) -> Path:
+    """Return the folder of the kernels of one source: another one whenever they have to be compiled anew."""
+    return folder / f"{source.stem}-{fingerprint(source)}"
 
 
 def cache_folder(solver: Path = SOLVER) -> Path:
     """Folder of the compiled kernels in the package at ``solver``."""
-    return solver / "__pycache__" / f"kernels-{fingerprint(solver)}"
+    return solver / "__pycache__" / "kernels-by-source"
 
 
 @cache
@@ -81,7 +98,7 @@ def settle() -> Path | None:
 
 
 def _below(folder: Path, name: str) -> Path:
-    """Return the part of a named folder that is for these sources, also where it is that part that was named."""
+    """Return the part of a named folder that is for our kernels, also where it is that part that was named."""
     return folder if folder.name == name else folder / name
 
 

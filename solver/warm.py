@@ -8,7 +8,10 @@ the cache folder says that a group of kernels is compiled; its name depends on a
 from __future__ import annotations
 
 import hashlib
+import inspect
 import logging
+import os
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -16,15 +19,17 @@ from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from geoswarm.solver.errors import in_words
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.combined import CombinedSpec
 from geoswarm.solver.kernel_cache import SOLVER, alone, fingerprint, settle
+from geoswarm.solver.laws.registry import BUILT_IN, find_law, installed_laws
 from geoswarm.solver.problem import Problem, parse_problem
 
 __all__ = [
+    "GROUPS",
     "SAMPLES",
     "Tell",
     "compile_kernels",
@@ -39,6 +44,9 @@ __all__ = [
 
 logger = logging.getLogger(__name__)
 
+if TYPE_CHECKING:
+    from geoswarm.solver.laws.base import Law
+
 Tell: TypeAlias = Callable[[int, int], object]
 """Is told after every kernel how many have been compiled, and about how many there are."""
 
@@ -50,6 +58,8 @@ MATERIAL: dict[str, Any] = {
     "phi": {"value": 20.0},
     "psi": {"value": 0.0},
 }
+OTHER_LAWS = "other_laws"
+_VALUES = {"element_test": 1.0e4}
 STAGES: list[dict[str, float]] = [{"stress": 50.0, "duration": 1.0}, {"stress": 20.0, "duration": 1.0}]
 
 
@@ -73,9 +83,8 @@ def _sample(forward_model: dict[str, Any], series: str) -> dict[str, Any]:
     }
 
 
-_STIFF = {"law": "elastic", "E": 1.0e4, "nu": 0.3, "unit_weight": 20.0}
+_STIFF = {"law": "elastic", "E": "1e7 * mu_star", "nu": 0.3, "unit_weight": 20.0}
 _STRENGTH = {"c": 5.0, "phi": 20.0}
-_CLAY = {"law": "soft_soil_creep", "lambda_star": 0.1, "kappa_star": 0.02, "mu_star": "mu_star", **_STRENGTH}
 SECTION: dict[str, Any] = {
     "name": "warm",
     "forward_model": {
@@ -87,15 +96,12 @@ SECTION: dict[str, Any] = {
         "element_length": 2,
         "materials": {
             "stiff": _STIFF,
-            "sand": {**_STIFF, "law": "mohr_coulomb", **_STRENGTH},
-            "clay": {**_CLAY, "unit_weight": 18.0},
             "joint": {"law": "interface", "normal_stiffness": 1e5, "shear_stiffness": 1e4, **_STRENGTH},
         },
         "phases": [
             {"name": "weight", "kind": "gravity", "materials": {"clay": "stiff", "sand": "stiff", "crack": "joint"}},
-            {"name": "strength", "kind": "plastic", "materials": {"sand": "sand"}},
             {
-                **{"name": "creep", "kind": "creep", "duration": 10, "materials": {"clay": "clay"}},
+                **{"name": "creep", "kind": "creep", "duration": 10},
                 "loads": [{"boundary": "surface", "pressure": 10, "follows": True}],
                 "updated_mesh": True,
             },
@@ -105,28 +111,52 @@ SECTION: dict[str, Any] = {
     "observations": [{"series": "A.uy", "points": {"x": [1.0, 10.0], "y": [0.0, 0.0]}}],
     "method": {"kind": "monte_carlo", "samples": 1},
 }
-"""A body with every material and an interface, so that all kernels of the finite elements are compiled."""
+"""A body of the least law with an interface: all kernels of the finite elements are compiled, whatever the laws."""
 
-SAMPLES: dict[str, dict[str, Any]] = {
-    "oedometer": _sample({"kind": "oedometer", "height": 0.02, "initial_stress": 1.0}, "settlement"),
-    "section": SECTION,
+_OEDOMETER = _sample({"kind": "oedometer", "height": 0.02, "initial_stress": 1.0}, "settlement")
+_ELASTIC = _sample(
+    {"kind": "oedometer", "height": 0.02, "initial_stress": 1.0, "material": "elastic"}, "settlement"
+) | {"parameters": {"E": {"lower": 1.0e2, "upper": 1.0e5}, "nu": {"value": 0.3}}}
+SAMPLES: dict[str, dict[str, Any]] = {"oedometer": _OEDOMETER, "section": SECTION, "element_test": _ELASTIC}
+"""What has to run once so that all kernels of a group are compiled: the fast path of soft soil creep, finite elements,
+and laboratory tests on any law."""
+
+GROUPS = (*SAMPLES, *BUILT_IN, OTHER_LAWS)
+"""What is compiled by itself: the samples, each law, and the laws of other packages."""
+
+KERNELS = {"oedometer": 15, "section": 34, "element_test": 5, "mohr_coulomb": 7, "soft_soil_creep": 15}
+"""About how many kernels each of them compiles; others but few."""
+
+_SOURCES = {
+    "oedometer": "element_test/constant_load.py",
+    "section": "fem/solve.py",
+    "element_test": "element_test/stage_steps.py",
 }
-"""What has to run once so that all kernels of a group are compiled: element tests, finite elements."""
-
-KERNELS = {"oedometer": 15, "section": 41}
-"""About how many kernels each of them compiles."""
+"""Where the kernels of the samples begin; below solver."""
 
 _ready: set[str] = set()  # groups that this process has run
 
 
 def groups_of(spec: ForwardModelSpec) -> tuple[str, ...]:
-    """Return the groups of kernels, keys of :data:`SAMPLES`, that a forward model needs."""
+    """Return the groups of kernels, of :data:`GROUPS`, that a forward model needs."""
     if isinstance(spec, CombinedSpec):
         parts = {group for part in spec.parts.values() for group in groups_of(part)}
-        return tuple(group for group in SAMPLES if group in parts)
-    if spec.kind in ("section", "finite_element") or getattr(spec, "discretization", None) == "finite_element":
-        return ("section",)
-    return ("oedometer",) if spec.kind in ("oedometer", "isotropic_compression") else ()
+        return tuple(group for group in GROUPS if group in parts)
+    section: Any = spec  # its class is not loaded here: a formula should not wait for it
+    if spec.kind in ("section", "finite_element"):
+        soils = [one.law for one in section.materials.values() if one.law != "interface"]
+        return _with_laws("section", ["elastic", *soils])
+    if spec.kind not in ("oedometer", "isotropic_compression"):
+        return ()
+    if section.discretization == "finite_element":
+        return _with_laws("section", ["elastic", section.material])
+    return ("oedometer",) if section.has_fast_path else _with_laws("element_test", [section.material])
+
+
+def _with_laws(sample: str, laws: list[str]) -> tuple[str, ...]:
+    """A sample's group and those of laws, in the order of all."""
+    wanted = {sample, *(law if law in BUILT_IN else OTHER_LAWS for law in laws)}
+    return tuple(group for group in GROUPS if group in wanted)
 
 
 def missing_kernels(spec: ForwardModelSpec) -> tuple[str, ...]:
@@ -149,7 +179,7 @@ def compile_kernels(problem: Problem, tell: Tell = lambda _compiled, _planned: N
     began = time.monotonic()
     with alone(settle()):
         missing = missing_kernels(problem.forward_model)
-        planned = sum(KERNELS[group] for group in missing)
+        planned = sum(KERNELS.get(group, 1) for group in missing)
         with _counting(lambda compiled: tell(compiled, max(planned, compiled))):
             for group in missing:
                 run_sample(group)
@@ -158,11 +188,22 @@ def compile_kernels(problem: Problem, tell: Tell = lambda _compiled, _planned: N
 
 
 def run_sample(group: str) -> None:
-    """Run a sample; afterwards the kernels of its group are in this process, compiled or from the cache."""
-    problem = parse_problem(SAMPLES[group])
-    run = problem.model.prepare({observation.series: observation.x for observation in problem.observations})
-    run(problem.values([MATERIAL["mu_star"]["value"]]))
+    """Run a sample, or load laws; then the kernels of the group are in this process, compiled or from the cache."""
+    if group in SAMPLES:
+        problem = parse_problem(SAMPLES[group])
+        run = problem.model.prepare({observation.series: observation.x for observation in problem.observations})
+        run(problem.values([_VALUES.get(group, MATERIAL["mu_star"]["value"])]))
+    else:
+        for law in _laws_of(group):
+            _ = law.update.address
     _ready.add(group)
+
+
+def _laws_of(group: str) -> tuple[Law, ...]:
+    """The law of a group, or those of other packages."""
+    if group in BUILT_IN:
+        return (find_law(group),)
+    return tuple(law for law in installed_laws() if law.kind not in BUILT_IN)
 
 
 def note_compiled(group: str) -> None:
@@ -175,26 +216,49 @@ def note_compiled(group: str) -> None:
 def load_kernels() -> None:
     """Load all groups of kernels that are in the cache folder."""
     folder = settle()
-    for group in SAMPLES:
+    for group in GROUPS:
         if _is_compiled(folder, group):
             run_sample(group)
 
 
 def warm(report: Callable[[str, float], None] | None = None) -> None:
-    """Run every sample once.
+    """Have every group compiled, several at once by processes of their own, and load them.
 
     Parameters
     ----------
     report
-        Is told the group of kernels and the wall time of its first run [s].
+        Is told the group of kernels and the wall time until it was there [s].
     """
-    with alone(settle()):
-        for group in SAMPLES:
-            began = time.perf_counter()
+    folder = settle()
+    with alone(folder):
+        began = time.perf_counter()
+        missing = [group for group in GROUPS if not _is_compiled(folder, group)]
+        own, *others = _shares(missing, 1 if folder is None else os.cpu_count() or 1)
+        helpers = [_compile_apart(share) for share in others if share]
+        for group in own:
+            run_sample(group)
+        for helper in helpers:
+            helper.wait()  # what it could not compile is compiled below
+        for group in GROUPS:
             run_sample(group)
             note_compiled(group)
             if report is not None:
                 report(group, time.perf_counter() - began)
+
+
+def _shares(groups: list[str], count: int) -> list[list[str]]:
+    """Divide groups among processes, the largest first, so that these end at about the same time."""
+    shares: list[list[str]] = [[] for _ in range(count)]
+    for group in sorted(groups, key=lambda group: -KERNELS.get(group, 1)):
+        min(shares, key=lambda share: sum(KERNELS.get(one, 1) for one in share)).append(group)
+    return shares
+
+
+def _compile_apart(groups: list[str]) -> subprocess.Popen[bytes]:
+    """Begin to compile groups in another process."""
+    words = f"from geoswarm.solver.warm import run_sample\nfor group in {groups!r}: run_sample(group)"
+    nowhere = subprocess.DEVNULL
+    return subprocess.Popen([sys.executable, "-c", words], stdin=nowhere, stdout=nowhere, stderr=nowhere)
 
 
 def _is_compiled(folder: Path | None, group: str) -> bool:
@@ -208,8 +272,15 @@ def _mark(folder: Path, group: str) -> Path:
     from numba.core.registry import cpu_target
 
     processor = cpu_target.target_context.codegen().magic_tuple()
-    state = (fingerprint(), str(SOLVER), sys.implementation.cache_tag, numba.__version__, processor)
+    state = (_fingerprint_of(group), str(SOLVER), sys.implementation.cache_tag, numba.__version__, processor)
     return folder / f"compiled-{group}-{hashlib.sha256(repr(state).encode()).hexdigest()[:16]}"
+
+
+def _fingerprint_of(group: str) -> tuple[str, ...]:
+    """What changes with the sources of a group."""
+    if group in _SOURCES:
+        return (fingerprint(SOLVER / _SOURCES[group]),)
+    return tuple(fingerprint(Path(inspect.getfile(type(law)))) for law in _laws_of(group))
 
 
 @contextmanager

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
 
-__all__ = ["LOCAL", "ROLES", "Principal", "Role"]
+from geoswarm.records.key import ROLES, Role
 
-Role: TypeAlias = Literal["read", "submit", "admin"]
-
-ROLES: tuple[Role, ...] = get_args(Role)
-"""Each may what the ones before it may: look at one's own jobs; also submit and steer them; everything, for all."""
+__all__ = ["LOCAL", "Principal"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,95 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from geoswarm.records.evaluation import Evaluation
+from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
 from geoswarm.solver.problem.units import convert
-from geoswarm.solver.report.curves import SeriesShare, load_times, objective_unit, series_shares
+from geoswarm.solver.report.curves import load_times, objective_unit, series_shares
 from geoswarm.solver.report.labels import parameter_labels
 from geoswarm.workers.service import JobService
-from geoswarm.workers.views import EvaluationView
 
-__all__ = ["FitCurve", "FitParameter", "FitSeries", "FitView", "fit_of"]
+__all__ = ["fit_of"]
 
-
-@dataclass(frozen=True, slots=True)
-class FitParameter:
-    """A parameter as it stands in the problem; what does not belong to its form is None."""
-
-    name: str
-    symbol: str
-    unit: str
-    form: Literal["free", "fixed", "linked"]
-    value: float | None = None
-    expression: str | None = None
-    lower: float | None = None
-    upper: float | None = None
-    scale: str | None = None
-    initial: float | None = None
+_OF_A_FORM = ("value", "expression", "lower", "upper", "scale", "initial")
+"""What belongs to parameters of one form only; None in the others."""
 
 
-@dataclass(frozen=True, slots=True)
-class FitSeries:
-    """Measured points of one series, by rising x.
-
-    Parameters
-    ----------
-    x, measured
-        Shape (m,), in ``x_unit`` and ``y_unit``.
-    breaks
-        x at which a load is applied.
-    """
-
-    series: str
-    x_quantity: str
-    y_quantity: str
-    x_unit: str
-    y_unit: str
-    weight: float
-    x: list[float]
-    measured: list[float]
-    breaks: list[float]
-
-
-@dataclass(frozen=True, slots=True)
-class FitCurve:
-    """What one evaluation gives at the measured points.
-
-    Parameters
-    ----------
-    role
-        initial: the first evaluation of the job; best; chosen: the one asked for.
-    parameters
-        All of them, by name.
-    values
-        Calculated values of each series, shape (m,), in its ``y_unit``; empty where the evaluation has none.
-    """
-
-    role: Literal["initial", "best", "chosen"]
-    generation: int
-    particle: int
-    objective: float | None
-    parameters: dict[str, float]
-    shares: list[SeriesShare]
-    values: dict[str, list[float]]
-
-
-@dataclass(frozen=True, slots=True)
-class FitView:
-    """What a fit plot shows; ``objective_unit`` is empty where series of different units add up."""
-
-    objective_unit: str
-    parameters: list[FitParameter]
-    series: list[FitSeries]
-    curves: list[FitCurve]
-
-
-def fit_of(service: JobService, job_id: str, chosen: tuple[int, int] | None = None) -> FitView:
+def fit_of(service: JobService, job_id: str, chosen: tuple[int, int] | None = None) -> Fit:
     """Return the fit of a job, from stored responses: nothing is calculated anew.
 
     Parameters
@@ -108,13 +40,13 @@ def fit_of(service: JobService, job_id: str, chosen: tuple[int, int] | None = No
     problem = parse_problem(service.problem(job_id))
     first = service.evaluations(job_id, generation=0, state="finished", limit=1, responses=True).items
     best = service.best(job_id)
-    found: list[tuple[Literal["initial", "best", "chosen"], EvaluationView]] = [("initial", view) for view in first]
+    found: list[tuple[Literal["initial", "best", "chosen"], Evaluation]] = [("initial", view) for view in first]
     if best is not None:
         found.append(("best", best))
     if chosen is not None:
         found.append(("chosen", service.evaluation(job_id, *chosen)))
     orders = {o.series: np.argsort(o.x, kind="stable") for o in problem.observations}
-    return FitView(
+    return Fit(
         objective_unit=objective_unit(problem),
         parameters=_parameters(problem),
         series=_series(problem, orders),
@@ -128,8 +60,9 @@ def _parameters(problem: Problem) -> list[FitParameter]:
     for name, parameter in problem.parameters.items():
         label = labels[name]
         unit = "" if label.unit == "-" else label.unit
+        own: dict[str, Any] = dict.fromkeys(_OF_A_FORM)
         if isinstance(parameter, FreeParameter):
-            own: dict[str, Any] = {
+            own |= {
                 "form": "free",
                 "lower": parameter.lower,
                 "upper": parameter.upper,
@@ -137,10 +70,10 @@ def _parameters(problem: Problem) -> list[FitParameter]:
                 "initial": parameter.initial,
             }
         elif isinstance(parameter, LinkedParameter):
-            own = {"form": "linked", "expression": parameter.expression.text}
+            own |= {"form": "linked", "expression": parameter.expression.text}
         else:
-            own = {"form": "fixed", "value": parameter.value}
-        listed.append(FitParameter(name, label.symbol, unit, **own))
+            own |= {"form": "fixed", "value": parameter.value}
+        listed.append(FitParameter(name=name, symbol=label.symbol, unit=unit, **own))
     return listed
 
 
@@ -159,9 +92,9 @@ def _series(problem: Problem, orders: Mapping[str, npt.NDArray[np.intp]]) -> lis
                 x_unit=x_unit,
                 y_unit=y_unit,
                 weight=observation.weight,
-                x=convert(observation.x, info.x_unit, x_unit)[order].tolist(),
-                measured=convert(observation.y, info.y_unit, y_unit)[order].tolist(),
-                breaks=convert(breaks, info.x_unit, x_unit).tolist(),
+                x=convert(observation.x, info.x_unit, x_unit)[order],
+                measured=convert(observation.y, info.y_unit, y_unit)[order],
+                breaks=convert(breaks, info.x_unit, x_unit),
             )
         )
     return listed
@@ -171,22 +104,23 @@ def _curve(
     problem: Problem,
     orders: Mapping[str, npt.NDArray[np.intp]],
     role: Literal["initial", "best", "chosen"],
-    view: EvaluationView,
+    view: Evaluation,
 ) -> FitCurve:
     infos = {info.name: info for info in problem.model.series}
     values = {}
     for observation in problem.observations:
         if view.responses is not None and observation.series in view.responses:
             info = infos[observation.series]
-            calculated = np.array(view.responses[observation.series]["y"], dtype=np.float64)
+            calculated = np.array(view.responses[observation.series].y, dtype=np.float64)
             y_unit = observation.y_unit or info.y_unit
-            values[observation.series] = convert(calculated, info.y_unit, y_unit)[orders[observation.series]].tolist()
+            values[observation.series] = convert(calculated, info.y_unit, y_unit)[orders[observation.series]]
+    misfits = {series: misfit for series, misfit in view.misfits.items() if misfit is not None}
     return FitCurve(
         role=role,
         generation=view.generation,
         particle=view.particle,
         objective=view.objective,
         parameters=problem.values([view.parameters[name] for name in problem.free_names]),
-        shares=series_shares(problem, view.misfits) if view.misfits else [],
+        shares=[FitShare(**asdict(share)) for share in series_shares(problem, misfits)] if misfits else [],
         values=values,
     )

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from geoswarm.records.job import Job
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.follow_ups import (
     follow_up_of,
@@ -18,11 +19,10 @@ from geoswarm.solver.problem import Problem
 from geoswarm.workers.errors import NoOptimumError
 from geoswarm.workers.service import JobService
 from geoswarm.workers.statistics import StoredJob
-from geoswarm.workers.views import JobView
 
 __all__ = ["submit_global_sensitivity", "submit_profile", "submit_sensitivity"]
 
-Submitted = tuple[JobView, bool]
+Submitted = tuple[Job, bool]
 
 
 def submit_sensitivity(

@@ -9,38 +9,22 @@ import hashlib
 import hmac
 import re
 import secrets
-from dataclasses import dataclass
-from datetime import datetime
 
 from sqlalchemy import Connection
 
-from geoswarm.workers.access import ROLES, Principal, Role
+from geoswarm.records.key import ROLES, Key, Role
+from geoswarm.workers.access import Principal
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
 from geoswarm.workers.store import Store, api_keys
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime
 from geoswarm.workers.store.database import Record
 
-__all__ = ["KEY_PATTERN", "ApiKeys", "KeyView"]
+__all__ = ["KEY_PATTERN", "ApiKeys"]
 
 KEY_PATTERN = re.compile(r"gsw_(?P<id>[0-9a-f]{12})_[A-Za-z0-9_-]{43}")
 OWNER_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]{0,79}")
 LONGEST_LABEL = 200
 USED_EVERY_SECONDS = 60.0
-
-
-@dataclass(frozen=True, slots=True)
-class KeyView:
-    """What is known of a key; ``state`` is active, expired or revoked."""
-
-    id: str
-    owner: str
-    role: str
-    label: str
-    state: str
-    created_at: datetime
-    expires_at: datetime | None
-    revoked_at: datetime | None
-    used_at: datetime | None
 
 
 class ApiKeys:
@@ -49,9 +33,7 @@ class ApiKeys:
     def __init__(self, store: Store) -> None:
         self.store = store
 
-    def create(
-        self, owner: str, role: Role, *, label: str = "", valid_seconds: float | None = None
-    ) -> tuple[str, KeyView]:
+    def create(self, owner: str, role: Role, *, label: str = "", valid_seconds: float | None = None) -> tuple[str, Key]:
         """Make a key; return it, which nobody can do again, and what is stored of it.
 
         Parameters
@@ -81,18 +63,18 @@ class ApiKeys:
         key = f"gsw_{key_id}_{secrets.token_urlsafe(32)}"
         values = {"id": key_id, "hash": _hash(key), "owner": owner, "role": role, "label": label}
 
-        def work(connection: Connection) -> KeyView:
+        def work(connection: Connection) -> Key:
             if api_keys.find_key(connection, key_id) is None:
                 api_keys.insert_key(connection, values, valid_seconds)
             return _view(_found(connection, key_id))
 
         return key, self.store.write(work)
 
-    def list(self) -> list[KeyView]:
+    def list(self) -> list[Key]:
         """Return all keys, oldest first."""
         return [_view(row) for row in self.store.read(api_keys.list_keys)]
 
-    def revoke(self, key_id: str) -> KeyView:
+    def revoke(self, key_id: str) -> Key:
         """Make a key invalid, at once and for ever.
 
         Raises
@@ -100,7 +82,7 @@ class ApiKeys:
         KeyNotFoundError
         """
 
-        def work(connection: Connection) -> KeyView:
+        def work(connection: Connection) -> Key:
             _found(connection, key_id)
             api_keys.revoke_key(connection, key_id)
             return _view(_found(connection, key_id))
@@ -146,8 +128,8 @@ def _found(connection: Connection, key_id: str) -> Record:
     return row
 
 
-def _view(row: Record) -> KeyView:
-    return KeyView(
+def _view(row: Record) -> Key:
+    return Key(
         id=row.id,
         owner=row.owner,
         role=row.role,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import Connection, and_, func, select
 
+from geoswarm.records.states import UNDONE_STATES
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import evaluations, jobs
 from geoswarm.workers.store.workers import busy_workers, list_workers
@@ -47,7 +48,7 @@ def measure(connection: Connection, lease: float) -> Measures:
     here = and_(
         evaluations.c.job_id == jobs.c.id,
         evaluations.c.generation == jobs.c.generation,
-        evaluations.c.state.in_(("pending", "running")),
+        evaluations.c.state.in_(UNDONE_STATES),
     )
     statement = select(evaluations.c.state, func.count()).select_from(jobs.join(evaluations, here))
     statement = statement.where(jobs.c.state == "running").group_by(evaluations.c.state)

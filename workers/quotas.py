@@ -7,9 +7,9 @@ from typing import Any
 
 from sqlalchemy import Connection, case, func, select, text
 
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.calibration import Offer
 from geoswarm.solver.problem import Problem
-from geoswarm.workers.coordinator.machine import ENDED_STATES
 from geoswarm.workers.errors import QuotaExceededError
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.tables import jobs

@@ -9,6 +9,11 @@ from typing import Any
 
 from sqlalchemy import Connection
 
+from geoswarm.records.attempt import Attempt
+from geoswarm.records.evaluation import Evaluation
+from geoswarm.records.event import Event
+from geoswarm.records.generation import Generation
+from geoswarm.records.page import Page
 from geoswarm.workers.cursors import decode_cursor, encode_cursor
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.store import Store, jobs
@@ -17,7 +22,6 @@ from geoswarm.workers.store.evaluations import get_evaluation, list_attempts
 from geoswarm.workers.store.listing import Filters, list_evaluations
 from geoswarm.workers.store.selection import spaced
 from geoswarm.workers.store.views import attempt_views, evaluation_view, event_view, generation_view
-from geoswarm.workers.views import AttemptView, EvaluationView, EventView, GenerationView, Page
 
 __all__ = ["JobRecords", "clip"]
 
@@ -51,10 +55,10 @@ class JobRecords(ABC):
     def _frame(self, connection: Connection, job_id: str) -> tuple[list[str], dict[str, list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
 
-    def attempts(self, job_id: str, generation: int, particle: int) -> list[AttemptView]:
+    def attempts(self, job_id: str, generation: int, particle: int) -> list[Attempt]:
         """Return the tries at one evaluation, the one under way or counted last; empty: there is no such evaluation."""
 
-        def work(connection: Connection) -> list[AttemptView]:
+        def work(connection: Connection) -> list[Attempt]:
             self._row(connection, job_id)
             return attempt_views(
                 get_evaluation(connection, job_id, generation, particle),
@@ -63,10 +67,10 @@ class JobRecords(ABC):
 
         return self.store.read(work)
 
-    def best(self, job_id: str) -> EvaluationView | None:
+    def best(self, job_id: str) -> Evaluation | None:
         """Return the best evaluation so far with its responses; None while none has succeeded."""
 
-        def work(connection: Connection) -> EvaluationView | None:
+        def work(connection: Connection) -> Evaluation | None:
             job = self._row(connection, job_id)
             if job.best_generation is None:
                 return None
@@ -76,7 +80,7 @@ class JobRecords(ABC):
 
         return self.store.read(work)
 
-    def evaluation(self, job_id: str, generation: int, particle: int) -> EvaluationView:
+    def evaluation(self, job_id: str, generation: int, particle: int) -> Evaluation:
         """Return one evaluation with its responses.
 
         Raises
@@ -84,7 +88,7 @@ class JobRecords(ABC):
         EvaluationNotFoundError
         """
 
-        def work(connection: Connection) -> EvaluationView:
+        def work(connection: Connection) -> Evaluation:
             names, grids = self._frame(connection, job_id)
             row = get_evaluation(connection, job_id, generation, particle)
             if row is None:
@@ -103,7 +107,7 @@ class JobRecords(ABC):
         limit: int = 100,
         cursor: str | None = None,
         responses: bool = False,
-    ) -> Page[EvaluationView]:
+    ) -> Page[Evaluation]:
         """Return evaluations ordered by (generation, particle); with long responses fewer than ``limit`` a page.
 
         Raises
@@ -113,13 +117,14 @@ class JobRecords(ABC):
         after = None if cursor is None else decode_cursor(cursor, int, int)
         filters = Filters(generation, state, max_objective)
 
-        def work(connection: Connection) -> Page[EvaluationView]:
+        def work(connection: Connection) -> Page[Evaluation]:
             names, grids = self._frame(connection, job_id)
             most = rows_with_responses(clip(limit), grids) if responses else clip(limit)
             rows = list_evaluations(connection, job_id, filters, after=after, limit=most + 1, responses=responses)
             views = [evaluation_view(row, names, grids if responses else None) for row in rows[:most]]
             last = views[-1] if len(rows) > most else None
-            return Page(views, None if last is None else encode_cursor(last.generation, last.particle))
+            following = None if last is None else encode_cursor(last.generation, last.particle)
+            return Page(items=views, next_cursor=following)
 
         return self.store.read(work)
 
@@ -131,13 +136,13 @@ class JobRecords(ABC):
         state: str | None = None,
         max_objective: float | None = None,
         responses: bool = False,
-    ) -> Iterator[EvaluationView]:
+    ) -> Iterator[Evaluation]:
         """Stream evaluations ordered by (generation, particle), in short transactions and flat memory."""
         names, grids = self.store.read(lambda connection: self._frame(connection, job_id))
         filters = Filters(generation, state, max_objective)
         most = rows_with_responses(STREAM_ROWS, grids) if responses else STREAM_ROWS
 
-        def stream() -> Iterator[EvaluationView]:
+        def stream() -> Iterator[Evaluation]:
             after: tuple[int, int] | None = None
             while True:
                 rows = self.store.read(
@@ -166,14 +171,14 @@ class JobRecords(ABC):
         limit: int = 1000,
         points: int | None = None,
         diversity: bool = False,
-    ) -> list[GenerationView]:
+    ) -> list[Generation]:
         """Return finished generations with a number above ``after``, in order.
 
         With ``points`` at most so many of all, evenly spaced, the first and the last one included; ``diversity`` reads
         all their runs.
         """
 
-        def work(connection: Connection) -> list[GenerationView]:
+        def work(connection: Connection) -> list[Generation]:
             total = self._row(connection, job_id).generations
             numbers = None if points is None or total <= points else spaced(total, points)
             rows = jobs.list_generations(connection, job_id, after=after, limit=clip(limit), numbers=numbers)
@@ -182,10 +187,10 @@ class JobRecords(ABC):
 
         return self.store.read(work)
 
-    def events(self, job_id: str, *, after: int = 0, limit: int = 500) -> list[EventView]:
+    def events(self, job_id: str, *, after: int = 0, limit: int = 500) -> list[Event]:
         """Return events with an id above ``after``, in order."""
 
-        def work(connection: Connection) -> list[EventView]:
+        def work(connection: Connection) -> list[Event]:
             self._row(connection, job_id)
             rows = jobs.list_events(connection, job_id, after=after, limit=clip(limit))
             return [event_view(row) for row in rows]

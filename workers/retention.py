@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import Connection
 
-from geoswarm.workers.coordinator.machine import ENDED_STATES
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store, jobs

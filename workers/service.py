@@ -14,6 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
+from geoswarm.records.event import Event
+from geoswarm.records.job import Job
+from geoswarm.records.page import Page
+from geoswarm.records.states import SERVED_STATES
+from geoswarm.records.worker import Worker
 from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.check import CheckReport
 from geoswarm.solver.errors import ProblemError
@@ -43,7 +48,6 @@ from geoswarm.workers.store.job_list import JobFilters, list_jobs, list_trends
 from geoswarm.workers.store.offers import WarmStart, find_offer, find_warm_starts, write_offer
 from geoswarm.workers.store.views import event_view, job_view, worker_view
 from geoswarm.workers.store.workers import current_work, list_workers
-from geoswarm.workers.views import EventView, JobView, Page, WorkerView
 
 if TYPE_CHECKING:
     from geoswarm.workers.bodies import BodyService
@@ -113,7 +117,7 @@ class JobService(JobRecords):
         """End what test runs have started."""
         self._sandbox.close()
 
-    def submit(self, problem: Problem, *, idempotency_key: str | None = None) -> tuple[JobView, bool]:
+    def submit(self, problem: Problem, *, idempotency_key: str | None = None) -> tuple[Job, bool]:
         """Store a job and wake workers; return it and whether it is new.
 
         Raises
@@ -158,7 +162,7 @@ class JobService(JobRecords):
             **size,
         }
 
-        def work(connection: Connection) -> tuple[JobView, bool]:
+        def work(connection: Connection) -> tuple[Job, bool]:
             same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None:
                 self._require_room()
@@ -182,7 +186,7 @@ class JobService(JobRecords):
             self.doorbell.ring(view.id, kind=view.forward_model)
         return view, new
 
-    def get(self, job_id: str) -> JobView:
+    def get(self, job_id: str) -> Job:
         """Return one job."""
         return self.store.read(lambda connection: self._get(connection, job_id))
 
@@ -198,7 +202,7 @@ class JobService(JobRecords):
 
     def list(
         self, filters: JobFilters | None = None, *, limit: int = 50, cursor: str | None = None, trend: int = 0
-    ) -> Page[JobView]:
+    ) -> Page[Job]:
         """Return jobs, newest first unless ``filters`` say otherwise, with ``trend`` values of their convergence each.
 
         Raises
@@ -208,18 +212,18 @@ class JobService(JobRecords):
         chosen = filters or JobFilters()
         owner = None if self.principal.role == "admin" else self.principal.owner or ""
 
-        def work(connection: Connection) -> Page[JobView]:
+        def work(connection: Connection) -> Page[Job]:
             rows, following = list_jobs(connection, chosen, owner=owner, limit=clip(limit), cursor=cursor)
             shortage = self._runtime.shortage()
             views = [self._view(row, shortage) for row in rows]
             if trend:
                 trends = list_trends(connection, {view.id: view.generations for view in views}, trend)
                 views = [replace(view, trend=trends[view.id]) for view in views]
-            return Page(views, following)
+            return Page(items=views, next_cursor=following)
 
         return self.store.read(work)
 
-    def cancel(self, job_id: str) -> JobView:
+    def cancel(self, job_id: str) -> Job:
         """End a job that has not ended; its finished evaluations stay.
 
         Raises
@@ -229,7 +233,7 @@ class JobService(JobRecords):
         """
         return self._request(job_id, CancelRequested())
 
-    def pause(self, job_id: str) -> JobView:
+    def pause(self, job_id: str) -> Job:
         """Stop within two seconds: what finishes in the next one is kept, the rest is killed, to be run again later.
 
         Raises
@@ -239,7 +243,7 @@ class JobService(JobRecords):
         """
         return self._request(job_id, PauseRequested())
 
-    def resume(self, job_id: str) -> JobView:
+    def resume(self, job_id: str) -> Job:
         """Go on with a paused job where it stopped.
 
         Raises
@@ -249,7 +253,7 @@ class JobService(JobRecords):
         """
         return self._request(job_id, ResumeRequested())
 
-    def change_stopping(self, job_id: str, stopping: Stopping) -> JobView:
+    def change_stopping(self, job_id: str, stopping: Stopping) -> Job:
         """Replace a job's stop criteria; one that has finished or was cancelled goes on exactly where it was.
 
         Raises
@@ -266,7 +270,7 @@ class JobService(JobRecords):
             self.doorbell.ring(job_id, kind=view.forward_model)
         return self.get(job_id)
 
-    def retry_failed(self, job_id: str) -> tuple[JobView, int]:
+    def retry_failed(self, job_id: str) -> tuple[Job, int]:
         """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
 
         What the search was told stays as it was; see :mod:`geoswarm.workers.coordinator.retry`.
@@ -295,7 +299,7 @@ class JobService(JobRecords):
         self.get(job_id)
         delete_job(self.store, job_id)
 
-    def news(self, after: Mapping[str, int], *, limit: int = 500) -> builtins.list[tuple[str, EventView]]:
+    def news(self, after: Mapping[str, int], *, limit: int = 500) -> builtins.list[tuple[str, Event]]:
         """Return events of several jobs, each above the id given for it, with their jobs; knows no owners."""
         rows = self.store.read(lambda connection: jobs.list_news(connection, after, limit=limit))
         return [(row.job_id, event_view(row)) for row in rows]
@@ -304,10 +308,10 @@ class JobService(JobRecords):
         """Return those of the ids that are jobs; knows no owners."""
         return self.store.read(lambda connection: jobs.which_exist(connection, job_ids))
 
-    def workers(self) -> builtins.list[WorkerView]:
+    def workers(self) -> builtins.list[Worker]:
         """Return the known worker processes, those lost within the last hour included."""
 
-        def work(connection: Connection) -> builtins.list[WorkerView]:
+        def work(connection: Connection) -> builtins.list[Worker]:
             busy = current_work(connection)
             rows = list_workers(connection, self.settings.lease_seconds)
             seen = {id: self.principal.sees(work.owner) for id, work in busy.items()}
@@ -342,12 +346,12 @@ class JobService(JobRecords):
         except ProblemError:  # no longer accepted
             return False
 
-    def _get(self, connection: Connection, job_id: str) -> JobView:
+    def _get(self, connection: Connection, job_id: str) -> Job:
         return self._view(self._row(connection, job_id), self._runtime.shortage())
 
-    def _view(self, row: Any, shortage: str | None) -> JobView:
+    def _view(self, row: Any, shortage: str | None) -> Job:
         view = job_view(row, self._gap)
-        if shortage is None or view.state not in ("queued", "running"):
+        if shortage is None or view.state not in SERVED_STATES:
             return view
         return replace(view, warnings=[*view.warnings, f"waits: {shortage}"])
 
@@ -363,7 +367,7 @@ class JobService(JobRecords):
             raise JobNotFoundError(job_id)
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 
-    def _request(self, job_id: str, event: Request) -> JobView:
+    def _request(self, job_id: str, event: Request) -> Job:
         kind = self.get(job_id).forward_model
         if self._runtime.request(job_id, event):
             self.doorbell.ring(job_id, kind=kind)

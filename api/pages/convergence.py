@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geoswarm.workers.views import GenerationView
+from geoswarm.records.generation import Generation
 
 __all__ = ["LEFT", "PLOT_WIDTH", "RIGHT", "Convergence", "convergence"]
 
@@ -24,7 +24,7 @@ class Convergence:
     x_ticks: list[tuple[float, str]]
 
 
-def convergence(views: Sequence[GenerationView]) -> Convergence | None:
+def convergence(views: Sequence[Generation]) -> Convergence | None:
     """Place the best objective so far (line) and of each generation (dots); None when there is nothing to draw."""
     best = [(v.evaluations, v.objective) for v in views if v.objective is not None and v.objective > 0]
     own = [(v.evaluations, v.best_objective) for v in views if v.best_objective is not None and v.best_objective > 0]

@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse
 from geoswarm.api.dependencies import Service
 from geoswarm.api.pages.shell import render
 from geoswarm.api.pages.sparkline import sparkline
-from geoswarm.workers.coordinator.machine import JOB_STATES
+from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
 from geoswarm.workers.store.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
@@ -27,7 +27,7 @@ SORTS: dict[SortKey, str] = {
     "seconds": "Longest running first",
     "name": "Name, A to Z",
 }
-GROUPS = {"active": ("queued", "running", "paused"), "ended": ("finished", "failed", "cancelled")}
+GROUPS = {"active": OPEN_STATES, "ended": ENDED_STATES}
 
 
 @router.get("/")

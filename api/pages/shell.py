@@ -12,9 +12,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from geoswarm.api.assets import PLOTLY, Assets
 from geoswarm.api.authentication import Identity
 from geoswarm.api.errors import DetailError
-from geoswarm.api.feed import ENDED_STATES
 from geoswarm.api.headers import PLOT_POLICY
-from geoswarm.workers.views import JobView
+from geoswarm.records.job import Job
+from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES, OPEN_STATES
 
 __all__ = ["error_page", "number", "progress", "render", "words"]
 
@@ -29,7 +29,7 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def progress(job: JobView) -> float | None:
+def progress(job: Job) -> float | None:
     """Share of the planned evaluations, from 0 to 1; None without a plan."""
     return min(job.evaluations / job.max_evaluations, 1.0) if job.max_evaluations else None
 
@@ -42,7 +42,8 @@ templates = Environment(
     lstrip_blocks=True,
 )
 templates.filters.update(number=number, words=words)
-templates.globals.update(progress=progress, ended_states=ENDED_STATES)
+templates.globals.update(progress=progress)
+templates.globals.update(ended_states=ENDED_STATES, open_states=OPEN_STATES, evaluation_states=EVALUATION_STATES)
 
 
 def render(request: Request, view: str, *, plots: bool = False, status: int = 200, **values: Any) -> HTMLResponse:

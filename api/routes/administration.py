@@ -6,9 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Path
 
-from geoswarm.api.administration_schemas import Key, KeyList, NewKey, NewKeyRequest, Operations
+from geoswarm.api.administration_schemas import KeyList, NewKeyRequest, Operations
 from geoswarm.api.dependencies import Feed, Service, problems_of
 from geoswarm.api.errors import DetailError
+from geoswarm.records.key import Key, NewKey
 from geoswarm.solver.errors import Issue
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError
 from geoswarm.workers.keys import ApiKeys
@@ -55,7 +56,7 @@ def show_operations(service: Administrated, feed: Feed) -> Operations:
 @router.get("/keys", responses=problems_of())
 def list_keys(service: Administrated) -> KeyList:
     """List all API keys, without their secrets; administrators only."""
-    return KeyList(items=[Key.model_validate(view) for view in ApiKeys(service.store).list()])
+    return KeyList(items=ApiKeys(service.store).list())
 
 
 @router.post("/keys", status_code=201, responses=problems_of(408, 413, 422))
@@ -68,13 +69,13 @@ def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
     except SettingsError as error:
         issue = Issue("body", str(error))
         raise DetailError(422, str(error), kind="invalid-request", title="Invalid request", issues=[issue]) from None
-    return NewKey(key=key, view=Key.model_validate(view))
+    return NewKey(key=key, view=view)
 
 
 @router.post("/keys/{key_id}/revoke", responses=problems_of(404, 422))
 def revoke_key(key_id: KeyId, service: Administrated) -> Key:
     """Make an API key invalid with the next request, for ever; administrators only."""
     try:
-        return Key.model_validate(ApiKeys(service.store).revoke(key_id))
+        return ApiKeys(service.store).revoke(key_id)
     except KeyNotFoundError as error:
         raise DetailError(404, str(error), kind="unknown-key", title="Unknown key") from None

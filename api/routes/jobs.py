@@ -8,7 +8,9 @@ from fastapi import APIRouter, Header, Query, Request, Response
 
 from geoswarm.api.bodies import ProblemDocument
 from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from geoswarm.api.schemas import Job, JobChange, JobPage, JobState, Retry
+from geoswarm.api.schemas import JobChange, JobPage
+from geoswarm.records.job import Job, Retry
+from geoswarm.records.states import JobState
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.store.job_list import JobFilters, SortKey
 
@@ -51,7 +53,7 @@ def submit(
     view, created = service.submit(parse_problem(document), idempotency_key=idempotency_key)
     response.status_code = 201 if created else 200
     response.headers["Location"] = request.app.url_path_for("show", job_id=view.id)
-    return Job.model_validate(view)
+    return view
 
 
 @router.get("", responses=problems_of(400, 422), name="list")
@@ -75,19 +77,20 @@ def list_jobs(
     """List jobs, newest first unless asked otherwise; a cursor belongs to the order that it was given in."""
     ascending = None if order is None else order == "ascending"
     filters = JobFilters(tuple(state or ()), q, owner, sort, ascending)
-    return JobPage.model_validate(service.list(filters, limit=limit, cursor=cursor, trend=trend))
+    page = service.list(filters, limit=limit, cursor=cursor, trend=trend)
+    return JobPage(items=page.items, next_cursor=page.next_cursor)
 
 
 @router.get("/{job_id}", responses=problems_of(404))
 def show(job_id: JobId, service: Service) -> Job:
     """Show a job."""
-    return Job.model_validate(service.get(job_id))
+    return service.get(job_id)
 
 
 @router.patch("/{job_id}", responses=problems_of(404, 408, 409, 413, 422))
 def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
     """Change when a job ends. One that has finished or was cancelled goes on, as if it had been asked so at first."""
-    return Job.model_validate(service.change_stopping(job_id, wanted.stopping))
+    return service.change_stopping(job_id, wanted.stopping)
 
 
 @router.get("/{job_id}/problem", responses=problems_of(404))
@@ -99,19 +102,19 @@ def problem(job_id: JobId, service: Service) -> dict[str, Any]:
 @router.post("/{job_id}/cancel", responses=problems_of(404, 409))
 def cancel(job_id: JobId, service: Service) -> Job:
     """End a job now; what it has found stays. Cancelling a cancelled job changes nothing."""
-    return Job.model_validate(service.cancel(job_id))
+    return service.cancel(job_id)
 
 
 @router.post("/{job_id}/pause", responses=problems_of(404, 409))
 def pause(job_id: JobId, service: Service) -> Job:
     """Hold a queued or running job."""
-    return Job.model_validate(service.pause(job_id))
+    return service.pause(job_id)
 
 
 @router.post("/{job_id}/resume", responses=problems_of(404, 409))
 def resume(job_id: JobId, service: Service) -> Job:
     """Go on with a paused job."""
-    return Job.model_validate(service.resume(job_id))
+    return service.resume(job_id)
 
 
 @router.post("/{job_id}/retry-failed", responses=problems_of(404, 409))
@@ -121,7 +124,7 @@ def retry_failed(job_id: JobId, service: Service) -> Retry:
     What the search was told of finished generations stays as it was: positions do not change, the best evaluation may.
     """
     view, number = service.retry_failed(job_id)
-    return Retry(evaluations=number, job=Job.model_validate(view))
+    return Retry(evaluations=number, job=view)
 
 
 @router.delete("/{job_id}", status_code=204, response_class=Response, responses=problems_of(404, 409))

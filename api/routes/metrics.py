@@ -16,6 +16,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Histo
 from prometheus_client.registry import Collector
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
+from geoswarm.records.states import JOB_STATES
 from geoswarm.workers.measures import Measures
 from geoswarm.workers.tally import BUCKETS
 
@@ -27,7 +28,6 @@ __all__ = ["CONTENT_TYPE", "router"]
 router = APIRouter(tags=["health"])
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
-JOB_STATES = ("queued", "running", "paused", "finished", "failed", "cancelled")
 
 
 @router.get(

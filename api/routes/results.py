@@ -16,27 +16,22 @@ from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.parquet import parquet_available, parquet_pieces
 from geoswarm.api.schemas import (
-    Attempt,
     AttemptList,
-    Best,
-    Evaluation,
     EvaluationPage,
-    EvaluationState,
-    Generation,
     GenerationList,
 )
-from geoswarm.api.schemas import Response as ResponseValues
+from geoswarm.records.evaluation import COLUMNS, Best, Evaluation
+from geoswarm.records.states import EvaluationState
 from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.words import visible
-from geoswarm.workers.views import EvaluationView
 
 __all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["results"])
 
-BEFORE = ("generation", "particle", "state", "objective")
-AFTER = ("reason", "message", "attempts", "worker", "started_at", "finished_at", "seconds")
+BEFORE = tuple(column.name for column in COLUMNS if column.leading)
+AFTER = tuple(column.name for column in COLUMNS if not column.leading)
 LINES_A_CHUNK = 200
 PARQUET = "application/vnd.apache.parquet"
 MAX_GENERATION = 2**31 - 1  # what every database holds in a column of this kind
@@ -58,7 +53,7 @@ def generations(
 ) -> GenerationList:
     """Show how the search went, one item a generation."""
     views = service.generations(job_id, after=after, limit=limit, points=points, diversity=diversity)
-    return GenerationList(items=[Generation.model_validate(view) for view in views])
+    return GenerationList(items=views)
 
 
 @router.get("/best", responses=problems_of(404))
@@ -79,8 +74,8 @@ def best(job_id: JobId, service: Service) -> Best:
         particle=view.particle,
         objective=view.objective,
         parameters=problem.values([view.parameters[name] for name in problem.free_names]),
-        misfits=dict(view.misfits),
-        responses={name: ResponseValues.model_validate(xy) for name, xy in (view.responses or {}).items()},
+        misfits=view.misfits,
+        responses=view.responses or {},
     )
 
 
@@ -132,7 +127,7 @@ def evaluations(
             cursor=cursor,
             responses=responses,
         )
-        return EvaluationPage(items=[Evaluation.model_validate(v) for v in page.items], next_cursor=page.next_cursor)
+        return EvaluationPage(items=page.items, next_cursor=page.next_cursor)
     names = service.get(job_id).free_parameters
     series = list(dict.fromkeys(item["series"] for item in service.problem(job_id)["observations"]))
     if chosen == "parquet":
@@ -167,7 +162,7 @@ def evaluation(
     particle: Annotated[int, Path(ge=0, le=MAX_GENERATION)],
 ) -> Evaluation:
     """Show one evaluation, with its responses."""
-    return Evaluation.model_validate(service.evaluation(job_id, generation, particle))
+    return service.evaluation(job_id, generation, particle)
 
 
 @router.get("/evaluations/{generation}/{particle}/attempts", responses=problems_of(404, 422))
@@ -178,8 +173,7 @@ def attempts(
     particle: Annotated[int, Path(ge=0, le=2**31 - 1)],
 ) -> AttemptList:
     """Show every try at one evaluation: by whom, when, and how it ended."""
-    views = service.attempts(job_id, generation, particle)
-    return AttemptList(items=[Attempt.model_validate(view) for view in views])
+    return AttemptList(items=service.attempts(job_id, generation, particle))
 
 
 def csv_header(names: Sequence[str], series: Sequence[str]) -> list[str]:
@@ -198,14 +192,14 @@ def parquet_columns(names: Sequence[str], series: Sequence[str]) -> list[tuple[s
     return [(header, *place) for header, place in zip(csv_header(names, series), places, strict=True)]
 
 
-def csv_lines(views: Iterable[EvaluationView], names: Sequence[str], series: Sequence[str]) -> Iterator[str]:
+def csv_lines(views: Iterable[Evaluation], names: Sequence[str], series: Sequence[str]) -> Iterator[str]:
     """CSV of evaluations without the header, some hundred lines at a time."""
     remaining = iter(views)
     while chunk := list(itertools.islice(remaining, LINES_A_CHUNK)):
         yield "".join(_line(_row(view, names, series)) for view in chunk)
 
 
-def _row(view: EvaluationView, names: Sequence[str], series: Sequence[str]) -> list[object]:
+def _row(view: Evaluation, names: Sequence[str], series: Sequence[str]) -> list[object]:
     return [
         *(getattr(view, column) for column in BEFORE),
         *(view.parameters.get(name) for name in names),

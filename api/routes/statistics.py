@@ -7,14 +7,15 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, ConfigDict, Field
 
+from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.headers import DOCUMENT_POLICY
-from geoswarm.api.statistics_schemas import FigureList, ReweightAnswer, StatisticsAnswer
+from geoswarm.api.statistics_schemas import FigureList
 from geoswarm.api.views import WantedView
+from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.report.build import Report
-from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.solver.report.style import figures_available, png_of, svg_of
 from geoswarm.workers.service import JobService
 
@@ -50,7 +51,7 @@ def statistics(job_id: JobId, service: Service, view: WantedView) -> StatisticsA
     found = service.statistics.report(job_id, **view.options).statistics
     if found is None:
         raise _nothing_yet(service, job_id)
-    return StatisticsAnswer.model_validate(jsonable(found.to_json()))
+    return read_record(StatisticsAnswer, found.to_json())
 
 
 @router.post("/reweight", responses=problems_of(404, 408, 409, 413, 422))
@@ -62,7 +63,7 @@ def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> Rewei
     """
     if service.statistics.stored(job_id).samples.size == 0:
         raise _nothing_yet(service, job_id)
-    return ReweightAnswer.model_validate(jsonable(service.statistics.reweighted(job_id, **request.model_dump())))
+    return read_record(ReweightAnswer, service.statistics.reweighted(job_id, **request.model_dump()))
 
 
 @router.get(

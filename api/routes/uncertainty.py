@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Request, Response
 
+from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
-from geoswarm.api.schemas import Job
 from geoswarm.api.statistics_schemas import (
     GlobalRequest,
-    PosteriorAnswer,
     ProfileRequest,
     SensitivityRequest,
-    UncertaintyAnswer,
 )
 from geoswarm.api.views import Noise
-from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.records.job import Job
+from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 from geoswarm.workers.follow_ups import submit_global_sensitivity, submit_profile, submit_sensitivity
-from geoswarm.workers.views import JobView
 
 __all__ = ["router"]
 
@@ -85,20 +82,18 @@ def uncertainty(job_id: JobId, service: Service, noise: Noise) -> UncertaintyAns
         {"id": f.id, "kind": f.kind, "state": f.state, "evaluations": f.evaluations}
         for f in statistics.follow_ups(job_id)
     ]
-    return UncertaintyAnswer.model_validate(
-        jsonable(statistics.findings(job_id, noise=noise).to_json()) | {"follow_ups": follow_ups}
-    )
+    found = statistics.findings(job_id, noise=noise).to_json()
+    return read_record(UncertaintyAnswer, found | {"follow_ups": follow_ups})
 
 
 @router.get("/posterior", responses=problems_of(404, 422))
 def posterior(job_id: JobId, service: Service, noise: Noise) -> PosteriorAnswer:
     """Sample the posterior through a checked response surface of the stored evaluations; takes seconds, once."""
-    return PosteriorAnswer.model_validate(jsonable(service.statistics.posterior(job_id, noise=noise).to_json()))
+    return read_record(PosteriorAnswer, service.statistics.posterior(job_id, noise=noise).to_json())
 
 
-def _created(request: Request, response: Response, submitted: Sequence[JobView | bool]) -> Job:
-    view, created = submitted
-    job = Job.model_validate(view)
+def _created(request: Request, response: Response, submitted: tuple[Job, bool]) -> Job:
+    job, created = submitted
     response.status_code = 201 if created else 200
     response.headers["Location"] = request.app.url_path_for("show", job_id=job.id)
     return job

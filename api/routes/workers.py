@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from geoswarm.api.dependencies import Service, problems_of
-from geoswarm.api.schemas import Worker, WorkerList
+from geoswarm.api.schemas import WorkerList
 
 __all__ = ["router"]
 
@@ -15,4 +15,4 @@ router = APIRouter(prefix="/workers", tags=["workers"])
 @router.get("", responses=problems_of())
 def list_workers(service: Service) -> WorkerList:
     """List the workers, what they do and when they were last seen."""
-    return WorkerList(items=[Worker.model_validate(view) for view in service.workers()])
+    return WorkerList(items=service.workers())

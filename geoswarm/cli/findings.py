@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import click
@@ -41,7 +42,7 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
     else:
         with connect(url, api_key, SLOW_ANSWER) as client:
             job = find_calibration(client, source)
-            name, found = job.name, client.posterior(job.id, noise=known)
+            name, found = job.name, asdict(client.posterior(job.id, noise=known))
     if as_json:
         echo_json(found)
         return
@@ -148,5 +149,5 @@ def _show_indices(found: Mapping[str, Any]) -> None:
     echo_table(f"{output} ({found['blocks']} blocks{dropped})", columns, rows, right=(1, 2, 3, 4)[: len(columns) - 1])
 
 
-def _ends(interval: list[float] | None) -> tuple[str, str]:
+def _ends(interval: Sequence[float] | None) -> tuple[str, str]:
     return ("-", "-") if interval is None else ends(*interval)

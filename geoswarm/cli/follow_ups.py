@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -180,7 +180,7 @@ def _wait(client: Client, job: Job) -> Job:
 
 def _follow(client: Client, job: Job, as_json: bool, noise: Noise) -> None:
     ended = _wait(client, job)
-    found = client.uncertainty(ended.id, noise=noise)
+    found = asdict(client.uncertainty(ended.id, noise=noise))
     if as_json:
         echo_json({"job": ended.id} | found)
     else:

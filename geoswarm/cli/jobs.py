@@ -12,6 +12,7 @@ from geoswarm.cli.connection import connect, find_job
 from geoswarm.cli.labels import root_mean_square, with_unit
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, jsonable, number, reasons_in_words
+from geoswarm.records.states import JOB_STATES
 
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
@@ -26,8 +27,6 @@ __all__ = [
     "show_job",
     "workers_command",
 ]
-
-STATES = ("queued", "running", "paused", "finished", "failed", "cancelled")
 
 
 def _searches(method: str) -> bool:
@@ -45,7 +44,7 @@ def _age(moment: datetime) -> str:
 
 
 @click.command("list")
-@click.option("--state", type=click.Choice(STATES), help="Only jobs in this state.")
+@click.option("--state", type=click.Choice(JOB_STATES), help="Only jobs in this state.")
 @click.option("--limit", type=click.IntRange(1, 200), default=20, show_default=True, help="Number of jobs.")
 @click.option("--cursor", help="Where to go on: 'next_cursor' of the page before.")
 @json_option

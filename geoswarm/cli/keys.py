@@ -14,7 +14,7 @@ from geoswarm.cli.spans import SPAN
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from geoswarm.workers.access import Role
+    from geoswarm.records.key import Role
 
 __all__ = ["keys_command"]
 

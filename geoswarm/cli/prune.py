@@ -10,16 +10,18 @@ from geoswarm.cli.options import database_option, json_option
 from geoswarm.cli.output import echo_json, echo_table, jsonable, note
 from geoswarm.cli.serve import logging_options, prepare
 from geoswarm.cli.spans import SPAN
+from geoswarm.records.states import ENDED_STATES
 
 __all__ = ["prune_command"]
 
-ENDED = ("finished", "failed", "cancelled")
 SHORTEST_ROUND = 1.0  # s
 
 
 @click.command("prune")
 @click.option("--older-than", type=SPAN, required=True, metavar="SPAN", help="Time since a job ended, e.g. 90d or 12h.")
-@click.option("--state", "states", type=click.Choice(ENDED), multiple=True, help="Only jobs that ended like this.")
+@click.option(
+    "--state", "states", type=click.Choice(ENDED_STATES), multiple=True, help="Only jobs that ended like this."
+)
 @click.option("--dry-run", is_flag=True, help="Only show what would be deleted.")
 @click.option("--every", type=SPAN, metavar="SPAN", help="Do it now and again after this time, until Ctrl-C.")
 @json_option
@@ -52,11 +54,11 @@ def prune_command(
         settings = Settings.from_environment(database_url=database)
         prepare("prune", log_level, log_format, settings)
         note("geoswarm prune; Ctrl-C stops it.")
-        run_prune(settings, older_than, states or ENDED, every)
+        run_prune(settings, older_than, states or ENDED_STATES, every)
         return
     store = existing_store(database)
     try:
-        pruned = prune(store, older_than, states or ENDED, dry_run=dry_run)
+        pruned = prune(store, older_than, states or ENDED_STATES, dry_run=dry_run)
     finally:
         store.close()
     if as_json:

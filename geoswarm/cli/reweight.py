@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ def reweight_command(
         found = _of_folder(folder, options)
     else:
         with connect(url, api_key) as client:
-            found = client.reweight(find_calibration(client, source).id, **options)
+            found = asdict(client.reweight(find_calibration(client, source).id, **options))
     if output is not None:
         text = json.dumps(found["problem"], indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         output.write_text(text, encoding="utf-8")

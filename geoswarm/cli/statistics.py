@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,7 +71,7 @@ def statistics_command(
     else:
         with connect(url, api_key) as client:
             job = find_calibration(client, source)
-            found = client.statistics(job.id, threshold=threshold, noise=known)
+            found = asdict(client.statistics(job.id, threshold=threshold, noise=known))
             document = client.problem(job.id)
     if accept:
         _follow_up(found, document, accept, output)

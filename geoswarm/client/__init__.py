@@ -4,8 +4,8 @@
 ``_async``      :class:`AsyncClient`, written by hand
 ``_sync``       :class:`Client`, generated from it by ``scripts/generate_client.py``
 ``calls``       how requests are put together and answers are read, without any input or output
-``models``      frozen records of the answers; those with arrays in ``points``, ``fit``, ``bodies``,
-                those of keys and operations in ``administration``
+``models``      frozen records that only the client has; those with arrays in ``points``, ``bodies``,
+                those for administrators in ``administration``; all others in :mod:`geoswarm.records`
 ``errors``      the tree of errors
 ``follow``      when to take up an event stream again, when to give up
 ``sse``         reads an event stream
@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from geoswarm.client._async.client import AsyncClient
 from geoswarm.client._sync.client import Client
-from geoswarm.client.administration import Key, NewKey, Operations, Session
+from geoswarm.client.administration import Operations, Session
 from geoswarm.client.bodies import Displacement, Mesh, MeshFields, Phase
 from geoswarm.client.errors import (
     ConflictError,
@@ -31,30 +31,30 @@ from geoswarm.client.errors import (
     UnauthorizedError,
     WaitTimeoutError,
 )
-from geoswarm.client.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
 from geoswarm.client.models import (
-    Attempt,
-    Best,
     CheckResult,
-    Curve,
-    Evaluation,
-    Event,
     Figure,
     ForwardModel,
     ForwardModelInfo,
-    Generation,
     Health,
-    Job,
-    Page,
     Parameter,
     Report,
-    Retry,
     Series,
     TestRun,
     WarmStart,
-    Worker,
 )
 from geoswarm.client.points import PointParameter, Points, PointSeries
+from geoswarm.records.attempt import Attempt
+from geoswarm.records.evaluation import Best, Evaluation, Response
+from geoswarm.records.event import Event
+from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
+from geoswarm.records.generation import Generation
+from geoswarm.records.job import Job, Retry
+from geoswarm.records.key import Key, NewKey
+from geoswarm.records.page import Page
+from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
+from geoswarm.records.worker import Worker
 
 __all__ = [
     "AsyncClient",
@@ -62,7 +62,6 @@ __all__ = [
     "Attempt",
     "Best",
     "CheckResult",
-    "Curve",
     "Displacement",
     "Evaluation",
     "Event",
@@ -88,11 +87,16 @@ __all__ = [
     "PointParameter",
     "PointSeries",
     "Points",
+    "PosteriorAnswer",
     "Report",
+    "Response",
     "Retry",
+    "ReweightAnswer",
     "Series",
     "Session",
+    "StatisticsAnswer",
     "TestRun",
+    "UncertaintyAnswer",
     "WarmStart",
     "Worker",
     "ConflictError",

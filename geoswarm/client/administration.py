@@ -1,15 +1,11 @@
-"""Records of keys and operations, for administrators, and of who one is."""
+"""Records of operations, for administrators, and of who one is."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal, TypeAlias
 
-__all__ = ["Key", "NewKey", "Operations", "Role", "Session"]
-
-Role: TypeAlias = Literal["read", "submit", "admin"]
-"""What a key may: look at its owner's jobs; also submit and steer them; everything, for all."""
+__all__ = ["Operations", "Session"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,29 +17,6 @@ class Session:
     key_needed: bool
     signed_in: bool
     expires_at: datetime | None
-
-
-@dataclass(frozen=True, slots=True)
-class Key:
-    """An API key without its secret; ``state`` is active, expired or revoked, ``used_at`` to a minute."""
-
-    id: str
-    owner: str
-    role: str
-    label: str
-    state: str
-    created_at: datetime
-    expires_at: datetime | None
-    revoked_at: datetime | None
-    used_at: datetime | None
-
-
-@dataclass(frozen=True, slots=True)
-class NewKey:
-    """A key that was made: ``key`` is the secret, which nobody can show again, so keep it; ``repr`` leaves it out."""
-
-    view: Key
-    key: str = field(repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from geoswarm.client.arrays import Floats, Integers
+from geoswarm.records.arrays import Floats, Integers
 
 __all__ = ["Displacement", "Mesh", "MeshFields", "Phase"]
 

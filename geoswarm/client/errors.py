@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from geoswarm.client.models import Job
+    from geoswarm.records.job import Job
 
 __all__ = [
     "ConflictError",

@@ -7,8 +7,8 @@ import time
 import httpx
 
 from geoswarm.client.errors import ConnectionFailedError, GeoswarmError, ServerError
-from geoswarm.client.models import Event
 from geoswarm.client.sse import EventReader
+from geoswarm.records.event import Event
 
 __all__ = ["Follower", "SilentStreamError", "pause_before"]
 

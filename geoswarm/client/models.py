@@ -6,90 +6,23 @@ Fields that a newer service adds are ignored.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from datetime import datetime
 from html import escape
-from typing import Any, Generic, TypeVar
+from typing import Any
+
+from geoswarm.records.evaluation import Response
 
 __all__ = [
-    "ENDED_STATES",
-    "Attempt",
-    "Best",
     "CheckResult",
-    "Curve",
-    "Evaluation",
-    "Event",
     "Figure",
     "ForwardModel",
     "ForwardModelInfo",
-    "Generation",
     "Health",
-    "Job",
-    "Page",
     "Parameter",
     "Report",
-    "Retry",
     "Series",
     "TestRun",
     "WarmStart",
-    "Worker",
 ]
-
-ENDED_STATES = frozenset({"finished", "failed", "cancelled"})
-
-Item = TypeVar("Item")
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """A job and how far it is; ``objective`` and ``parameters`` (all, by name) are the best so far."""
-
-    id: str
-    name: str
-    state: str
-    forward_model: str
-    method: str
-    stop_reasons: list[str]
-    objective: float | None
-    parameters: dict[str, float] | None
-    evaluations: int
-    generations: int
-    failed_evaluations: int
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
-    seconds: float | None
-    error: str | None
-    seed: int
-    free_parameters: list[str]
-    max_evaluations: int | None
-    priority: int = 0
-    retrying: bool = False
-    owner: str | None = None
-    last_event: int = 0
-    trend: list[float | None] | None = None
-    versions: dict[str, str] | None = None
-    warnings: list[str] = field(default_factory=list)
-
-    @property
-    def ended(self) -> bool:
-        """Whether the job is finished, failed or cancelled."""
-        return self.state in ENDED_STATES
-
-    def _repr_html_(self) -> str:
-        """Show the job in a notebook."""
-        from geoswarm.solver.notebook import result_html
-
-        facts = {
-            "id": self.id,
-            "state": self.state if self.error is None else f"{self.state}: {self.error}",
-            "objective": "-" if self.objective is None else f"{self.objective:.6g}",
-            "evaluations": f"{self.evaluations} in {self.generations} generations, {self.failed_evaluations} failed",
-            "stopped by": ", ".join(self.stop_reasons),
-            "seed": str(self.seed),
-        }
-        known = self.parameters or {}
-        remarks = {name: "" if name in self.free_parameters else "fixed or linked" for name in known}
-        return result_html(self.name, facts, self.parameters, remarks)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,124 +54,6 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
-class Page(Generic[Item]):
-    """Some items of a list; ``next_cursor`` gets those that follow, None at the end."""
-
-    items: list[Item]
-    next_cursor: str | None
-
-
-@dataclass(frozen=True, slots=True)
-class Curve:
-    """Calculated values of a series at its observed points, base units; None where not finite."""
-
-    x: list[float | None]
-    y: list[float | None]
-
-
-@dataclass(frozen=True, slots=True)
-class Evaluation:
-    """One particle's forward calculation in one generation; ``parameters`` are the free ones."""
-
-    generation: int
-    particle: int
-    state: str
-    parameters: dict[str, float]
-    objective: float | None
-    misfits: dict[str, float | None]
-    responses: dict[str, Curve] | None
-    reason: str | None
-    message: str | None
-    attempts: int
-    worker: str | None
-    started_at: datetime | None
-    finished_at: datetime | None
-    seconds: float | None
-    log: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Attempt:
-    """One try at an evaluation; ``outcome``: running, finished, the kind of failure, late, overdue or stopped."""
-
-    number: int
-    worker: str | None
-    outcome: str
-    counted: bool
-    message: str | None
-    log: str | None
-    started_at: datetime | None
-    finished_at: datetime | None
-
-
-@dataclass(frozen=True, slots=True)
-class Retry:
-    """Failed evaluations that are run again: their number, and the job."""
-
-    evaluations: int
-    job: Job
-
-
-@dataclass(frozen=True, slots=True)
-class Best:
-    """The evaluation of the lowest objective; ``parameters`` are all of them."""
-
-    generation: int
-    particle: int
-    objective: float
-    parameters: dict[str, float]
-    misfits: dict[str, float | None]
-    responses: dict[str, Curve]
-
-
-@dataclass(frozen=True, slots=True)
-class Generation:
-    """One finished generation; ``evaluations`` and ``failed`` are totals so far, ``objective`` and ``parameters`` the
-    best so far; ``diversity``, where it was asked for, is near 1 for particles all over the space, 0 at one point."""
-
-    number: int
-    evaluations: int
-    failed: int
-    best_objective: float | None
-    objective: float | None
-    parameters: dict[str, float] | None
-    created_at: datetime
-    finished_at: datetime
-    diversity: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """Something that happened to a job: ``kind`` is state, generation or kernels, ``id`` grows with time."""
-
-    id: int
-    kind: str
-    data: dict[str, Any]
-
-    @property
-    def ends_job(self) -> bool:
-        """Whether the job has ended with this event."""
-        return self.kind == "state" and self.data.get("state") in ENDED_STATES
-
-
-@dataclass(frozen=True, slots=True)
-class Worker:
-    """A process that runs forward calculations; ``state`` is idle, busy or lost."""
-
-    id: str
-    host: str
-    pid: int
-    engine: str
-    state: str
-    job: str | None
-    started_at: datetime
-    seen_at: datetime
-    generation: int | None = None
-    evaluations: int | None = None
-    busy_since: datetime | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class TestRun:
     """One forward calculation, made to see whether a problem works; ``reason`` and ``message`` when it failed."""
 
@@ -251,7 +66,7 @@ class TestRun:
     seconds: float
     reason: str | None
     message: str | None
-    responses: dict[str, Curve] = field(default_factory=dict)
+    responses: dict[str, Response] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import httpx
 
-from geoswarm.client.arrays import Floats
 from geoswarm.client.calls import not_ours, read_json
+from geoswarm.records.arrays import Floats
 
 if TYPE_CHECKING:
     import numpy as np

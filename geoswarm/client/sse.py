@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 
-from geoswarm.client.models import Event
+from geoswarm.records.event import Event
 
 __all__ = ["EventReader"]
 
@@ -50,4 +50,4 @@ class EventReader:
         if number is None or not data:
             return None
         self.last_id = number
-        return Event(number, kind, json.loads(data))
+        return Event(id=number, kind=kind, data=json.loads(data))

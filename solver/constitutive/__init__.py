@@ -1,10 +1,12 @@
-"""Material laws as pure functions compiled by Numba: stress, consistent tangent and new state from a strain step.
+"""Kernels of the soil laws in :mod:`geoswarm.solver.laws`: stress, consistent tangent and new state from a strain step.
 
-======================  ====================================================================
-``elastic``             linear isotropic elasticity
-``soft_soil_creep``     soft soil creep: parameters and the scalar physics of the model
-``creep_update``        one time step of soft soil creep for a general stress
-``mohr_coulomb``        the Mohr-Coulomb limit with dilatancy and tension cut-off
-``tensors``             symmetric tensors as six components, small dense algebra
-======================  ====================================================================
+========================  ==================================================================
+``soft_soil_creep``       soft soil creep: parameters and the scalar physics of the model
+``creep_update``          one time step of soft soil creep for a general stress
+``planar_creep``          the same in a plane
+``mohr_coulomb``          the Mohr-Coulomb limit with dilatancy and tension cut-off
+``general_mohr_coulomb``  one step of elasticity with that limit for a general stress
+``planar_mohr_coulomb``   the same in a plane
+``tensors``               symmetric tensors as six components, small dense algebra
+========================  ==================================================================
 """

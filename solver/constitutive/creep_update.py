@@ -233,7 +233,7 @@ def creep_update(
     T = np.empty(6)
     D = np.empty((3, 3))
     axes = np.eye(3)
-    creep, choice = 0.0, 0
+    creep, choice = 0.0, int(np.int64(0))  # a number that is written out would have the search compiled once more
     p = p_old
     agreed = False
     for attempt in range(_AXES_PASSES):

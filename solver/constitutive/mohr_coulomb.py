@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.jit import inlined
 
 __all__ = ["ACTIVE_SETS", "PLANES", "principal_planes"]
 
@@ -53,7 +53,7 @@ def _active_sets() -> IntArray:
 ACTIVE_SETS: Final = _active_sets()
 
 
-@kernel
+@inlined
 def principal_planes(
     cohesion: float, sin_phi: float, cos_phi: float, sin_psi: float, tension: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -15,15 +15,15 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
 from geoswarm.solver.constitutive.tensors import solve_dense
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.jit import inlined, kernel
 
-__all__ = ["planar_mohr_coulomb"]
+__all__ = ["planar_mohr_coulomb", "return_to_limit"]
 
 _EXCESS: Final = 1.0e-9
 
 
 @kernel
-def _return(
+def return_to_limit(
     trial: FloatArray,
     bulk: float,
     shear: float,
@@ -104,7 +104,7 @@ def _return(
     return False
 
 
-@kernel
+@inlined
 def planar_mohr_coulomb(
     stress: FloatArray,
     strain_increment: FloatArray,
@@ -161,7 +161,7 @@ def planar_mohr_coulomb(
         major, minor, out = 0, 2, 1
     trial, sorted_new, D = np.empty(3), np.empty(3), np.empty((3, 3))
     trial[major], trial[minor], trial[out] = centre + radius, centre - radius, new[2]
-    if not _return(trial, bulk, shear, cohesion, sin_phi, cos_phi, sin_psi, tension, sorted_new, D):
+    if not return_to_limit(trial, bulk, shear, cohesion, sin_phi, cos_phi, sin_psi, tension, sorted_new, D):
         return -1
     cosine2, sine2 = (half / radius, new[3] / radius) if radius > 0.0 else (1.0, 0.0)
     a, b = sorted_new[major], sorted_new[minor]

@@ -3,23 +3,27 @@
 Tension is positive here; stress and strain have the components xx, yy, zz, xy (engineering shear strain), with z the
 circumference in axisymmetry (x radius, y height). Units kN, m, day. A calculation is a mesh, phases, and one call::
 
-    from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb, SoftSoilCreepMaterial
+    from geoswarm.solver.fem.materials import InterfaceMaterial, Material
     from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
     from geoswarm.solver.fem.solve import solve_phases
+    from geoswarm.solver.laws.registry import find_law
+
+    rock = Material(find_law("elastic").soil({"E": 1e4, "nu": 0.3}), unit_weight=20.0)
+    clay = Material(find_law("soft_soil_creep").soil({"lambda_star": 0.1, ...}), unit_weight=18.0)
 
     fixed = (Fixity("bottom", x=0.0, y=0.0), Fixity("left", x=0.0), Fixity("right", x=0.0))
     results = solve_phases(
         mesh,
         [
-            Phase("weight", "gravity", materials={"soil": LinearElastic(1e4, 0.3, unit_weight=20.0)}, fixities=fixed),
-            Phase("creep", "creep", materials={"soil": SoftSoilCreepMaterial(soil, 20.0)}, duration=365.0,
+            Phase("weight", "gravity", materials={"soil": rock}, fixities=fixed),
+            Phase("creep", "creep", materials={"soil": clay}, duration=365.0,
                   updated_mesh=True, reset_displacements=True, output_times=(0.0, 100.0, 365.0)),
         ],
         geometry="plane_strain",
         observe=("A", "B"),
     )
     results[-1].history.displacements      # (times, points, 2) of the observed points
-    results[-1].displacements              # (nodes, 2) at the end; .stress, .log_pp, .interface_tractions, .positions
+    results[-1].displacements              # (nodes, 2) at the end; .stress, .internal, .interface_tractions, .positions
 
 It raises :class:`geoswarm.solver.errors.DivergedError` with the phase, how far it came and why, when it cannot go on.
 

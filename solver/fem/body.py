@@ -13,7 +13,9 @@ __all__ = ["Body", "State", "copied"]
 class Body(NamedTuple):
     """Elements, materials and the way they deform; fixed during a phase.
 
-    ``constants`` (m, CONSTANTS) and ``interface_constants`` are those of :mod:`geoswarm.solver.fem.materials`;
+    ``constants`` (m, c) are those of the soils' laws, ``updates`` (m,) the addresses of their stress updates,
+    ``strength`` (m, 5) the places of their strength in the constants, -1: none, and ``elastic`` (m, 2) bulk and shear
+    modulus of perfectly plastic ones, 0: none; ``interface_constants`` as in :mod:`geoswarm.solver.fem.materials`;
     ``material`` (e,) and ``interface_material`` (k,) index them, -1: inactive. ``edges`` (q, 3) carry follower loads.
     """
 
@@ -21,7 +23,10 @@ class Body(NamedTuple):
     updated: bool
     triangles: IndexArray
     material: IntArray
+    updates: IntArray
     constants: FloatArray
+    strength: IntArray
+    elastic: FloatArray
     interfaces: IndexArray
     interface_material: IntArray
     interface_constants: FloatArray
@@ -31,12 +36,13 @@ class Body(NamedTuple):
 
 
 class State(NamedTuple):
-    """State at the integration points: ``stress`` (e, 3, 4) kPa, tension positive; ``log_pp`` (e, 3); ``plastic``
-    (e, 3); ``traction`` (k, 3, 2) kPa, normal (tension positive) and shear; ``gap`` (k, 3), m, how far sides are apart.
+    """State at the integration points: ``stress`` (e, 3, 4) kPa, tension positive; ``internal`` (e, 3, s), the
+    state variables of the laws; ``plastic`` (e, 3); ``traction`` (k, 3, 2) kPa, normal (tension positive) and shear;
+    ``gap`` (k, 3), m, how far sides are apart.
     """
 
     stress: FloatArray
-    log_pp: FloatArray
+    internal: FloatArray
     plastic: BoolArray
     traction: FloatArray
     gap: FloatArray
@@ -44,5 +50,5 @@ class State(NamedTuple):
 
 def copied(state: State) -> State:
     """A state of its own arrays."""
-    stress, log_pp, plastic, traction, gap = state
-    return State(stress.copy(), log_pp.copy(), plastic.copy(), traction.copy(), gap.copy())
+    stress, internal, plastic, traction, gap = state
+    return State(stress.copy(), internal.copy(), plastic.copy(), traction.copy(), gap.copy())

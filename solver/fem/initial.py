@@ -1,4 +1,4 @@
-"""Initial stresses at rest, and the preconsolidation of a creeping soil where it is placed."""
+"""Initial stresses at rest, and the initial state of a soil where it is placed."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.fem.materials import SoftSoilCreepMaterial
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.tensors import flip_sign
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.triangle import SHAPES
+from geoswarm.solver.laws.base import Soil
 
-__all__ = ["creep_scale", "equivalent_pressures", "point_coordinates", "preconsolidation", "stress_at_rest"]
+__all__ = ["initial_internal", "log_time_scale", "point_coordinates", "stress_at_rest"]
 
 
 def point_coordinates(mesh: Mesh, positions: FloatArray) -> FloatArray:
@@ -68,29 +69,12 @@ def stress_at_rest(
     return stress.reshape(-1, 3, 4)
 
 
-def equivalent_pressures(stress: FloatArray, material: SoftSoilCreepMaterial) -> FloatArray:
-    """Equivalent pressure p_eq, kPa, of stresses (..., 4), tension positive."""
-    soil = material.soil
-    p = -stress[..., :3].mean(axis=-1)
-    q2 = 1.5 * ((stress[..., :3] + p[..., np.newaxis]) ** 2).sum(axis=-1) + 3.0 * stress[..., 3] ** 2
-    x = np.maximum(p + soil.shift, soil.pressure_floor)
-    pressure: FloatArray = x + q2 / (soil.M**2 * (x + soil.extra))
-    return pressure
+def initial_internal(stress: FloatArray, soil: Soil) -> FloatArray:
+    """State variables (..., s) of a soil placed under stresses (..., 4), tension positive."""
+    return soil.law.initial_state(flip_sign(stress), soil.constants)
 
 
-def preconsolidation(stress: FloatArray, material: SoftSoilCreepMaterial) -> FloatArray:
-    """ln p_p (...,), kPa, of a soil placed under stresses (..., 4), tension positive."""
-    if material.POP is None:
-        log_pp: FloatArray = np.log(equivalent_pressures(stress, material)) + math.log(material.OCR)
-        return log_pp
-    shift = material.POP * np.array([material.soil.K0nc, 1.0, material.soil.K0nc, 0.0])
-    raised: FloatArray = np.log(equivalent_pressures(stress - shift, material))
-    return raised
-
-
-def creep_scale(stress: FloatArray, log_pp: FloatArray, chosen: IntArray, material: SoftSoilCreepMaterial) -> float:
-    """Smallest ln(theta/day) over triangles: theta is the time that creep takes to slow down, tau (p_eq/p_p)^-beta."""
-    soil = material.soil
-    beta = (soil.lambda_star - soil.kappa_star) / soil.mu_star
-    ratio = np.log(equivalent_pressures(stress[chosen], material)) - log_pp[chosen]
-    return math.log(soil.tau) - beta * float(ratio.max())
+def log_time_scale(stress: FloatArray, internal: FloatArray, soil: Soil) -> float:
+    """Smallest ln(theta/day) over points (..., 4), tension positive, in which a soil slows down; inf: time has none."""
+    scales = soil.law.log_time_scale(flip_sign(stress), internal, soil.constants)
+    return math.inf if scales is None else float(scales.min(initial=math.inf))

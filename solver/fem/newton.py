@@ -16,7 +16,6 @@ from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.fem.body import Body, State
 from geoswarm.solver.fem.edges import assemble_edges, edge_forces
 from geoswarm.solver.fem.interface import assemble_interfaces
-from geoswarm.solver.fem.materials import MOHR_COULOMB
 from geoswarm.solver.fem.multifrontal import Equations, factorise, product, solve_factorised
 from geoswarm.solver.fem.ordering import Fronts
 from geoswarm.solver.fem.triangle import assemble_triangles
@@ -83,6 +82,13 @@ class Accuracy(NamedTuple):
 
 
 @kernel
+def _copy(source: FloatArray, target: FloatArray) -> None:
+    """Copy an array (n,); in a loop, as assigning arrays takes seconds to compile."""
+    for i in range(source.shape[0]):
+        target[i] = source[i]
+
+
+@kernel
 def assemble(
     body: Body,
     x: FloatArray,
@@ -104,7 +110,7 @@ def assemble(
     Arguments as for the triangles and in :class:`Step`. Returns as the triangles'.
     """
     inner[:] = 0.0
-    outer[:] = dead
+    _copy(dead, outer)
     count = body.triangles.shape[0]
     failed = assemble_triangles(body, x, du, log_time, old, new, fixed, tangent, blend, tangents, inner)
     if failed >= 0:
@@ -113,7 +119,9 @@ def assemble(
     if body.edges.shape[0] > 0:
         positions = x.copy()
         if body.updated:
-            positions += du.reshape(x.shape)
+            for node in range(x.shape[0]):
+                positions[node, 0] += du[2 * node]
+                positions[node, 1] += du[2 * node + 1]
         edge_forces(body.edges, edge_loads, positions, body.axisymmetric, outer)
         if tangent and body.updated:
             assemble_edges(body, edge_loads, positions, fixed, tangents)
@@ -147,8 +155,8 @@ def _residual(
 def _blended(body: Body) -> bool:
     """Whether a material has a tangent that is blended."""
     blended = False
-    for number in range(body.constants.shape[0]):
-        blended |= body.constants[number, 0] == MOHR_COULOMB
+    for number in range(body.elastic.shape[0]):
+        blended |= body.elastic[number, 1] > 0.0
     return blended
 
 
@@ -212,14 +220,15 @@ def newton_step(
         if fresh:
             if not at_once:
                 assemblies += 1
-                assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, True, blend, tangents, inner, outer)
+                late = not at_once  # the word True would have it compiled once more
+                assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, late, blend, tangents, inner, outer)
             if not factorise(plan, equations, fixed):
                 return SINGULAR, iteration, factorisations, assemblies, missing / size
             factorisations += 1
-        rest[:] = r
+        _copy(r, rest)
         solve_factorised(plan, equations, r)
         work = product(r, rest)
-        best[:] = du
+        _copy(du, best)
         before = missing
         length = 1.0
         for trial in range(_TRIALS):
@@ -251,7 +260,7 @@ def newton_step(
             done = product(du, inner) - product(du, step.carried)
             energy = math.sqrt(abs(work / done)) * missing / before if done != 0.0 else math.inf
             ready = energy <= accuracy.energy
-        r[:] = rest
+        _copy(rest, r)
         if accuracy.bold:
             if missing > before:
                 blend = min(2.0 * blend, _LARGEST_BLEND)

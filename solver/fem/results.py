@@ -46,8 +46,8 @@ class PhaseResult:
         (n, 2), m: of the nodes; the mesh as it was given unless a phase updated it.
     stress
         (e, 3, 4), kPa, tension positive: xx, yy, zz, xy at the integration points; 0 in inactive regions.
-    log_pp
-        (e, 3): ln of the preconsolidation pressure, kPa, where the material is soft soil creep.
+    internal
+        (e, 3, s): the state variables of the regions' laws, in their order; 0 beyond them.
     plastic
         (e, 3): points at a strength limit.
     interface_tractions
@@ -65,7 +65,7 @@ class PhaseResult:
     displacements: FloatArray
     positions: FloatArray
     stress: FloatArray
-    log_pp: FloatArray
+    internal: FloatArray
     plastic: BoolArray
     interface_tractions: FloatArray
     reactions: FloatArray

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,14 +10,16 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.fem.edges import LOAD_NUMBERS, edge_forces
-from geoswarm.solver.fem.materials import CONSTANTS, INTERFACE_CONSTANTS, InterfaceMaterial, Material
+from geoswarm.solver.fem.materials import INTERFACE_CONSTANTS, InterfaceMaterial, Material
 from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
 from geoswarm.solver.fem.ordering import Fronts, plan_fronts
 from geoswarm.solver.fem.phases import Fixity, Traction
 from geoswarm.solver.fem.triangle import SHAPES, SLOPES, WEIGHT
+from geoswarm.solver.laws.base import Soil, StrengthPlaces
 
 __all__ = [
     "MaterialTables",
+    "SoilTable",
     "dead_loads",
     "edge_owners",
     "fixed_dofs",
@@ -28,7 +30,34 @@ __all__ = [
 ]
 
 _KEPT: Final = 4
+_MEAN_STRESS: Final = 100.0
+"""kPa: where the elastic moduli that are mixed into a tangent are taken."""
 _plans: dict[bytes, Fronts] = {}
+
+
+@dataclass(frozen=True)
+class SoilTable:
+    """Of each soil: the address of its stress update (m,), constants (m, c) and others as in :class:`Body`."""
+
+    updates: IntArray
+    constants: FloatArray
+    strength: IntArray
+    elastic: FloatArray
+
+    @classmethod
+    def of(cls, soils: Sequence[Soil]) -> SoilTable:
+        """Those of soils in their order."""
+        constants = np.zeros((len(soils), max((soil.constants.size for soil in soils), default=0)))
+        strength = np.full((len(soils), len(StrengthPlaces._fields)), -1, dtype=np.int64)
+        elastic = np.zeros((len(soils), 2))
+        for number, soil in enumerate(soils):
+            constants[number, : soil.constants.size] = soil.constants
+            if soil.law.strength is not None:
+                strength[number] = soil.law.strength
+            if soil.law.perfectly_plastic:
+                elastic[number] = soil.law.elastic_moduli(soil.constants, _MEAN_STRESS)
+        updates = np.array([soil.law.update.address for soil in soils], dtype=np.int64)
+        return cls(updates, constants, strength, elastic)
 
 
 @dataclass(frozen=True)
@@ -36,7 +65,7 @@ class MaterialTables:
     """Index of each triangle and interface into tables of constants, -1: inactive; the regions' materials in order."""
 
     material: IntArray
-    constants: FloatArray
+    soils: SoilTable
     interface_material: IntArray
     interface_constants: FloatArray
     unit_weight: FloatArray
@@ -64,7 +93,7 @@ def material_tables(
 ) -> MaterialTables:
     """Tables for the active regions and interfaces; a region that is active and has no material is a ValueError."""
     regions: list[int] = []
-    constants: list[FloatArray] = []
+    soils: list[Soil] = []
     weight: list[float] = []
     for name in mesh.region_names:
         material = materials.get(name)
@@ -74,8 +103,8 @@ def material_tables(
             continue
         if material is None or isinstance(material, InterfaceMaterial):
             raise ValueError(f"region {name!r} has no soil material; give it one before or when it becomes active")
-        regions.append(len(constants))
-        constants.append(material.constants())
+        regions.append(len(soils))
+        soils.append(material.soil)
         weight.append(material.unit_weight)
     faces: list[int] = []
     face_constants: list[FloatArray] = []
@@ -95,7 +124,7 @@ def material_tables(
     interface_material[~living[mesh.interfaces].all(axis=1)] = -1
     return MaterialTables(
         own,
-        np.array(constants).reshape(-1, CONSTANTS),
+        SoilTable.of(soils),
         interface_material,
         np.array(face_constants).reshape(-1, INTERFACE_CONSTANTS),
         np.array([*weight, 0.0])[mesh.regions],

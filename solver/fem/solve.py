@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.fem.body import Body, State, copied
-from geoswarm.solver.fem.initial import creep_scale, point_coordinates, preconsolidation, stress_at_rest
-from geoswarm.solver.fem.materials import CONSTANTS, ELASTIC, InterfaceMaterial, Material, SoftSoilCreepMaterial
+from geoswarm.solver.fem.initial import initial_internal, log_time_scale, point_coordinates, stress_at_rest
+from geoswarm.solver.fem.materials import InterfaceMaterial, Material
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.multifrontal import equations_of
 from geoswarm.solver.fem.newton import assemble
@@ -18,6 +19,7 @@ from geoswarm.solver.fem.phases import Control, Fixity, Geometry, Phase, Tractio
 from geoswarm.solver.fem.results import History, PhaseResult
 from geoswarm.solver.fem.setup import (
     MaterialTables,
+    SoilTable,
     dead_loads,
     edge_owners,
     fixed_dofs,
@@ -27,6 +29,7 @@ from geoswarm.solver.fem.setup import (
     weights,
 )
 from geoswarm.solver.fem.stepping import PhaseSteps, Recorder
+from geoswarm.solver.laws.registry import find_law
 
 __all__ = ["Calculation", "solve_phases"]
 
@@ -99,6 +102,7 @@ class Calculation:
         self._fixities: tuple[Fixity, ...] = ()
         self._tractions: tuple[Traction, ...] = ()
         self._gravity = 1.0
+        self._width = 0
         self.positions = np.array(mesh.nodes, dtype=np.float64)
         self.displacements = np.zeros(mesh.nodes.shape)
         self._state = self._blank()
@@ -112,6 +116,7 @@ class Calculation:
         self._tractions = self._tractions if phase.tractions is None else phase.tractions
         self._gravity = self._gravity if phase.gravity is None else phase.gravity
         tables = material_tables(self.mesh, self._materials, self._active)
+        self._make_room()
         if phase.kind in ("gravity", "K0"):
             self._state = self._blank()
         self._state.stress[tables.material < 0] = 0.0
@@ -147,7 +152,7 @@ class Calculation:
         count = self.mesh.triangles.shape[0]
         return State(
             np.zeros((count, 3, 4)),
-            np.zeros((count, 3)),
+            np.zeros((count, 3, self._width)),
             np.zeros((count, 3), dtype=np.bool_),
             np.zeros((self.mesh.interfaces.shape[0], 3, 2)),
             np.zeros((self.mesh.interfaces.shape[0], 3)),
@@ -160,11 +165,22 @@ class Calculation:
         return chosen
 
     def _place(self, placed: Mapping[str, Material | InterfaceMaterial], tables: MaterialTables) -> None:
-        """Set the preconsolidation of regions that get soft soil creep."""
+        """Set the initial state of regions that get a soil."""
         for name, material in placed.items():
-            if isinstance(material, SoftSoilCreepMaterial):
-                chosen = self._triangles(name, tables)
-                self._state.log_pp[chosen] = preconsolidation(self._state.stress[chosen], material)
+            if isinstance(material, Material) and material.soil.law.state:
+                chosen, width = self._triangles(name, tables), len(material.soil.law.state)
+                internal = initial_internal(self._state.stress[chosen], material.soil)
+                self._state.internal[chosen] = 0.0
+                self._state.internal[chosen, :, :width] = internal
+
+    def _make_room(self) -> None:
+        """Make room for the state variables of all laws: their updates write them in every phase."""
+        soils = [material.soil for material in self._materials.values() if isinstance(material, Material)]
+        more = max((len(soil.law.state) for soil in soils), default=0) - self._width
+        if more > 0:
+            self._width += more
+            internal = np.pad(self._state.internal, ((0, 0), (0, 0), (0, more)))
+            self._state = self._state._replace(internal=internal)
 
     def _at_rest(self, phase: Phase, tables: MaterialTables) -> FloatArray:
         if phase.initial_stress is not None:
@@ -190,7 +206,10 @@ class Calculation:
             phase.updated_mesh,
             self.mesh.triangles,
             tables.material,
-            tables.constants,
+            tables.soils.updates,
+            tables.soils.constants,
+            tables.soils.strength,
+            tables.soils.elastic,
             self.mesh.interfaces,
             tables.interface_material,
             tables.interface_constants,
@@ -230,11 +249,13 @@ class Calculation:
 
     def _balanced_forces(self, body: Body, fixed: BoolArray) -> FloatArray:
         """Forces that the present stresses carry, whatever the materials say to them."""
-        elastic = np.zeros((1, CONSTANTS))
-        elastic[0, 0], elastic[0, 2] = ELASTIC, 1.0
+        soils = _elastic_alone()
         bare = body._replace(
             material=np.minimum(body.material, 0),
-            constants=elastic,
+            updates=soils.updates,
+            constants=soils.constants,
+            strength=soils.strength,
+            elastic=soils.elastic,
             interface_material=np.minimum(body.interface_material, 0),
             interface_constants=np.array([[1.0, 1.0, math.inf, 0.0, 0.0, math.inf]]),
         )
@@ -286,9 +307,10 @@ class Calculation:
         log_scale = math.log(phase.duration)
         for name in self.mesh.region_names:
             material = self._materials.get(name)
-            if name in self._active and isinstance(material, SoftSoilCreepMaterial):
+            if name in self._active and isinstance(material, Material):
                 chosen = self._triangles(name, tables)
-                log_scale = min(log_scale, creep_scale(steps.state.stress, steps.state.log_pp, chosen, material))
+                stress, internal = steps.state.stress[chosen], steps.state.internal[chosen]
+                log_scale = min(log_scale, log_time_scale(stress, internal, material.soil))
         steps.creep(log_scale, not phase.instant, times)
 
     def _result(
@@ -310,7 +332,7 @@ class Calculation:
             self.displacements.copy(),
             positions.copy(),
             self._state.stress.copy(),
-            self._state.log_pp.copy(),
+            self._state.internal.copy(),
             self._state.plastic & (tables.material >= 0)[:, np.newaxis],
             self._state.traction.copy(),
             reactions,
@@ -319,6 +341,12 @@ class Calculation:
             steps.work.factorisations,
             steps.path,
         )
+
+
+@cache
+def _elastic_alone() -> SoilTable:
+    """One elastic soil: it lets every stress be."""
+    return SoilTable.of([find_law("elastic").soil({"E": 1.0, "nu": 0.0})])
 
 
 def _ignore(time: float, moved: FloatArray) -> None:

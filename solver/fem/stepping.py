@@ -12,7 +12,6 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.fem.body import Body, State, copied
-from geoswarm.solver.fem.materials import MOHR_COULOMB
 from geoswarm.solver.fem.multifrontal import Equations
 from geoswarm.solver.fem.newton import CONVERGED, SINGULAR, Accuracy, Step, newton_step
 from geoswarm.solver.fem.ordering import Fronts
@@ -111,7 +110,7 @@ class PhaseSteps:
         self._carried = self.start_forces.copy()
         self._inner = np.zeros(self.fixed.shape[0])
         self._most_assemblies = self.control.largest_assemblies
-        if (self.body.constants[:, 0] == MOHR_COULOMB).any() or self.body.interfaces.size:
+        if self.body.elastic.any() or self.body.interfaces.size:
             self._farthest = float(np.ptp(self.positions, axis=0).max() + np.abs(self.target).max())
 
     def load(self) -> None:

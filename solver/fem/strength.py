@@ -14,7 +14,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.fem.body import Body, State
-from geoswarm.solver.fem.materials import INTERFACE_STRENGTH, STRENGTH
+from geoswarm.solver.fem.materials import INTERFACE_STRENGTH
 
 __all__ = ["Begin", "Strength", "associated", "missing_strength", "strengthened"]
 
@@ -43,9 +43,9 @@ def missing_strength(body: Body, state: State) -> Strength | None:
     soils = np.zeros((body.constants.shape[0], 2))
     interfaces = np.zeros((body.interface_constants.shape[0], 2))
     largest = max(float(np.abs(state.stress).max(initial=0.0)), float(np.abs(state.traction).max(initial=0.0)))
-    for number, constants in enumerate(body.constants):
-        if int(constants[0]) in STRENGTH:
-            c, sine, cosine, _, cutoff = constants[list(STRENGTH[int(constants[0])])]
+    for number, (constants, places) in enumerate(zip(body.constants, body.strength, strict=True)):
+        if places[0] >= 0:
+            c, sine, cosine, _, cutoff = constants[places]
             stress = -state.stress[body.material == number]
             centre, half = 0.5 * (stress[..., 0] + stress[..., 1]), 0.5 * (stress[..., 0] - stress[..., 1])
             radius = np.hypot(half, stress[..., 3])
@@ -66,9 +66,9 @@ def missing_strength(body: Body, state: State) -> Strength | None:
 def strengthened(body: Body, more: Strength, share: float) -> Body:
     """The body with a share of more strength."""
     constants, interface_constants = body.constants.copy(), body.interface_constants.copy()
-    for kind, (cohesion, _, _, _, cutoff) in STRENGTH.items():
-        chosen = np.flatnonzero(constants[:, 0] == kind)[:, np.newaxis]
-        constants[chosen, [cohesion, cutoff]] += share * more.soils[chosen[:, 0]]
+    for number, (cohesion, _, _, _, cutoff) in enumerate(body.strength.tolist()):
+        if cohesion >= 0:
+            constants[number, [cohesion, cutoff]] += share * more.soils[number]
     cohesion, _, _, cutoff = INTERFACE_STRENGTH
     interface_constants[:, [cohesion, cutoff]] += share * more.interfaces
     return body._replace(constants=constants, interface_constants=interface_constants)
@@ -77,9 +77,9 @@ def strengthened(body: Body, more: Strength, share: float) -> Body:
 def associated(body: Body) -> Body:
     """The body with dilatancy angles as large as the friction angles."""
     constants, interface_constants = body.constants.copy(), body.interface_constants.copy()
-    for kind, (_, friction, _, dilatancy, _) in STRENGTH.items():
-        chosen = constants[:, 0] == kind
-        constants[chosen, dilatancy] = constants[chosen, friction]
+    for number, (_, friction, _, dilatancy, _) in enumerate(body.strength.tolist()):
+        if friction >= 0:
+            constants[number, dilatancy] = constants[number, friction]
     _, friction, dilatancy, _ = INTERFACE_STRENGTH
     interface_constants[:, dilatancy] = interface_constants[:, friction]
     return body._replace(constants=constants, interface_constants=interface_constants)

@@ -15,12 +15,9 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
-from geoswarm.solver.constitutive.planar_creep import planar_creep
-from geoswarm.solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
 from geoswarm.solver.fem.body import Body, State
-from geoswarm.solver.fem.materials import ELASTIC, MOHR_COULOMB
 from geoswarm.solver.jit import kernel
+from geoswarm.solver.laws.binary import call_update
 
 __all__ = ["POINTS", "SHAPES", "SLOPES", "WEIGHT", "assemble_triangles", "shape_functions"]
 
@@ -76,67 +73,15 @@ def _turn(stress: FloatArray, c: float, s: float) -> None:
 
 
 @kernel
-def _point_update(
-    constants: FloatArray,
-    soil: SoftSoilCreep,
-    stress: FloatArray,
-    strain: FloatArray,
-    log_time: float,
-    log_pp: float,
-    blend: float,
-    new: FloatArray,
-    C: FloatArray,
-) -> tuple[float, int]:
-    """New stress (4,) and tangent of any material, compression positive; new ln p_p, and 1 at a limit or -1."""
-    if constants[0] == ELASTIC:
-        young, poisson = constants[2], constants[3]
-        shear = young / (2.0 * (1.0 + poisson))
-        lame = 2.0 * shear * poisson / (1.0 - 2.0 * poisson)
-        volume = strain[0] + strain[1] + strain[2]
-        for i in range(4):
-            for j in range(4):
-                C[i, j] = lame if i < 3 and j < 3 else 0.0
-            C[i, i] += 2.0 * shear if i < 3 else shear
-            new[i] = stress[i] + C[i, i] * strain[i] - (lame * strain[i] if i < 3 else 0.0)
-            if i < 3:
-                new[i] += lame * volume
-        return log_pp, 0
-    if constants[0] == MOHR_COULOMB:
-        young, poisson = constants[2], constants[3]
-        bulk, shear = young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))
-        limit = planar_mohr_coulomb(
-            stress,
-            strain,
-            bulk,
-            shear,
-            constants[4],
-            constants[5],
-            constants[6],
-            constants[7],
-            constants[8],
-            new,
-            C,
-        )
-        if limit > 0 and blend > 0.0:
-            lame = bulk - 2.0 / 3.0 * shear
-            for i in range(4):
-                for j in range(4):
-                    elastic = lame if i < 3 and j < 3 else 0.0
-                    if i == j:
-                        elastic += 2.0 * shear if i < 3 else shear
-                    C[i, j] += blend * (elastic - C[i, j])
-        return log_pp, limit
-    new_pp, active = planar_creep(stress, strain, log_time - math.log(soil.tau), log_pp, soil, new, C)
-    return new_pp, min(active, 1)
-
-
-@kernel
-def _soil(constants: FloatArray) -> SoftSoilCreep:
-    """Constants of soft soil creep from the row of a material."""
-    c = constants[2:]
-    return SoftSoilCreep(
-        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], c[11], c[12], c[13], c[14], c[15]
-    )
+def _mix(share: float, bulk: float, shear: float, C: FloatArray) -> None:
+    """Put a share of an elastic stiffness in place of a tangent (4, 4)."""
+    lame = bulk - 2.0 / 3.0 * shear
+    for i in range(4):
+        for j in range(4):
+            elastic = lame if i < 3 and j < 3 else 0.0
+            if i == j:
+                elastic += 2.0 * shear if i < 3 else shear
+            C[i, j] += share * (elastic - C[i, j])
 
 
 @kernel
@@ -190,8 +135,9 @@ def assemble_triangles(
             K[:, :] = 0.0
         if body.material[e] < 0:
             continue
-        constants = body.constants[body.material[e]]
-        soil = _soil(constants)
+        number = body.material[e]
+        address, constants = body.updates[number], body.constants[number]
+        bulk, shear = body.elastic[number, 0], body.elastic[number, 1]
         for n in range(6):
             node = body.triangles[e, n]
             for i in range(2):
@@ -225,12 +171,21 @@ def assemble_triangles(
                 c = 1.0 / math.sqrt(1.0 + half_spin * half_spin)
                 s = half_spin * c
                 _turn(stress, c, s)
-            new_pp, limit = _point_update(
-                constants, soil, stress, strain, log_time, old.log_pp[e, point], blend, sigma, C
+            limit = call_update(
+                address,
+                log_time,
+                strain,
+                stress,
+                old.internal[e, point],
+                constants,
+                sigma,
+                new.internal[e, point],
+                C,
             )
             if limit < 0:
                 return e + count
-            new.log_pp[e, point] = new_pp
+            if limit > 0 and blend > 0.0 and shear > 0.0:
+                _mix(blend, bulk, shear, C)
             new.plastic[e, point] = limit > 0
             if updated:
                 _turn(sigma, c, s)

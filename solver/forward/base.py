@@ -11,31 +11,12 @@ from typing import Protocol, TypeAlias
 from pydantic import BaseModel, ConfigDict, JsonValue
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["ForwardModel", "ForwardModelSpec", "ForwardRun", "ParameterInfo", "SeriesInfo", "in_unit"]
 
 ForwardRun: TypeAlias = Callable[[Mapping[str, float]], dict[str, FloatArray]]
 """Parameter values by name -> response of every prepared series at its prepared points, in base units."""
-
-
-@dataclass(frozen=True, slots=True)
-class ParameterInfo:
-    """One parameter that a forward model knows.
-
-    ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) limit what is
-    physically admissible; ``typical`` is a usual range offered to users. ``lower_open``: ``lower`` itself is refused.
-    """
-
-    name: str
-    symbol: str
-    unit: str
-    description: str
-    default: float | None = None
-    lower: float | None = None
-    upper: float | None = None
-    lower_open: bool = False
-    upper_open: bool = False
-    typical: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

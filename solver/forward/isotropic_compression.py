@@ -10,8 +10,12 @@ from pydantic import Field
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.element_test.setups import isotropic_load
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadModel, StagedLoadSpec
+from geoswarm.solver.forward.staged_load import StagedLoadModel
+from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
+from geoswarm.solver.laws.base import Soil
 
 __all__ = ["IsotropicCompressionModel", "IsotropicCompressionSpec"]
 
@@ -75,6 +79,15 @@ class IsotropicCompressionModel(StagedLoadModel):
         """All-round initial stress; p_p = OCR p_eq, or p_eq under the initial stress plus POP."""
         stress = self.spec.initial_stress
         return stress, math.log(OCR * equivalent_pressure(stress + POP, 0.0, soil)[0])
+
+    def initial_lateral(self, soil: Soil) -> float:
+        """The all-round stress."""
+        del soil
+        return self.spec.initial_stress
+
+    def load(self, stress: float, duration: float) -> Stage:
+        """All-round."""
+        return isotropic_load(stress, duration)
 
     def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         """Displacement or engineering volumetric strain."""

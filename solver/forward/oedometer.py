@@ -6,14 +6,18 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from geoswarm.solver.element_test.axial import lateral_limits
+from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.element_test.setups import confined_load
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.staged_load import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadModel, StagedLoadSpec
+from geoswarm.solver.forward.staged_load import StagedLoadModel
+from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
+from geoswarm.solver.laws.base import Soil
 
 __all__ = ["OedometerModel", "OedometerSpec"]
 
@@ -52,9 +56,15 @@ class OedometerSpec(StagedLoadSpec):
     K0: float | None = Field(
         None,
         gt=0.0,
-        description="Initial ratio of horizontal to vertical stress; K0nc unless given.",
+        description="Initial ratio of horizontal to vertical stress; that of the law (K0nc) unless given.",
         json_schema_extra=in_unit("1", 0.4, 1),
     )
+
+    @model_validator(mode="after")
+    def _at_rest(self) -> OedometerSpec:
+        if self.K0 is None and not self.law.knows_K0:
+            raise ValueError(f"K0 is missing: material {self.material} knows none")
+        return self
 
     def build(self) -> OedometerModel:
         """Build the forward model."""
@@ -90,20 +100,49 @@ class OedometerModel(StagedLoadModel):
         horizontal = vertical * (soil.K0nc if self.spec.K0 is None else self.spec.K0)
         lower, upper, _, _ = lateral_limits(vertical, soil)
         if not lower <= horizontal <= upper:
-            raise InfeasibleError(
-                f"initial horizontal stress = {horizontal:g} kPa (K0 = {horizontal / vertical:g}) violates the "
-                f"strength; K0 from {max(lower, 0.0) / vertical:g} to {upper / vertical:g} is accepted"
-            )
+            raise InfeasibleError(_violated(horizontal, vertical, lower, upper))
         pressure = _equivalent(vertical, horizontal, soil)
         if POP > 0.0:
             past = vertical + POP
             return horizontal, math.log(max(pressure, _equivalent(past, soil.K0nc * past, soil)))
         return horizontal, math.log(OCR * pressure)
 
+    def initial_lateral(self, soil: Soil) -> float:
+        """K0 times the vertical stress; K0 of the law unless the section gives it."""
+        vertical = self.spec.initial_stress
+        K0 = soil.law.K0(soil.constants) if self.spec.K0 is None else self.spec.K0
+        if K0 is None:
+            raise InfeasibleError(f"material {soil.law.kind} knows no K0; give K0 in the section of the oedometer")
+        lower, upper = axial_limits(vertical, soil)
+        if not lower <= K0 * vertical <= upper:
+            raise InfeasibleError(_violated(K0 * vertical, vertical, lower, upper))
+        return K0 * vertical
+
+    def load(self, stress: float, duration: float) -> Stage:
+        """Without lateral strain."""
+        return confined_load(stress, duration)
+
     def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         """Settlement or engineering strain."""
         shortening = self.shortening(strain[:, 0], float(zero[0]))
         return self.spec.height * shortening if series == "settlement" else shortening
+
+
+def axial_limits(vertical: float, soil: Soil) -> tuple[float, float]:
+    """Smallest and largest horizontal stress, kPa, that the strength of a law admits, if it declares one."""
+    if soil.law.strength is None:
+        return -math.inf, math.inf
+    cohesion, sin_phi, cos_phi, _, tension = soil.constants[list(soil.law.strength)].tolist()
+    both = 2.0 * cohesion * cos_phi
+    lower = ((1.0 - sin_phi) * vertical - both) / (1.0 + sin_phi)
+    return max(lower, -tension), ((1.0 + sin_phi) * vertical + both) / (1.0 - sin_phi)
+
+
+def _violated(horizontal: float, vertical: float, lower: float, upper: float) -> str:
+    return (
+        f"initial horizontal stress = {horizontal:g} kPa (K0 = {horizontal / vertical:g}) violates the "
+        f"strength; K0 from {max(lower, 0.0) / vertical:g} to {upper / vertical:g} is accepted"
+    )
 
 
 def _equivalent(vertical: float, horizontal: float, soil: SoftSoilCreep) -> float:

@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
-from geoswarm.solver.fem.materials import SoftSoilCreepMaterial
+from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.mesh.layered import LayeredMesh
 from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
 from geoswarm.solver.fem.mesh.section import Layer, Profile, SectionGeometry
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
+from geoswarm.solver.laws.base import Soil
 
 __all__ = ["Specimen", "specimen_mesh"]
 
@@ -72,9 +72,8 @@ class Specimen:
 
     def history(
         self,
-        soil: SoftSoilCreep,
+        soil: Soil,
         lateral_ratio: float,
-        OCR: float,
         loads: FloatArray,
         durations: FloatArray,
         times: FloatArray,
@@ -86,8 +85,6 @@ class Specimen:
         ----------
         lateral_ratio
             Initial ratio of horizontal to vertical stress.
-        OCR
-            Initial p_p over p_eq.
         loads, durations
             (s,): kPa and day.
         times, firsts
@@ -102,7 +99,7 @@ class Specimen:
         DivergedError
             No solution was found.
         """
-        material = SoftSoilCreepMaterial(soil, self.unit_weight, OCR, K0=lateral_ratio)
+        material = Material(soil, self.unit_weight, lateral_ratio)
         sides = (Fixity("left", x=0.0), Fixity("bottom", y=0.0))
         phases = [
             Phase(

@@ -1,4 +1,4 @@
-"""What the laboratory tests with constant loads in stages share: their section of the problem file and their model.
+"""What the forward models of laboratory tests with constant loads in stages share.
 
 Times and stages
 ----------------
@@ -12,33 +12,26 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from geoswarm.solver.errors import DivergedError, InfeasibleError, Issue, ProblemError
-from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo, in_unit
-from geoswarm.solver.forward.soil import inadmissible_soil, soil_from, soil_parameters
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
+from geoswarm.solver.forward.staged_history import history_of
+from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
+from geoswarm.solver.laws.base import Law, Soil
+from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.specimen import Specimen
 
-__all__ = ["MAX_LENGTH", "MAX_STRESS", "MIN_LENGTH", "LoadStage", "SpecimenMesh", "StagedLoadModel", "StagedLoadSpec"]
-
-# Far beyond any test; what lies beyond them is a mistake in units, or meant to overflow something.
-MIN_LENGTH, MAX_LENGTH = 1.0e-6, 1.0e3
-"""Smallest and largest dimension of a specimen, m."""
-MAX_STRESS = 1.0e7
-"""Largest stress, kPa."""
-MAX_DURATION = 1.0e7
-"""Longest stage, day."""
-MAX_STAGES = 1000
+__all__ = ["StagedLoadModel"]
 
 _SAME_TIME = 1.0e-9
 """Relative difference (and, in days, absolute one) below which a time is that of a change of stage."""
@@ -50,109 +43,6 @@ _UNIT_WEIGHT = 17.85
 
 _TIME_TOLERANCE = 50.0
 """Relative error of a displacement of finite elements over the absolute one of a strain: a strain of some per cent."""
-
-
-class LoadStage(BaseModel):
-    """One load that is kept constant: ``stress`` in kPa for ``duration`` in days."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    stress: float = Field(
-        gt=0.0,
-        le=MAX_STRESS,
-        description="Applied stress, kPa, compression positive.",
-        json_schema_extra=in_unit("kPa", 5, 1600),
-    )
-    duration: float = Field(
-        gt=0.0, le=MAX_DURATION, description="Duration, day.", json_schema_extra=in_unit("day", 0.5, 7)
-    )
-
-
-class SpecimenMesh(BaseModel):
-    """Elements of a specimen: cells of two six-node triangles each, between its axis and its side."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    columns: int = Field(1, ge=1, le=50, description="Cells from the axis to the side.")
-    rows: int = Field(1, ge=1, le=50, description="Cells over the height.")
-
-
-class StagedLoadSpec(ForwardModelSpec, ABC):
-    """Fields of the tests with constant loads in stages."""
-
-    material: Literal["soft_soil_creep"] = Field("soft_soil_creep", description="Material law.")
-    discretization: Literal["material_point", "finite_element"] = Field(
-        "material_point",
-        description="How the specimen is represented: one point, or axisymmetric six-node triangles with their weight.",
-    )
-    height: float = Field(
-        ge=MIN_LENGTH,
-        le=MAX_LENGTH,
-        description="Height of the specimen at the beginning, m.",
-        json_schema_extra=in_unit("m"),
-    )
-    initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Stress before the first stage, kPa.")
-    stages: tuple[LoadStage, ...] = Field(
-        min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
-    )
-    zero_at_stage: int = Field(
-        1, ge=1, description="Stage before whose application time, displacement and strain are zero."
-    )
-    OCR: float | None = Field(None, ge=1.0, description="Default of the parameter OCR (1 unless given here).")
-    POP: float | None = Field(
-        None,
-        ge=0.0,
-        description="Default of the parameter POP, kPa; not together with OCR.",
-        json_schema_extra=in_unit("kPa", 0, 50),
-    )
-    formulation: Literal["translated", "untranslated"] = Field(
-        "translated", description="Whether stiffness and creep see the mean stress shifted by c cot(phi)."
-    )
-    tension_cutoff: float | None = Field(
-        0.0,
-        ge=0.0,
-        description="Largest admissible tension, kPa; null for no cut-off.",
-        json_schema_extra=in_unit("kPa"),
-    )
-    geometry: Literal["updated", "fixed"] = Field(
-        "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
-    )
-    tolerance: float = Field(
-        2.0e-5,
-        ge=1.0e-8,
-        le=1.0e-2,
-        description="Time integration error aimed at, as axial logarithmic strain; controlled step by step.",
-    )
-    unit_weight: float | None = Field(
-        None,
-        ge=0.0,
-        description="Unit weight of the specimen, kN/m³ (finite_element; 17.85 unless given).",
-        json_schema_extra=in_unit("kN/m³", 14, 22),
-    )
-    mesh: SpecimenMesh | None = Field(
-        None, description="Elements (finite_element; one cell of two triangles unless given)."
-    )
-    initial_void_ratio: float | None = Field(
-        None,
-        gt=0.0,
-        description="Void ratio before the first stage; needed by the series stage_void_ratio.",
-        json_schema_extra=in_unit("1", 0.5, 3),
-    )
-
-    @property
-    def quick(self) -> bool:
-        """At one material point, not with finite elements."""
-        return self.discretization == "material_point"
-
-    @model_validator(mode="after")
-    def _consistent(self) -> StagedLoadSpec:
-        if self.OCR is not None and self.POP is not None:
-            raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; one of them is accepted")
-        if self.discretization == "material_point" and (self.unit_weight is not None or self.mesh is not None):
-            raise ValueError("unit_weight and mesh are of a specimen with discretization: finite_element")
-        if self.zero_at_stage > len(self.stages):
-            raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
-        return self
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,12 +68,33 @@ class StagedLoadModel(ABC):
 
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Soil parameters; the first five are required."""
+        """Parameters of the law; the section may give other defaults to some of them."""
         return self._parameters
 
     @cached_property
     def _parameters(self) -> tuple[ParameterInfo, ...]:
-        return soil_parameters(self.spec.OCR or 1.0, self.spec.POP or 0.0)
+        own = {"OCR": self.spec.OCR, "POP": self.spec.POP}
+        return tuple(
+            info if own.get(info.name) is None else replace(info, default=own[info.name])
+            for info in self.law.parameters
+        )
+
+    @cached_property
+    def law(self) -> Law:
+        """The law of the material."""
+        return self.spec.law
+
+    def soil(self, parameters: Mapping[str, float]) -> Soil:
+        """The soil of one forward calculation.
+
+        Raises
+        ------
+        InfeasibleError
+            A value is outside what the law admits.
+        """
+        defaults = {info.name: info.default for info in self._parameters}
+        choices = {one.name: getattr(self.spec, one.name, one.default) for one in self.law.settings}
+        return self.law.soil({**defaults, **parameters, **choices})
 
     @property
     def open_parameters(self) -> bool:
@@ -247,11 +158,26 @@ class StagedLoadModel(ABC):
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the soil parameters given, or None."""
-        return inadmissible_soil(self._parameters, parameters)
+        own = {name: value for name in ("OCR", "POP") if (value := getattr(self.spec, name)) is not None}
+        return self.law.inadmissible({**own, **parameters})
 
     @abstractmethod
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
-        """Initial lateral stress, kPa, and ln of the preconsolidation pressure."""
+        """Initial lateral stress, kPa, and ln of the preconsolidation pressure, of soft soil creep."""
+
+    @abstractmethod
+    def initial_lateral(self, soil: Soil) -> float:
+        """Initial lateral stress of a soil of any law, kPa.
+
+        Raises
+        ------
+        InfeasibleError
+            The law knows none, or it violates the strength.
+        """
+
+    @abstractmethod
+    def load(self, stress: float, duration: float) -> Stage:
+        """One stage of loading as a material point is led through it."""
 
     @abstractmethod
     def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
@@ -267,38 +193,13 @@ class StagedLoadModel(ABC):
         """
         schedule = self._schedule(points)
         spec = self.spec
-        specimen = self.specimen if spec.discretization == "finite_element" else None
-        stresses = np.array([stage.stress for stage in spec.stages])
-        durations = np.array([stage.duration for stage in spec.stages])
-        default_OCR, default_POP = spec.OCR or 1.0, spec.POP or 0.0
         points_count = schedule.times.shape[0]
         strain = np.zeros((1 + points_count + len(spec.stages), 2))
         zero_row = points_count + spec.zero_at_stage - 1 if spec.zero_at_stage > 1 else 0
+        calculate = history_of(self, schedule.times, schedule.firsts)
 
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
-            soil = soil_from(parameters, spec.formulation, spec.tension_cutoff)
-            OCR, POP = parameters.get("OCR", default_OCR), parameters.get("POP", default_POP)
-            if not (OCR >= 1.0 and POP >= 0.0 and (OCR == 1.0 or POP == 0.0)):
-                raise InfeasibleError(self.check({"OCR": OCR, "POP": POP}))
-            lateral, log_pp = self.initial_state(soil, OCR, POP)
-            if specimen is None:
-                status, stage, time, output, ends = constant_load_history(
-                    soil,
-                    stresses,
-                    durations,
-                    self.lateral_ratio,
-                    spec.initial_stress,
-                    lateral,
-                    log_pp,
-                    spec.tolerance,
-                    schedule.times,
-                    schedule.firsts,
-                )
-                if status != FINISHED:
-                    raise DivergedError(self._failure(status, stage, time))
-            else:
-                ratio, past = lateral / spec.initial_stress, math.exp(log_pp - self._log_equivalent(lateral, soil))
-                output, ends = specimen.history(soil, ratio, past, stresses, durations, schedule.times, schedule.firsts)
+            output, ends = calculate(parameters)
             history = strain.copy()
             history[1 : 1 + points_count] = output
             history[1 + points_count :] = ends
@@ -333,21 +234,6 @@ class StagedLoadModel(ABC):
     @abstractmethod
     def radius(self) -> float:
         """Radius of the specimen, m."""
-
-    def _log_equivalent(self, lateral: float, soil: SoftSoilCreep) -> float:
-        """ln of the equivalent pressure of the initial state."""
-        vertical = self.spec.initial_stress
-        deviator = vertical - lateral
-        return math.log(equivalent_pressure((vertical + 2.0 * lateral) / 3.0, deviator * deviator, soil)[0])
-
-    def _failure(self, status: int, stage: int, time: float) -> str:
-        load = self.spec.stages[stage].stress
-        if status == FAILED_SOIL:
-            return f"stage {stage + 1} ({load:g} kPa): the load is above the strength of the soil"
-        return (
-            f"stage {stage + 1} ({load:g} kPa): no step meets the tolerance {self.spec.tolerance:g} "
-            f"{time:.3g} day after its application; a larger tolerance may"
-        )
 
     def _values(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         if series != "stage_void_ratio":

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.forward.staged_load import StagedLoadSpec
+from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test, stage_of, stage_times
 from geoswarm.solver.problem.units import convert

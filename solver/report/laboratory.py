@@ -27,9 +27,9 @@ from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivale
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.combined import CombinedModel
 from geoswarm.solver.forward.oedometer import OedometerSpec
-from geoswarm.solver.forward.soil import soil_from
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.identifiability import Linearisation
+from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw, creep_soil
 from geoswarm.solver.problem import Problem
 
 __all__ = ["LaboratoryValue", "StagedTest", "laboratory_values", "staged_tests"]
@@ -84,17 +84,17 @@ class LaboratoryValue:
 
 
 def staged_tests(problem: Problem) -> tuple[StagedTest, ...]:
-    """The laboratory tests of a problem."""
+    """The laboratory tests of a problem on soft soil creep, whose parameters laboratories have terms for."""
     model = problem.model
     if isinstance(model, StagedLoadModel):
-        return (StagedTest("", model, dict),)
+        return (StagedTest("", model, dict),) if isinstance(model.law, SoftSoilCreepLaw) else ()
     if not isinstance(model, CombinedModel):
         return ()
     parts = ((name, model.part(name)) for name in model.part_names)
     return tuple(
         StagedTest(name, part, lambda values, name=name: model.part_values(name, values))  # type: ignore[misc]  # mypy: default of a lambda
         for name, part in parts
-        if isinstance(part, StagedLoadModel)
+        if isinstance(part, StagedLoadModel) and isinstance(part.law, SoftSoilCreepLaw)
     )
 
 
@@ -155,7 +155,7 @@ def _confined(parameters: Mapping[str, float]) -> float:
 def preconsolidation_stress(model: StagedLoadModel, parameters: Mapping[str, float]) -> float:
     """Stress [kPa] whose equivalent pressure, in normally consolidated compression, is the initial p_p."""
     spec = model.spec
-    soil = soil_from(parameters, spec.formulation, spec.tension_cutoff)
+    soil = creep_soil(parameters, spec.formulation, spec.tension_cutoff)
     OCR, POP = parameters.get("OCR", spec.OCR or 1.0), parameters.get("POP", spec.POP or 0.0)
     _, log_pp = model.initial_state(soil, OCR, POP)
     ratio = soil.K0nc if isinstance(spec, OedometerSpec) else 1.0

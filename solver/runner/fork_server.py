@@ -31,8 +31,11 @@ BOOTSTRAP = (
 )
 FORK = b"f"
 KILL = b"k"
-LOAD = {"oedometer": b"o", "section": b"s"}
-"""What asks for each group of kernels (:data:`geoswarm.solver.warm.SAMPLES`)."""
+LOAD = {
+    **{"oedometer": b"o", "section": b"s", "element_test": b"t"},
+    **{"elastic": b"e", "mohr_coulomb": b"m", "soft_soil_creep": b"c", "other_laws": b"l"},
+}
+"""What asks for each group of kernels (:data:`geoswarm.solver.warm.GROUPS`)."""
 STATUS = struct.Struct("=ii")
 """Its answer, a number and whether it is known.
 

@@ -14,14 +14,14 @@ import httpx
 import pytest
 
 from geoswarm.api import ApiSettings, bind, create_app
-from geoswarm.api.feed import ENDED_STATES
 from geoswarm.api.server import base_url, build_server
+from geoswarm.records.job import Job
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.engine import Engine, open_engine
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.views import JobView
 
 API = "/api/v1"
 
@@ -137,7 +137,7 @@ def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
         yield running
 
 
-def wait_for_end(service: JobService, job_id: str, seconds: float = 60.0) -> JobView:
+def wait_for_end(service: JobService, job_id: str, seconds: float = 60.0) -> Job:
     """Wait until the workers have ended a job."""
     wait_until(lambda: service.get(job_id).state in ENDED_STATES, seconds)
     return service.get(job_id)

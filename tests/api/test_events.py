@@ -7,7 +7,6 @@ import json
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from datetime import UTC, datetime
 from typing import Any
 
 import httpx
@@ -16,11 +15,11 @@ import pytest
 from geoswarm.api import ApiSettings
 from geoswarm.api.event_text import MOST_GENERATIONS, BatchTexts, encode_event, thinned
 from geoswarm.api.feed import EventFeed
+from geoswarm.records.event import Event
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.engine import Engine
 from geoswarm.workers.service import JobService
 from geoswarm.workers.store.event_bell import insert_events
-from geoswarm.workers.views import EventView
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
 
 
@@ -177,8 +176,8 @@ def test_a_listener_that_leaves_stops_the_poller(server: LiveServer) -> None:
     wait_until(lambda: server.feed.watched == 0)
 
 
-def event(number: int, kind: str = "generation") -> EventView:
-    return EventView(number, kind, {"number": number}, datetime.now(UTC))
+def event(number: int, kind: str = "generation") -> Event:
+    return Event(id=number, kind=kind, data={"number": number})
 
 
 def test_of_many_generations_at_once_some_are_told_and_the_last() -> None:

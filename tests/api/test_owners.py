@@ -10,8 +10,9 @@ import pytest
 from pydantic import SecretStr
 
 from geoswarm.api import ApiSettings
+from geoswarm.records.key import Role
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.access import Principal, Role
+from geoswarm.workers.access import Principal
 from geoswarm.workers.engine import Engine
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.keys import ApiKeys

@@ -8,13 +8,23 @@ import pytest
 from geoswarm.api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
 from geoswarm.api.pages.shell import number
 from geoswarm.api.pages.sign_in import own_address
-from geoswarm.workers.views import GenerationView
+from geoswarm.records.generation import Generation
 from tests.api.conftest import API, App, line_problem
 
 
-def generation(evaluations: int, own: float | None, best: float | None) -> GenerationView:
+def generation(evaluations: int, own: float | None, best: float | None) -> Generation:
     now = datetime(2026, 1, 1, tzinfo=UTC)
-    return GenerationView(evaluations // 10 - 1, evaluations, 0, own, best, None, now, now)
+    return Generation(
+        number=evaluations // 10 - 1,
+        evaluations=evaluations,
+        failed=0,
+        best_objective=own,
+        objective=best,
+        parameters=None,
+        created_at=now,
+        finished_at=now,
+        diversity=None,
+    )
 
 
 def test_no_jobs_says_how_to_submit_one(app: App) -> None:
@@ -82,7 +92,7 @@ def test_convergence_steps_down_inside_the_plot() -> None:
 
 
 @pytest.mark.parametrize("views", [[], [generation(10, None, None)], [generation(10, 0.0, 0.0)]])
-def test_nothing_to_draw(views: list[GenerationView]) -> None:
+def test_nothing_to_draw(views: list[Generation]) -> None:
     assert convergence(views) is None
 
 

@@ -10,8 +10,8 @@ from geoswarm.api.routes.results import csv_header, csv_lines
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.engine import Engine
-from geoswarm.workers.views import EvaluationView
 from tests.api.conftest import API, App, line_problem, wait_for_end
+from tests.geoswarm.records.made import evaluation
 
 
 @pytest.fixture(scope="module")
@@ -211,11 +211,8 @@ def test_without_pyarrow_parquet_is_not_available(done: tuple[App, str], monkeyp
 
 
 def test_control_characters_of_a_message_are_escaped_in_csv() -> None:
-    columns = ("generation", "particle", "state", "objective", "parameters", "misfits", "responses", "reason")
-    values = (0, 0, "failed", None, {"a": 1.0}, {}, None, "error", "a\x1b[31m\r\nb")
-    rest = dict.fromkeys(("attempts", "worker", "started_at", "finished_at", "seconds"))
-    view = EvaluationView(**dict(zip((*columns, "message"), values, strict=True)), **rest)  # type: ignore[arg-type]
-    text = "".join(csv_lines([view], ["a"], ["y"]))
+    failed = evaluation(reason="error", message="a\x1b[31m\r\nb", log="\x1b[2Jout")
+    text = "".join(csv_lines([failed], ["a"], ["y"]))
     assert rows_of("".join([",".join(csv_header(["a"], ["y"])), "\n", text]))[0]["message"] == "a\\x1b[31m\\r\\nb"
 
 

@@ -23,13 +23,13 @@ import pytest
 
 from geoswarm import Client
 from geoswarm.client.errors import GeoswarmError
+from geoswarm.records.evaluation import Evaluation
 from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.views import EvaluationView
 from tests.chaos.faults import Disturber
 from tests.chaos.fleet import Fleet
 from tests.chaos.jobs import Planned, User, plan
@@ -229,7 +229,7 @@ def check(database_url: str, jobs: list[Planned], expected: list[list[Bits]], ca
     }
 
 
-def recorded(view: EvaluationView) -> Bits:
+def recorded(view: Evaluation) -> Bits:
     """What the engine has stored of one evaluation."""
     return (
         view.generation,
@@ -237,7 +237,7 @@ def recorded(view: EvaluationView) -> Bits:
         tuple(view.parameters.values()),
         view.objective,
         view.misfits,
-        {series: curve["y"] for series, curve in (view.responses or {}).items()},
+        {series: curve.y for series, curve in (view.responses or {}).items()},
         view.reason,
     )
 
@@ -256,7 +256,7 @@ def assert_told_once(service: JobService, job_id: str, generations: int) -> None
     assert [state for state in states if state in ("finished", "failed", "cancelled")] == states[-1:] == ["finished"]
 
 
-def tries(service: JobService, job_id: str, view: EvaluationView) -> list[str]:
+def tries(service: JobService, job_id: str, view: Evaluation) -> list[str]:
     """Return how the tries at an evaluation ended, of which one counts."""
     if view.attempts == 1:
         return [view.reason or view.state]  # nothing was lost

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.access import LOCAL, Principal
@@ -140,6 +140,26 @@ def test_why_a_job_failed_is_one_step_away(site: Site, visit: Visit, submit: Cal
     expect(dialog).to_have_count(0)
     page.locator("#evaluations-title").scroll_into_view_if_needed()
     expect(page.locator("#evaluations td.why").first).to_contain_text("is nan at point")
+    assert guard.faults == []
+
+
+def test_a_column_that_has_no_place_in_the_dialog_is_a_fact(
+    site: Site, visit: Visit, submit: Callable[..., str]
+) -> None:
+    job_id = submit(name="columns", stopping={"max_evaluations": 12})
+    page, guard = opened(site, visit, f"/jobs/{job_id}")
+
+    def with_more(route: Route) -> None:
+        answer = route.fetch()
+        route.fulfill(response=answer, json=answer.json() | {"memory_mb": 12.5, "seen_at": None})
+
+    page.route(re.compile(r"/evaluations/0/0$"), with_more)
+    state(page).to_have_text("finished", timeout=SOON)
+    page.locator("#evaluations-title").scroll_into_view_if_needed()
+    page.get_by_role("button", name="Open evaluation of particle 0 in generation 0").click()
+    facts = page.get_by_role("dialog").locator("dl")
+    expect(facts.locator("div", has_text="Memory mb")).to_contain_text("12.5")
+    expect(facts.locator("div", has_text="Seen at")).to_contain_text("–")
     assert guard.faults == []
 
 

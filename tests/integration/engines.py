@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+from geoswarm.records.job import Job
 from geoswarm.workers.service import JobService
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.views import JobView
 from tests.workers.problems import History, expected_history, line
 
 __all__ = [
@@ -68,7 +68,7 @@ def wait_for(condition: Callable[[], bool], what: str, seconds: float = 120.0) -
         time.sleep(0.02)
 
 
-def wait_until_ended(service: JobService, job_id: str, seconds: float = 300.0) -> JobView:
+def wait_until_ended(service: JobService, job_id: str, seconds: float = 300.0) -> Job:
     """Wait for the end of a job and return it."""
     wait_for(
         lambda: service.get(job_id).state in ("finished", "failed", "cancelled"), f"the end of job {job_id}", seconds

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from geoswarm.solver import kernel_cache
-from geoswarm.solver.kernel_cache import VARIABLE, alone, cache_folder, settle
+from geoswarm.solver.kernel_cache import SOLVER, VARIABLE, alone, cache_folder, fingerprint, settle
 
 
 @pytest.fixture
@@ -39,15 +39,34 @@ def lock_up(folder: Path) -> None:
     folder.write_text("", encoding="utf-8")
 
 
-def test_any_change_of_a_kernel_source_gives_another_cache_folder(tmp_path: Path) -> None:
-    (tmp_path / "constitutive").mkdir()
-    source = tmp_path / "constitutive" / "law.py"
-    source.write_text("a = 1\n", encoding="utf-8")
-    first = cache_folder(tmp_path)
-    assert cache_folder(tmp_path) == first
-    source.write_text("a = 2\n", encoding="utf-8")
-    assert cache_folder(tmp_path) != first
-    assert first.parent == tmp_path / "__pycache__"
+def test_a_change_moves_the_kernels_of_a_source_and_of_those_that_import_it(tmp_path: Path) -> None:
+    def write(name: str, text: str) -> Path:
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    law = write("laws/clay.py", "from geoswarm.solver.constitutive.flow import flow\n")
+    other = write("laws/sand.py", "a = 1\n")
+    body = write("fem/body.py", "from geoswarm.solver.constitutive.sums import add\n")
+    flow = write("constitutive/flow.py", "from geoswarm.solver.constitutive.sums import add\n")
+    write("constitutive/sums.py", "a = 1\n")
+    before = [fingerprint(path, tmp_path) for path in (law, other, body)]
+    assert len(set(before)) == 3
+    flow.write_text(flow.read_text(encoding="utf-8") + "b = 2\n", encoding="utf-8")
+    after = [fingerprint(path, tmp_path) for path in (law, other, body)]
+    assert [one == two for one, two in zip(before, after, strict=True)] == [False, True, True]
+    write("constitutive/sums.py", "a = 2\n")
+    last = [fingerprint(path, tmp_path) for path in (law, other, body)]
+    assert [one == two for one, two in zip(after, last, strict=True)] == [False, True, False]
+
+
+def test_no_kernel_imports_a_law() -> None:
+    laws = {f"geoswarm.solver.laws.{path.stem}" for path in (SOLVER / "laws").glob("*.py")}
+    laws -= {f"geoswarm.solver.laws.{name}" for name in ("base", "binary", "registry", "__init__")}
+    sources = [*(SOLVER / "fem").glob("**/*.py"), *(SOLVER / "element_test").glob("*.py")]
+    assert sources
+    assert [path.name for path in sources if any(law in path.read_text(encoding="utf-8") for law in laws)] == []
 
 
 def test_the_package_comes_first(places: dict[str, Path], caplog: pytest.LogCaptureFixture) -> None:
@@ -60,7 +79,7 @@ def test_the_folder_that_the_user_names_comes_before_all(
     places: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(VARIABLE, str(tmp_path / "named"))
-    part = tmp_path / "named" / cache_folder(places["solver"]).name  # other sources, other kernels
+    part = tmp_path / "named" / cache_folder(places["solver"]).name
     assert settle() == part
     assert not cache_folder(places["solver"]).exists()
     settle.cache_clear()

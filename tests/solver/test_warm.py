@@ -15,7 +15,7 @@ from geoswarm.solver.examples import example_file
 from geoswarm.solver.kernel_cache import settle
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.solver.runner.fork_server import LOAD
-from geoswarm.solver.warm import KERNELS, SAMPLES, _main, compile_kernels, groups_of, missing_kernels, warm
+from geoswarm.solver.warm import GROUPS, KERNELS, SAMPLES, _main, compile_kernels, groups_of, missing_kernels, warm
 from tests.solver.problems import decay_problem
 
 NOTHING_LEFT = """
@@ -46,21 +46,22 @@ print(json.dumps([evaluation.reason, compiled]))
 def test_each_sample_is_run_and_timed() -> None:
     told: dict[str, float] = {}
     warm(told.__setitem__)
-    assert list(told) == ["oedometer", "section"]
+    assert tuple(told) == GROUPS
     assert all(0.0 < seconds < 300.0 for seconds in told.values())
 
 
 def test_samples_are_of_the_kind_they_are_listed_under() -> None:
-    assert {kind: parse_problem(document).forward_model.kind for kind, document in SAMPLES.items()} == {
-        kind: kind for kind in SAMPLES
-    }
-    assert KERNELS.keys() == SAMPLES.keys() == LOAD.keys()
+    found = {group: groups_of(parse_problem(document).forward_model)[0] for group, document in SAMPLES.items()}
+    assert found == {group: group for group in SAMPLES}
+    assert KERNELS.keys() <= set(GROUPS)
+    assert LOAD.keys() == set(GROUPS)
+    assert len(set(LOAD.values())) == len(LOAD)
 
 
 def test_the_command_says_what_it_does(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.INFO):
         _main()
-    assert [record.getMessage().split(" is ready")[0] for record in caplog.records][1:] == list(SAMPLES)
+    assert [record.getMessage().split(" is ready")[0] for record in caplog.records][1:] == list(GROUPS)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +71,7 @@ def test_the_command_says_what_it_does(caplog: pytest.LogCaptureFixture) -> None
         ("oedometer", ("oedometer",)),
         ("isotropic_compression", ("oedometer",)),
         ("combined", ("oedometer",)),
-        ("slope", ("section",)),
+        ("slope", ("section", "elastic", "mohr_coulomb", "soft_soil_creep")),
     ],
 )
 def test_a_problem_needs_its_own_kernels_only_and_nothing_is_left_to_compile(
@@ -89,7 +90,7 @@ def test_a_specimen_of_finite_elements_needs_theirs() -> None:
     document = SAMPLES["oedometer"]
     section = document["forward_model"] | {"discretization": "finite_element"}
     specimen = parse_problem(document | {"forward_model": section})
-    assert groups_of(specimen.forward_model) == ("section",)
+    assert groups_of(specimen.forward_model) == ("section", "elastic", "soft_soil_creep")
 
 
 def test_what_was_compiled_is_not_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -112,6 +113,6 @@ def test_a_mark_counts_for_the_same_sources_and_processor_only(tmp_path: Path, m
     assert folder is not None
     there = module._mark(tmp_path, "oedometer")
     module._mark.cache_clear()
-    monkeypatch.setattr(module, "fingerprint", lambda: "others")
+    monkeypatch.setattr(module, "fingerprint", lambda _source: "others")
     assert module._mark(tmp_path, "oedometer") != there
     module._mark.cache_clear()

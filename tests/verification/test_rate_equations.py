@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
 from geoswarm.solver.element_test.controls import Stage, strain_change
-from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load
+from tests.soils import creep_law, creep_point
 
 LAMBDA, KAPPA, MU, C, PHI, NU, K0NC = 0.11, 0.03, 0.004, 30.0, 35.0, 0.2, 0.48
 ATTRACTION = C / math.tan(math.radians(PHI))
@@ -64,7 +65,7 @@ def integrate(rate: Callable[[float, np.ndarray], np.ndarray], y0: np.ndarray, t
 def test_a_general_strain_path_with_turning_axes(formulation: str) -> None:
     shift = ATTRACTION if formulation == "translated" else 0.0
     strain = np.array([0.01, -0.004, 0.03, 0.02, -0.01, 0.015])
-    start = PointState.from_stress([60.0, 70.0, 100.0, 4.0, -6.0, 2.0], soil(formulation), OCR=1.2)
+    start = creep_point([60.0, 70.0, 100.0, 4.0, -6.0, 2.0], soil(formulation), OCR=1.2)
     times = np.array([0.2, 1.0, 2.0])
 
     def rate(_: float, y: np.ndarray) -> np.ndarray:
@@ -73,22 +74,22 @@ def test_a_general_strain_path_with_turning_axes(formulation: str) -> None:
         change = stress_rate(stress, tensor(strain, 0.5) / 2.0 - creep, shift)
         return np.append(change.ravel(), volume / (LAMBDA - KAPPA))
 
-    expected = integrate(rate, np.append(tensor(start.stress).ravel(), start.log_pp), times)
+    expected = integrate(rate, np.append(tensor(start.stress).ravel(), start.internal[0]), times)
     controls = tuple(strain_change(float(value), **{name: 1}) for value, name in zip(strain, COMPONENTS, strict=True))
-    history = follow(soil(formulation), start, [Stage("path", 2.0, controls)], [times], tolerance=1.0e-8)
+    history = follow(creep_law(soil(formulation)), start, [Stage("path", 2.0, controls)], [times], tolerance=1.0e-8)
     for index in range(times.size):
         assert tensor(history.stress[index]) == pytest.approx(expected[index, :9].reshape(3, 3), rel=1e-5, abs=1e-4)
-    assert history.log_pp == pytest.approx(expected[:, 9], rel=1.0e-6)
+    assert history.internal[:, 0] == pytest.approx(expected[:, 9], rel=1.0e-6)
 
 
 @pytest.mark.parametrize("formulation", ["translated", "untranslated"])
 def test_a_confined_hold(formulation: str) -> None:
     """Constant vertical stress without lateral strain: lateral stress, strain, ln p_p as an initial value problem."""
     shift = ATTRACTION if formulation == "translated" else 0.0
-    start = PointState.from_stress([60.0, 60.0, 100.0, 0.0, 0.0, 0.0], soil(formulation), OCR=1.1)
+    start = creep_point([60.0, 60.0, 100.0, 0.0, 0.0, 0.0], soil(formulation), OCR=1.1)
     times = np.array([1.0e-3, 0.1, 5.0])
     stages = [confined_load(160.0, 5.0)]
-    loaded = follow(soil(formulation), start, [confined_load(160.0, 0.0)], [[0.0]], tolerance=1.0e-9).end
+    loaded = follow(creep_law(soil(formulation)), start, [confined_load(160.0, 0.0)], [[0.0]], tolerance=1.0e-9).end
 
     def rate(_: float, y: np.ndarray) -> np.ndarray:
         stress = np.diag([y[0], y[0], 160.0])
@@ -98,8 +99,8 @@ def test_a_confined_hold(formulation: str) -> None:
         axial = -relaxing[2, 2] / unit[2, 2]
         return np.array([relaxing[0, 0] + axial * unit[0, 0], axial, volume / (LAMBDA - KAPPA)])
 
-    expected = integrate(rate, np.array([loaded.stress[0], loaded.strain[2], loaded.log_pp]), times)
-    history = follow(soil(formulation), start, stages, [times], tolerance=1.0e-8)
+    expected = integrate(rate, np.array([loaded.stress[0], loaded.strain[2], loaded.internal[0]]), times)
+    history = follow(creep_law(soil(formulation)), start, stages, [times], tolerance=1.0e-8)
     assert history.stress[:, 0] == pytest.approx(expected[:, 0], rel=1.0e-5)
     assert history.strain[:, 2] == pytest.approx(expected[:, 1], rel=1.0e-5)
-    assert history.log_pp == pytest.approx(expected[:, 2], rel=1.0e-6)
+    assert history.internal[:, 0] == pytest.approx(expected[:, 2], rel=1.0e-6)

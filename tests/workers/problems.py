@@ -52,7 +52,7 @@ def recorded_history(service: JobService, job_id: str) -> History:
             tuple(view.parameters.values()),
             view.objective,
             view.misfits,
-            {series: curve["y"] for series, curve in (view.responses or {}).items()},
+            {series: curve.y for series, curve in (view.responses or {}).items()},
         )
         for view in service.iterate_evaluations(job_id, responses=True)
     ]

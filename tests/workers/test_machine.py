@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.workers.coordinator.machine import (
-    ENDED_STATES,
     CancelRequested,
     DispatchGeneration,
     FinishJob,

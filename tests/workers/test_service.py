@@ -109,7 +109,7 @@ def test_a_finished_job_shows_everything(service: JobService, make_worker: MakeW
     assert best.objective == view.objective == min(objectives)
     assert best.parameters == view.parameters
     assert best.responses is not None
-    assert best.responses["y"]["x"] == [0.0, 1.0, 2.0, 3.0]
+    assert best.responses["y"].x == [0.0, 1.0, 2.0, 3.0]
     assert (best.attempts, best.state, best.reason) == (1, "finished", None)
     assert best.started_at is not None
     assert best.finished_at is not None

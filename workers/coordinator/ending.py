@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from sqlalchemy import Connection, update
 
+from geoswarm.records.states import ENDED_STATES, JOB_STATES
 from geoswarm.solver.calibration import Progress, stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
@@ -25,8 +26,7 @@ from geoswarm.workers.store.tables import jobs
 
 __all__ = ["change_stopping", "changed_criteria"]
 
-ACCEPTED = ("queued", "running", "paused", "finished", "cancelled")
-OPEN = ("queued", "running", "paused")
+ACCEPTED = tuple(state for state in JOB_STATES if state != "failed")
 
 
 def changed_criteria(stopping: str | None) -> tuple[StopCriterion, ...] | None:
@@ -76,7 +76,7 @@ def change_stopping(
                 )
             ]
         )
-    ended = row.state not in OPEN
+    ended = row.state in ENDED_STATES
     if ended and row.progress is not None:
         _refuse_to_stand_still(locked, problem)
     if quota_of is not None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, assert_never
 
+from geoswarm.records.states import DONE_STATES, EvaluationState
+
 __all__ = [
     "Claimed",
     "Duplicated",
@@ -36,14 +38,14 @@ Verdict: TypeAlias = Literal[
 class EvaluationStatus:
     """State (pending, running, finished or failed), tries so far, and who holds or held it."""
 
-    state: Literal["pending", "running", "finished", "failed"] = "pending"
+    state: EvaluationState = "pending"
     attempts: int = 0
     worker: str | None = None
 
     @property
     def done(self) -> bool:
         """Whether a result has been counted."""
-        return self.state in ("finished", "failed")
+        return self.state in DONE_STATES
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias, assert_never
 
+from geoswarm.records.states import OPEN_STATES, SERVED_STATES, JobState
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
@@ -27,8 +28,6 @@ from geoswarm.solver.stopping import StopCriterion
 from geoswarm.workers.errors import InvalidTransitionError
 
 __all__ = [
-    "ENDED_STATES",
-    "JOB_STATES",
     "CancelRequested",
     "DispatchGeneration",
     "FinishJob",
@@ -39,7 +38,6 @@ __all__ = [
     "JobBroken",
     "JobEvent",
     "JobStarted",
-    "JobState",
     "Joined",
     "PauseRequested",
     "PublishEvent",
@@ -50,10 +48,6 @@ __all__ = [
     "Transition",
     "apply",
 ]
-
-JobState: TypeAlias = Literal["queued", "running", "paused", "finished", "failed", "cancelled"]
-JOB_STATES: tuple[JobState, ...] = ("queued", "running", "paused", "finished", "failed", "cancelled")
-ENDED_STATES: tuple[JobState, ...] = ("finished", "failed", "cancelled")
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,10 +207,10 @@ def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> 
         case CancelRequested():
             if job.state == "cancelled":
                 return Transition(job)
-            _require("cancel", job, "queued", "running", "paused", "cancelled")
+            _require("cancel", job, *OPEN_STATES, "cancelled")
             return _end(job, "cancelled")
         case PauseRequested():
-            _require("pause", job, "queued", "running")
+            _require("pause", job, *SERVED_STATES)
             return _move(replace(job, state="paused"))
         case ResumeRequested():
             _require("resume", job, "paused")
@@ -226,7 +220,7 @@ def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> 
             _require("go on with", job, "finished", "cancelled")
             return _go_on(job)
         case JobBroken(message):
-            if job.state not in ("queued", "running"):
+            if job.state not in SERVED_STATES:
                 return Transition(job)
             return _end(replace(job, error=message), "failed")
         case _:

@@ -17,6 +17,7 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, and_, func, insert, select, text, update
 
+from geoswarm.records.states import ENDED_STATES, UNDONE_STATES
 from geoswarm.solver.calibration import Best, Progress
 from geoswarm.solver.local import no_success_message
 from geoswarm.solver.problem import Problem
@@ -29,7 +30,7 @@ from geoswarm.workers.store.tables import attempts, evaluations, generations, jo
 
 __all__ = ["begin_retry", "finish_retry", "open_retries"]
 
-ACCEPTED = ("paused", "finished", "failed", "cancelled")
+ACCEPTED = ("paused", *ENDED_STATES)
 
 
 def begin_retry(connection: Connection, locked: LockedJob, *, gap: float) -> int:
@@ -116,7 +117,7 @@ def finish_retry(
     """
     row = locked.row
     here = and_(evaluations.c.job_id == locked.id, evaluations.c.generation < row.generation)
-    unfinished = and_(here, evaluations.c.state.in_(("pending", "running")), evaluations.c.reason.is_not(None))
+    unfinished = and_(here, evaluations.c.state.in_(UNDONE_STATES), evaluations.c.reason.is_not(None))
     connection.execute(
         update(evaluations)
         .where(unfinished)
@@ -135,7 +136,7 @@ def finish_retry(
     if target == "failed":
         target = "finished" if best else "failed"
         error = None if best else no_success_message(reasons, first_message)
-    ended = target in ("finished", "failed", "cancelled")
+    ended = target in ENDED_STATES
     values: dict[str, Any] = {
         "state": target,
         "retry_to": None,

@@ -14,6 +14,7 @@ from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection
 
+from geoswarm.records.states import ENDED_STATES, SERVED_STATES
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
@@ -23,7 +24,6 @@ from geoswarm.solver.runlog import RunKey, RunLog
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
 from geoswarm.workers.coordinator.machine import (
-    ENDED_STATES,
     CancelRequested,
     DispatchGeneration,
     JobBroken,
@@ -84,7 +84,7 @@ class Runtime:
                 return False
             transition = apply(locked.job(), event)
             self._save(connection, locked, [transition])
-            return bool(transition.instructions) and transition.job.state in ("queued", "running")
+            return bool(transition.instructions) and transition.job.state in SERVED_STATES
 
         return self.store.write(work)
 

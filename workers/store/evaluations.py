@@ -23,6 +23,7 @@ from sqlalchemy import (
     update,
 )
 
+from geoswarm.records.states import DONE_STATES, UNDONE_STATES
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.coordinator.evaluation import EvaluationStatus
 from geoswarm.workers.store.clock import database_now
@@ -50,22 +51,7 @@ WORTH_COPYING = 50  # rows
 ROWS_AT_ONCE = 200  # keys in one statement
 KEY = ("job_id", "generation", "particle")
 
-RESULT_COLUMNS = (
-    "state",
-    "objective",
-    "misfits",
-    "responses",
-    "reason",
-    "message",
-    "log",
-    "attempts",
-    "duplicates",
-    "worker",
-    "lease_expires_at",
-    "started_at",
-    "finished_at",
-    "seconds",
-)
+RESULT_COLUMNS = [column.name for column in evaluations.columns if column.name not in (*KEY, "parameters")]
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
 GENERATION_COLUMNS = [column for column in LIST_COLUMNS if column.name != "misfits"]
 # Asked for in every exchange: built once, as building takes as long as the database's answer.
@@ -79,7 +65,7 @@ EARLIER = (
     .where(
         evaluations.c.job_id == bindparam("job_id"),
         evaluations.c.generation < bindparam("generation"),
-        evaluations.c.state.in_(("finished", "failed")),
+        evaluations.c.state.in_(DONE_STATES),
         evaluations.c.parameters.in_(bindparam("wanted", expanding=True)),
     )
     .order_by(evaluations.c.generation, evaluations.c.particle)
@@ -288,7 +274,7 @@ def still_wanted(connection: Connection, job_id: str, generation: int, particles
         evaluations.c.job_id == job_id,
         evaluations.c.generation == generation,
         evaluations.c.particle.in_(particles),
-        evaluations.c.state.in_(("pending", "running")),
+        evaluations.c.state.in_(UNDONE_STATES),
     )
     return state if connection.scalar(select(missing)) else "done"
 

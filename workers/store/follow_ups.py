@@ -7,6 +7,7 @@ from typing import Any
 
 from sqlalchemy import Connection, select
 
+from geoswarm.records.states import DONE_STATES
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.methods.registry import kinds_of
 from geoswarm.solver.problem import Problem, parse_problem
@@ -55,7 +56,7 @@ def evaluations_in_order(connection: Connection, job_id: str) -> list[Evaluation
     """Return the evaluations by generation and particle, up to the first that has not ended."""
     found: list[Evaluation] = []
     for row in read_evaluations(connection, job_id, None):
-        if row.state not in ("finished", "failed"):
+        if row.state not in DONE_STATES:
             break
         found.append(
             Evaluation(

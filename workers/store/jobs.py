@@ -24,6 +24,7 @@ from sqlalchemy import (
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
+from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.calibration import Progress
 from geoswarm.solver.local import GenerationRecord
 from geoswarm.solver.versions import versions
@@ -141,7 +142,7 @@ def save_job(
     if published:
         insert_events(connection, published)
     progress = after.progress
-    ended = after.state in ("finished", "failed", "cancelled")
+    ended = after.state in ENDED_STATES
     values: dict[str, Any] = {
         "state": after.state,
         "stop_reasons": pack_json(list(after.stop_reasons)),

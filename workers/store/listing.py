@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 from sqlalchemy import Connection, ScalarSelect, Select, select, text, tuple_
 
+from geoswarm.records.states import UNDONE_STATES
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import evaluations, generations, jobs
 
 __all__ = ["Filters", "list_evaluations"]
 
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
-OPEN_STATES = ("pending", "running")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ def list_evaluations(
     statement = _statement(job_id, filters, after, responses=responses).limit(limit)
     if filters.generation is not None:
         return connection.execute(statement.where(evaluations.c.generation == filters.generation)).all()
-    if filters.state in OPEN_STATES:
+    if filters.state in UNDONE_STATES:
         return connection.execute(statement.where(evaluations.c.generation == _current(job_id))).all()
     if filters.max_objective is None or filters.state == "failed":
         return connection.execute(statement).all()

@@ -17,7 +17,7 @@ from geoswarm.workers.store.tables import metadata
 
 __all__ = ["HEAD", "upgrade"]
 
-HEAD = "0009"
+HEAD = max(path.name[:4] for path in Path(__file__).parent.glob("migrations/versions/[0-9]*.py"))
 """Revision that this program works with: the newest in ``migrations/versions``."""
 
 log = logging.getLogger(__name__)

@@ -22,6 +22,8 @@ from sqlalchemy import (
     text,
 )
 
+from geoswarm.records.states import SERVED_STATES
+
 __all__ = [
     "api_keys",
     "attempts",
@@ -48,7 +50,7 @@ metadata = MetaData(
 Serial = BigInteger().with_variant(Integer(), "sqlite")
 """SQLite numbers rows by itself only in a column of type INTEGER."""
 
-OPEN = "state IN ('queued', 'running')"
+OPEN = f"state IN ({', '.join(map(repr, SERVED_STATES))})"
 """Jobs that wait for workers."""
 
 

@@ -1,24 +1,36 @@
-"""Turns rows into views."""
+"""Turns rows into records."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from datetime import datetime
+from typing import Any
 
+import numpy as np
+
+from geoswarm.records.attempt import Attempt
+from geoswarm.records.evaluation import COLUMNS, Evaluation, Response
+from geoswarm.records.event import Event
+from geoswarm.records.generation import Generation
+from geoswarm.records.job import Job
+from geoswarm.records.record import Number
+from geoswarm.records.worker import Worker
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.versions import recorded_versions, version_warnings
-from geoswarm.workers.views import AttemptView, EvaluationView, EventView, GenerationView, JobView, WorkerView
 
 __all__ = ["attempt_views", "evaluation_view", "event_view", "generation_view", "job_view", "worker_view"]
 
 
-def job_view(row: Record, gap: float) -> JobView:
+def job_view(row: Record, gap: float) -> Job:
     """Show a job; silence of more than ``gap`` [s] is not running time."""
     seconds = None if row.started_at is None else row.run_seconds
     if row.state == "running":
         seconds = row.run_seconds + min(max(row.now - row.clock_at, 0.0), gap)
     recorded = recorded_versions(row)
-    return JobView(
+    return Job(
         id=row.id,
         name=row.name,
         state=row.state,
@@ -47,37 +59,38 @@ def job_view(row: Record, gap: float) -> JobView:
     )
 
 
-def evaluation_view(
-    row: Record, names: Sequence[str], grids: Mapping[str, list[float]] | None = None
-) -> EvaluationView:
+_AS_STORED = tuple(column.name for column in COLUMNS if column.kind is not datetime)
+"""Columns of an evaluation that are shown as they are in its row."""
+_TIMES = tuple(column.name for column in COLUMNS if column.kind is datetime)
+
+
+def evaluation_view(row: Record, names: Sequence[str], grids: Mapping[str, list[Any]] | None = None) -> Evaluation:
     """Show an evaluation, with responses over ``grids`` when these are given and it has any."""
     responses = None
     if grids is not None and row.responses is not None:
         calculated = unpack_responses(row.responses)
-        responses = {series: {"x": grids[series], "y": y.tolist()} for series, y in calculated.items()}
-    return EvaluationView(
-        generation=row.generation,
-        particle=row.particle,
-        state=row.state,
+        responses = {series: Response(x=grids[series], y=_numbers(y)) for series, y in calculated.items()}
+    own: dict[str, Any] = {name: getattr(row, name) for name in _AS_STORED}
+    own |= {name: to_optional_datetime(getattr(row, name)) for name in _TIMES}
+    return Evaluation(
         parameters=dict(zip(names, unpack_array(row.parameters).tolist(), strict=True)),
-        objective=row.objective,
         misfits={} if row.misfits is None else unpack_json(row.misfits),
         responses=responses,
-        reason=row.reason,
-        message=row.message,
-        attempts=row.attempts,
-        worker=row.worker,
-        started_at=to_optional_datetime(row.started_at),
-        finished_at=to_optional_datetime(row.finished_at),
-        seconds=row.seconds,
-        log=row.log,
+        **own,
     )
 
 
-def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[AttemptView]:
+def _numbers(values: FloatArray) -> list[Number]:
+    listed: list[Any] = values.tolist()
+    if np.isfinite(values).all():
+        return listed
+    return [value if math.isfinite(value) else None for value in listed]
+
+
+def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[Attempt]:
     """Show the tries at an evaluation in order, the one under way or counted last."""
     views = [
-        AttemptView(
+        Attempt(
             number=row.number,
             worker=row.worker,
             outcome=row.outcome,
@@ -93,7 +106,7 @@ def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[At
         failed = evaluation.state == "failed"
         others = {row.number for row in tries}  # one given to two workers may be counted by its first number
         numbers = (number for number in range(evaluation.attempts, 0, -1) if number not in others)
-        last = AttemptView(
+        last = Attempt(
             number=next(numbers, evaluation.attempts),
             worker=evaluation.worker,
             outcome=evaluation.reason if failed else evaluation.state,
@@ -107,9 +120,9 @@ def attempt_views(evaluation: Record | None, tries: Sequence[Record]) -> list[At
     return views
 
 
-def generation_view(row: Record, diversity: float | None = None) -> GenerationView:
+def generation_view(row: Record, diversity: float | None = None) -> Generation:
     """Show a finished generation."""
-    return GenerationView(
+    return Generation(
         number=row.number,
         evaluations=row.evaluations,
         failed=row.failed,
@@ -122,14 +135,14 @@ def generation_view(row: Record, diversity: float | None = None) -> GenerationVi
     )
 
 
-def event_view(row: Record) -> EventView:
+def event_view(row: Record) -> Event:
     """Show an event."""
-    return EventView(row.id, row.kind, unpack_json(row.data), to_datetime(row.created_at))
+    return Event(id=row.id, kind=row.kind, data=unpack_json(row.data))
 
 
-def worker_view(row: Record, work: Record | None, *, visible: bool = True) -> WorkerView:
+def worker_view(row: Record, work: Record | None, *, visible: bool = True) -> Worker:
     """Show a worker and what it has claimed, None: nothing; ``visible``: the viewer may see that job."""
-    return WorkerView(
+    return Worker(
         id=row.id,
         host=row.host,
         pid=row.pid,

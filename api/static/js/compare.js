@@ -3,7 +3,7 @@ import { drawConvergences, drawFits } from "./compare/plots.js";
 import { factsTable, parametersTable } from "./compare/tables.js";
 import { connection, element, exchange, failure } from "./dom.js";
 import { get } from "./http.js";
-import { ENDED } from "./stream.js";
+import { ENDED } from "./states.js";
 
 const INTERVAL = 4000, MOST = 6, LISTED = 100, POINTS = 1000;
 const ids = document.querySelector("main").dataset.jobs.split(" ").filter(Boolean);

@@ -14,7 +14,8 @@ import { ThresholdSlider } from "./statistics/threshold.js";
 import { Uncertainty } from "./statistics/uncertainty.js";
 import { correlationTable, typeset, verdictCards } from "./statistics/verdicts.js";
 import { Weights } from "./statistics/weights.js";
-import { ENDED, follow } from "./stream.js";
+import { ENDED } from "./states.js";
+import { follow } from "./stream.js";
 
 const RENEW_SECONDS = 4;
 const { job, name, state, fitted } = document.querySelector("main").dataset;

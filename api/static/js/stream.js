@@ -4,8 +4,8 @@
 // the lock falls to the next one. Each tab knows the last event that it has seen, so a change of the leader loses and
 // doubles nothing. Without locks or channels (old browsers, plain HTTP on other hosts) each tab polls.
 import { address, get } from "./http.js";
+import { ENDED } from "./states.js";
 
-export const ENDED = new Set(["finished", "failed", "cancelled"]);
 const KINDS = ["state", "generation", "kernels"];
 const SHORTEST = 1000, LONGEST = 30000, POLL = 2000;
 

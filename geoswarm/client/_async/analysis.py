@@ -10,7 +10,10 @@ from urllib.parse import quote
 
 from geoswarm.client._async.connection import AsyncConnection
 from geoswarm.client.calls import JSON_BODY, Call, Noise, job_path, noise_query, plain, present, reader, view_query
-from geoswarm.client.models import Figure, Job, Report
+from geoswarm.client.models import Figure, Report
+from geoswarm.records.job import Job
+from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 
 __all__ = [
     "figure",
@@ -29,7 +32,7 @@ __all__ = [
 
 async def statistics(
     self: AsyncConnection, job_id: str, *, threshold: float | None = None, noise: Noise = None
-) -> dict[str, Any]:
+) -> StatisticsAnswer:
     """Judge the parameters of a job from its stored evaluations: verdicts, correlations, projections, proposals.
 
     Parameters
@@ -40,7 +43,7 @@ async def statistics(
         Known standard deviation of a reading, base units, one for all series or one each.
     """
     query = view_query(threshold, noise, False)
-    return await self._send(Call("GET", f"{job_path(job_id)}/statistics", reader(dict[str, Any]), query))
+    return await self._send(Call("GET", f"{job_path(job_id)}/statistics", reader(StatisticsAnswer), query))
 
 
 async def reweight(
@@ -51,7 +54,7 @@ async def reweight(
     point_weights: Mapping[str, Sequence[float]] | None = None,
     weighting: str | None = None,
     noise: Noise = None,
-) -> dict[str, Any]:
+) -> ReweightAnswer:
     """Calculate the objectives that the stored responses have under other weights; no forward run.
 
     Parameters
@@ -66,7 +69,7 @@ async def reweight(
     request = present(weights=weights, point_weights=point_weights, weighting=weighting, noise=noise)
     content = json.dumps(request, default=plain)
     path = f"{job_path(job_id)}/reweight"
-    return await self._send(Call("POST", path, reader(dict[str, Any]), headers=JSON_BODY, content=content))
+    return await self._send(Call("POST", path, reader(ReweightAnswer), headers=JSON_BODY, content=content))
 
 
 async def sensitivity(
@@ -133,14 +136,16 @@ async def global_sensitivity(
     return await _submit_follow_up(self, f"{job_path(job_id)}/global-sensitivity", request, idempotency_key)
 
 
-async def uncertainty(self: AsyncConnection, job_id: str, *, noise: Noise = None) -> dict[str, Any]:
+async def uncertainty(self: AsyncConnection, job_id: str, *, noise: Noise = None) -> UncertaintyAnswer:
     """Show what the follow-ups of a job have found: intervals, profiles, global sensitivities."""
-    return await self._send(Call("GET", f"{job_path(job_id)}/uncertainty", reader(dict[str, Any]), noise_query(noise)))
+    return await self._send(
+        Call("GET", f"{job_path(job_id)}/uncertainty", reader(UncertaintyAnswer), noise_query(noise))
+    )
 
 
-async def posterior(self: AsyncConnection, job_id: str, *, noise: Noise = None) -> dict[str, Any]:
+async def posterior(self: AsyncConnection, job_id: str, *, noise: Noise = None) -> PosteriorAnswer:
     """Sample the posterior through a checked response surface of the stored evaluations; no forward run."""
-    return await self._send(Call("GET", f"{job_path(job_id)}/posterior", reader(dict[str, Any]), noise_query(noise)))
+    return await self._send(Call("GET", f"{job_path(job_id)}/posterior", reader(PosteriorAnswer), noise_query(noise)))
 
 
 async def report(

@@ -22,7 +22,8 @@ from geoswarm.client.calls import (
     problem_text,
     reader,
 )
-from geoswarm.client.models import Job, Page, Retry
+from geoswarm.records.job import Job, Retry
+from geoswarm.records.page import Page
 
 __all__ = [
     "cancel",

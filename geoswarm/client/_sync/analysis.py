@@ -11,7 +11,10 @@ from urllib.parse import quote
 
 from geoswarm.client._sync.connection import Connection
 from geoswarm.client.calls import JSON_BODY, Call, Noise, job_path, noise_query, plain, present, reader, view_query
-from geoswarm.client.models import Figure, Job, Report
+from geoswarm.client.models import Figure, Report
+from geoswarm.records.job import Job
+from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 
 __all__ = [
     "figure",
@@ -28,7 +31,9 @@ __all__ = [
 ]
 
 
-def statistics(self: Connection, job_id: str, *, threshold: float | None = None, noise: Noise = None) -> dict[str, Any]:
+def statistics(
+    self: Connection, job_id: str, *, threshold: float | None = None, noise: Noise = None
+) -> StatisticsAnswer:
     """Judge the parameters of a job from its stored evaluations: verdicts, correlations, projections, proposals.
 
     Parameters
@@ -39,7 +44,7 @@ def statistics(self: Connection, job_id: str, *, threshold: float | None = None,
         Known standard deviation of a reading, base units, one for all series or one each.
     """
     query = view_query(threshold, noise, False)
-    return self._send(Call("GET", f"{job_path(job_id)}/statistics", reader(dict[str, Any]), query))
+    return self._send(Call("GET", f"{job_path(job_id)}/statistics", reader(StatisticsAnswer), query))
 
 
 def reweight(
@@ -50,7 +55,7 @@ def reweight(
     point_weights: Mapping[str, Sequence[float]] | None = None,
     weighting: str | None = None,
     noise: Noise = None,
-) -> dict[str, Any]:
+) -> ReweightAnswer:
     """Calculate the objectives that the stored responses have under other weights; no forward run.
 
     Parameters
@@ -65,7 +70,7 @@ def reweight(
     request = present(weights=weights, point_weights=point_weights, weighting=weighting, noise=noise)
     content = json.dumps(request, default=plain)
     path = f"{job_path(job_id)}/reweight"
-    return self._send(Call("POST", path, reader(dict[str, Any]), headers=JSON_BODY, content=content))
+    return self._send(Call("POST", path, reader(ReweightAnswer), headers=JSON_BODY, content=content))
 
 
 def sensitivity(
@@ -132,14 +137,14 @@ def global_sensitivity(
     return _submit_follow_up(self, f"{job_path(job_id)}/global-sensitivity", request, idempotency_key)
 
 
-def uncertainty(self: Connection, job_id: str, *, noise: Noise = None) -> dict[str, Any]:
+def uncertainty(self: Connection, job_id: str, *, noise: Noise = None) -> UncertaintyAnswer:
     """Show what the follow-ups of a job have found: intervals, profiles, global sensitivities."""
-    return self._send(Call("GET", f"{job_path(job_id)}/uncertainty", reader(dict[str, Any]), noise_query(noise)))
+    return self._send(Call("GET", f"{job_path(job_id)}/uncertainty", reader(UncertaintyAnswer), noise_query(noise)))
 
 
-def posterior(self: Connection, job_id: str, *, noise: Noise = None) -> dict[str, Any]:
+def posterior(self: Connection, job_id: str, *, noise: Noise = None) -> PosteriorAnswer:
     """Sample the posterior through a checked response surface of the stored evaluations; no forward run."""
-    return self._send(Call("GET", f"{job_path(job_id)}/posterior", reader(dict[str, Any]), noise_query(noise)))
+    return self._send(Call("GET", f"{job_path(job_id)}/posterior", reader(PosteriorAnswer), noise_query(noise)))
 
 
 def report(

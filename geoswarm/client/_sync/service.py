@@ -7,9 +7,11 @@ import json
 from urllib.parse import quote
 
 from geoswarm.client._sync.connection import Connection
-from geoswarm.client.administration import Key, NewKey, Operations, Role, Session
+from geoswarm.client.administration import Operations, Session
 from geoswarm.client.calls import API, JSON_BODY, Call, present, reader
-from geoswarm.client.models import ForwardModel, ForwardModelInfo, Health, Worker
+from geoswarm.client.models import ForwardModel, ForwardModelInfo, Health
+from geoswarm.records.key import Key, NewKey, Role
+from geoswarm.records.worker import Worker
 
 __all__ = [
     "create_key",

@@ -2,85 +2,73 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias
+import math
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from geoswarm.solver.forward.continuum.quantity import ValueRange
+from geoswarm.solver.laws.base import Law, Setting
+from geoswarm.solver.laws.registry import installed_laws
+from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = [
-    "ElasticSection",
-    "InterfaceSection",
-    "MaterialSection",
-    "MohrCoulombSection",
-    "SoftSoilCreepSection",
-]
+__all__ = ["InterfaceSection", "LawSection", "MaterialSection", "law_section"]
 
-_Modulus: TypeAlias = Annotated[Any, ValueRange("kPa", 0.0, lower_open=True)]
-_Poisson: TypeAlias = Annotated[Any, ValueRange("", 0.0, upper=0.4999)]
-_Weight: TypeAlias = Annotated[Any, ValueRange("kN/m^3", 0.0)]
 _Cohesion: TypeAlias = Annotated[Any, ValueRange("kPa", 0.0)]
-_Angle: TypeAlias = Annotated[Any, ValueRange("degree", 0.0, upper=89.0)]
-_Index: TypeAlias = Annotated[Any, ValueRange("", 0.0, lower_open=True)]
+_Angle: TypeAlias = Annotated[Any, ValueRange("degree", 0.0, upper=90.0, upper_open=True)]
 
 
-class _Material(BaseModel):
+class LawSection(BaseModel):
+    """A soil: what all laws have in common; each law adds its parameters and settings."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    unit_weight: _Weight = Field(0.0, description="Unit weight, kN/m³.")
+    of: ClassVar[Law]
 
-
-class _ElasticMaterial(_Material):
-    E: _Modulus | None = Field(None, description="Young's modulus, kPa; or give G.")
-    G: _Modulus | None = Field(None, description="Shear modulus, kPa; or give E.")
-    nu: _Poisson = Field(description="Poisson's ratio.")
+    law: str
+    unit_weight: Annotated[Any, ValueRange("kN/m^3", 0.0)] = Field(0.0, description="Unit weight, kN/m³.")
 
     @model_validator(mode="after")
-    def _one_modulus(self) -> _ElasticMaterial:
-        if (self.E is None) == (self.G is None):
-            raise ValueError("exactly one of E and G is accepted")
+    def _consistent(self) -> LawSection:
+        given = frozenset(info.name for info in self.of.parameters if getattr(self, info.name) is not None)
+        fault = self.of.incomplete(given)
+        if fault is not None:
+            raise ValueError(fault)
         return self
 
 
-class ElasticSection(_ElasticMaterial):
-    """Linear elastic."""
-
-    law: Literal["elastic"] = "elastic"
-
-
-class MohrCoulombSection(_ElasticMaterial):
-    """Linear elastic, perfectly plastic with the strength of Mohr and Coulomb."""
-
-    law: Literal["mohr_coulomb"] = "mohr_coulomb"
-    c: _Cohesion = Field(description="Cohesion, kPa.")
-    phi: _Angle = Field(description="Friction angle, degree.")
-    psi: _Angle = Field(0.0, description="Dilatancy angle, degree, at most phi.")
-    tension_cutoff: _Cohesion | None = Field(0.0, description="Largest admissible tension, kPa; null for no cut-off.")
-
-
-class SoftSoilCreepSection(_Material):
-    """Soft soil creep, as in the laboratory tests."""
-
-    law: Literal["soft_soil_creep"] = "soft_soil_creep"
-    lambda_star: _Index = Field(description="Modified compression index.")
-    kappa_star: _Index = Field(description="Modified swelling index.")
-    mu_star: _Index = Field(description="Modified creep index.")
-    c: _Cohesion = Field(description="Cohesion, kPa.")
-    phi: _Angle = Field(description="Friction angle, degree.")
-    psi: _Angle = Field(0.0, description="Dilatancy angle, degree, at most phi.")
-    nu_ur: _Poisson = Field(0.15, description="Poisson's ratio for unloading and reloading.")
-    K0nc: Annotated[Any, ValueRange("", 0.0, lower_open=True, upper=0.999)] | None = Field(
-        None, description="Stress ratio of normally consolidated compression; 1 - sin(phi) unless K0nc or M is given."
+def _parameter_field(law: Law, info: ParameterInfo) -> Any:
+    derived = info.name in law.derived
+    limits = ValueRange(
+        info.unit,
+        -math.inf if info.lower is None else info.lower,
+        info.lower_open or derived,  # what follows from others is left out, or None
+        math.inf if info.upper is None else info.upper,
+        info.upper_open,
     )
-    M: _Index | None = Field(None, description="Slope of the tops of the ellipses; from K0nc unless given.")
-    OCR: Annotated[Any, ValueRange("", 1.0)] = Field(
-        1.0,
-        description="Initial overconsolidation ratio p_p/p_eq; both hold c cot(phi) if the formulation is translated.",
-    )
-    formulation: Literal["translated", "untranslated"] = Field(
-        "translated", description="Whether stiffness and creep see the mean stress shifted by c cot(phi)."
-    )
-    tension_cutoff: _Cohesion | None = Field(0.0, description="Largest admissible tension, kPa; null for no cut-off.")
+    kind: Any = Annotated[Any, limits]
+    text = f"{info.description.rstrip('.')} [{info.unit}]." if info.unit else info.description
+    if derived:
+        return (kind | None, Field(None, description=text))
+    return (kind, Field(... if info.default is None else info.default, description=text))
+
+
+def _setting_field(one: Setting) -> Any:
+    if one.choices:
+        return (Literal[one.choices], Field(one.default, description=one.description))
+    return (Annotated[Any, ValueRange(one.unit, one.lower)] | None, Field(one.default, description=one.description))
+
+
+def law_section(law: Law) -> type[LawSection]:
+    """Make the section of a law's soils from what the law declares."""
+    fields: dict[str, Any] = {"law": (Literal[law.kind], law.kind)}
+    fields |= {info.name: _parameter_field(law, info) for info in law.parameters}
+    fields |= {one.name: _setting_field(one) for one in law.settings}
+    made = create_model(f"{type(law).__name__}Section", __base__=LawSection, __doc__=f"{law.title}.", **fields)
+    made.of = law
+    return made
 
 
 class InterfaceSection(BaseModel):
@@ -101,7 +89,10 @@ class InterfaceSection(BaseModel):
     tension_cutoff: _Cohesion = Field(0.0, description="Largest admissible tension, kPa.")
 
 
-MaterialSection: TypeAlias = Annotated[
-    ElasticSection | MohrCoulombSection | SoftSoilCreepSection | InterfaceSection, Field(discriminator="law")
-]
-"""Any material, told apart by its law."""
+if TYPE_CHECKING:
+    MaterialSection: TypeAlias = LawSection | InterfaceSection
+else:
+    MaterialSection = Annotated[
+        reduce(or_, [*(law_section(law) for law in installed_laws()), InterfaceSection]), Field(discriminator="law")
+    ]
+    """A soil of any installed law, or an interface, told apart by its law."""

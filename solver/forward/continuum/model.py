@@ -16,10 +16,10 @@ from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.forward.continuum.body import BodySections
-from geoswarm.solver.forward.continuum.materials import SoftSoilCreepSection
+from geoswarm.solver.forward.continuum.materials import LawSection
 from geoswarm.solver.forward.continuum.quantity import Quantity, quantities_in, value_of
 from geoswarm.solver.forward.continuum.translation import control_of, material_of, phases_of
-from geoswarm.solver.forward.soil import inadmissible_soil, soil_parameters
+from geoswarm.solver.laws.registry import find_law
 
 __all__ = ["BodyModel", "BodyRun"]
 
@@ -89,7 +89,8 @@ class BodyModel(ABC):
 
     @cached_property
     def _parameters(self) -> tuple[ParameterInfo, ...]:
-        known = {info.name: info for info in soil_parameters()}
+        used = [find_law(one.law) for one in self.body.materials.values() if isinstance(one, LawSection)]
+        known = {info.name: info for law in reversed(used) for info in law.parameters}
         found = []
         for name, users in self._quantities.items():
             alone = [quantity for quantity in users if quantity.expression.text == name]
@@ -189,7 +190,7 @@ class BodyModel(ABC):
                         quantity.value(values)
             for name, section in self.body.materials.items():
                 complete = {inner for q in quantities_in(section) for inner in q.expression.names} <= values.keys()
-                if isinstance(section, SoftSoilCreepSection):
+                if isinstance(section, LawSection):
                     message = _soil_fault(section, values)
                     if message is not None:
                         return f"material {name}: {message}"
@@ -253,15 +254,15 @@ class BodyModel(ABC):
         return BodyRun(mesh, tuple(results), offsets)
 
 
-def _soil_fault(section: SoftSoilCreepSection, values: Mapping[str, float]) -> str | None:
-    """What is wrong with those soil constants that are known."""
+def _soil_fault(section: LawSection, values: Mapping[str, float]) -> str | None:
+    """What is wrong with those soil parameters that are known."""
     known = {}
-    for info in soil_parameters():
-        given = getattr(section, info.name, None)
+    for info in section.of.parameters:
+        given = getattr(section, info.name)
         if given is None or (isinstance(given, Quantity) and not given.expression.names <= values.keys()):
             continue
         known[info.name] = value_of(given, values)
-    return inadmissible_soil(soil_parameters(), known)
+    return section.of.inadmissible(known)
 
 
 class _Wanted:

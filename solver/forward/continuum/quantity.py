@@ -37,6 +37,7 @@ class ValueRange:
     lower: float = -math.inf
     lower_open: bool = False
     upper: float = math.inf
+    upper_open: bool = False
 
     def parse(self, value: Any) -> Any:
         """Return a float, or a Quantity for an expression with names."""
@@ -62,13 +63,14 @@ class ValueRange:
     def fault(self, value: float) -> str | None:
         """What is wrong with a value, and what is accepted, or None."""
         above = value > self.lower or (value == self.lower and not self.lower_open)
-        if math.isfinite(value) and above and value <= self.upper:
+        below = value < self.upper or (value == self.upper and not self.upper_open)
+        if math.isfinite(value) and above and below:
             return None
         parts = []
         if self.lower > -math.inf:
             parts.append(f"{'above' if self.lower_open else 'at least'} {self.lower:g}")
         if self.upper < math.inf:
-            parts.append(f"at most {self.upper:g}")
+            parts.append(f"{'below' if self.upper_open else 'at most'} {self.upper:g}")
         return f"{f'{value:g} {self.unit}'.strip()}: {' and '.join(parts) or 'a finite number'} is accepted"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -82,7 +84,7 @@ class ValueRange:
         if self.lower > -math.inf:
             limits["exclusiveMinimum" if self.lower_open else "minimum"] = self.lower
         if self.upper < math.inf:
-            limits["maximum"] = self.upper
+            limits["exclusiveMaximum" if self.upper_open else "maximum"] = self.upper
         return {"anyOf": [{"type": "number", **limits}, {"type": "string"}]}
 
 

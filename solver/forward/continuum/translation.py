@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, Material, MohrCoulomb, SoftSoilCreepMaterial
+from geoswarm.solver.fem.materials import InterfaceMaterial, Material
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.forward.continuum.body import BodySections, ControlSection
-from geoswarm.solver.forward.continuum.materials import (
-    ElasticSection,
-    InterfaceSection,
-    MaterialSection,
-    MohrCoulombSection,
-    SoftSoilCreepSection,
-)
+from geoswarm.solver.forward.continuum.materials import InterfaceSection, MaterialSection
 from geoswarm.solver.forward.continuum.phases import LoadSection
 from geoswarm.solver.forward.continuum.quantity import Number, value_of
+from geoswarm.solver.laws.registry import find_law
 
 __all__ = ["control_of", "material_of", "phases_of"]
 
@@ -69,29 +63,12 @@ def _material(section: MaterialSection, values: Mapping[str, float]) -> AnyMater
             number(section.psi),
             number(section.tension_cutoff),
         )
-    weight = number(section.unit_weight)
-    if isinstance(section, SoftSoilCreepSection):
-        soil = soft_soil_creep(
-            number(section.lambda_star),
-            number(section.kappa_star),
-            number(section.mu_star),
-            number(section.c),
-            number(section.phi),
-            number(section.psi),
-            number(section.nu_ur),
-            optional(section.K0nc),
-            optional(section.M),
-            formulation=section.formulation,
-            tension_cutoff=optional(section.tension_cutoff),
-        )
-        return SoftSoilCreepMaterial(soil, weight, number(section.OCR))
-    nu = number(section.nu)
-    young = number(section.E) if section.E is not None else 2.0 * (1.0 + nu) * number(section.G)
-    if isinstance(section, ElasticSection):
-        return LinearElastic(young, nu, weight)
-    assert isinstance(section, MohrCoulombSection)
-    strength = number(section.c), number(section.phi), number(section.psi), optional(section.tension_cutoff)
-    return MohrCoulomb(young, nu, *strength, weight)
+    law = find_law(section.law)
+    given = {name: optional(getattr(section, name)) for name in (info.name for info in law.parameters)}
+    for one in law.settings:
+        chosen = getattr(section, one.name)
+        given[one.name] = chosen if one.choices else optional(chosen)
+    return Material(law.soil(given), number(section.unit_weight))
 
 
 def phases_of(

@@ -11,7 +11,7 @@ import pytest
 from geoswarm.cli import kernels
 from geoswarm.cli.kernels import COMPILING, ready
 from geoswarm.cli.submit import follow
-from geoswarm.client.models import Event
+from geoswarm.client import Event
 from geoswarm.solver import warm
 from tests.solver.problems import decay_problem
 
@@ -70,8 +70,8 @@ def test_who_watches_a_job_is_told(capsys: pytest.CaptureFixture[str]) -> None:
 
     class Client:
         def wait(self, _job_id: str, on_event: Any) -> Any:
-            on_event(Event(1, "kernels", {"seconds": None}))
-            on_event(Event(2, "kernels", {"seconds": 52.0}))
+            on_event(Event(id=1, kind="kernels", data={"seconds": None}))
+            on_event(Event(id=2, kind="kernels", data={"seconds": 52.0}))
             return job
 
     client: Any = Client()

@@ -9,7 +9,7 @@ import pytest
 
 from geoswarm.cli.failures import show_failures
 from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
-from geoswarm.client import Evaluation
+from tests.geoswarm.records.made import evaluation
 
 
 @pytest.mark.parametrize(
@@ -78,8 +78,8 @@ def test_what_others_wrote_cannot_steer_the_terminal(capsys: pytest.CaptureFixtu
     echo_facts("run\x1b[2J", {"message": "\x1b[31mred\x07"})
     echo_table("t", ("a",), [("\x1b[31mred",)])
     note("\x1b]0;title\x07")
-    why = ("error", "first\nsecond\x1b[2J", 1, None, None, None, 0.1, "out\x1b[31m\nnext")
-    show_failures(Counter(error=1), [Evaluation(0, 0, "failed", {"a": 1.0}, None, {}, None, *why)])
+    failed = evaluation(reason="error", message="first\nsecond\x1b[2J", log="out\x1b[31m\nnext")
+    show_failures(Counter(error=1), [failed])
     captured = capsys.readouterr()
     assert "\x1b" not in captured.out + captured.err
     assert "\x07" not in captured.out + captured.err

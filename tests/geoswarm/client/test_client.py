@@ -265,7 +265,7 @@ def test_waiting_survives_a_restart_of_the_service(engine: Engine) -> None:
 def every_event(engine: Engine, job_id: str) -> list[Event]:
     found: list[Event] = []
     while batch := engine.service.events(job_id, after=found[-1].id if found else 0):
-        found += [Event(view.id, view.kind, view.data) for view in batch]
+        found += [Event(id=view.id, kind=view.kind, data=view.data) for view in batch]
     return found
 
 

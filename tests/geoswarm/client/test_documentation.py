@@ -20,7 +20,7 @@ HTTP = (DOCS / "http-api.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", CLIENT, re.DOTALL)
 
 
-@pytest.mark.parametrize("number", range(4))
+@pytest.mark.parametrize("number", range(5))
 def test_examples_of_the_client_run(
     server: LiveServer,
     tmp_path: Path,
@@ -28,13 +28,13 @@ def test_examples_of_the_client_run(
     capsys: pytest.CaptureFixture[str],
     number: int,
 ) -> None:
-    assert len(BLOCKS) == 4
+    assert len(BLOCKS) == 5
     (tmp_path / "problem.yaml").write_text(json.dumps(line_problem(name=f"documentation {number}")))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GEOSWARM_URL", server.url)
     (tmp_path / "example.py").write_text(BLOCKS[number])
     runpy.run_path(str(tmp_path / "example.py"))
-    expected = ["finished", "60 evaluations, about", "good fits", "finished"][number]
+    expected = ["finished", "60 evaluations, about", "b undecided", "good fits", "finished"][number]
     assert expected in capsys.readouterr().out
 
 

@@ -8,8 +8,8 @@ import httpx
 import pytest
 
 from geoswarm import Client, ConnectionFailedError, NotFoundError, ServerError
+from geoswarm.client import Event
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
-from geoswarm.client.models import Event
 from geoswarm.client.sse import EventReader
 from tests.api.conftest import LiveServer, line_problem
 
@@ -26,7 +26,10 @@ def test_events_comments_and_unknown_fields() -> None:
         ": alive\n\n"
         'id: 5\nevent:generation\ndata:{"number":\ndata:0}\nnew: field\n\n'
     )
-    assert feed(reader, text) == [Event(4, "state", {"state": "running"}), Event(5, "generation", {"number": 0})]
+    assert feed(reader, text) == [
+        Event(id=4, kind="state", data={"state": "running"}),
+        Event(id=5, kind="generation", data={"number": 0}),
+    ]
     assert reader.last_id == 5
 
 
@@ -34,7 +37,7 @@ def test_an_incomplete_event_is_not_one() -> None:
     reader = EventReader(3)
     assert feed(reader, 'id: 4\nevent: state\ndata: {"st') == []
     reader.reset()
-    assert feed(reader, "\n\nid: 5\ndata: {}\n\n") == [Event(5, "message", {})]
+    assert feed(reader, "\n\nid: 5\ndata: {}\n\n") == [Event(id=5, kind="message", data={})]
     assert feed(reader, "id: x\ndata: {}\n\n") == []
     assert reader.last_id == 5
 
@@ -96,7 +99,7 @@ def test_the_end_of_a_job_ends_the_stream() -> None:
     ours = follower()
     lines = ["id: 9", "event: state", 'data: {"state": "cancelled"}', ""]
     events = [event for line in lines if (event := ours.hear(line)) is not None]
-    assert events == [Event(9, "state", {"state": "cancelled"})]
+    assert events == [Event(id=9, kind="state", data={"state": "cancelled"})]
     assert ours.ended
     assert ours.last_id == 9
 

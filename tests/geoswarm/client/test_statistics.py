@@ -21,12 +21,12 @@ def job(client: Client) -> str:
 
 def test_statistics_and_other_weights(client: Client, job: str) -> None:
     found = client.statistics(job)
-    assert [v["parameter"] for v in found["verdicts"]] == ["a", "b"]
-    assert found["samples"]["total"] == 60
-    assert client.statistics(job, threshold=2.0)["threshold"]["value"] == 2.0
+    assert [verdict.parameter for verdict in found.verdicts] == ["a", "b"]
+    assert found.samples.total == 60
+    assert client.statistics(job, threshold=2.0).threshold.value == 2.0
     after = client.reweight(job, weights={"y": 3.0})
-    assert after["weights"][0]["weight"] == 3.0
-    assert after["best"]["objective"] == pytest.approx(3.0 * (client.get(job).objective or 0.0), rel=1e-12)
+    assert after.weights[0].weight == 3.0
+    assert after.best.objective == pytest.approx(3.0 * (client.get(job).objective or 0.0), rel=1e-12)
 
 
 def test_report_and_figures_show_in_a_notebook(client: Client, job: str) -> None:

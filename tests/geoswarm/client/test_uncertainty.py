@@ -26,11 +26,14 @@ def test_follow_ups_one_after_the_other(client: Client, job: str) -> None:
     client.wait(client.profile(job, noise={"y": 0.05}).id, timeout=60.0)
     client.wait(client.global_sensitivity(job, kind="morris", samples=8).id, timeout=60.0)
     found = client.uncertainty(job, noise=0.05)
-    assert [p["parameter"] for p in found["profiles"]] == ["a", "b"]
-    assert [f["kind"] for f in found["follow_ups"]] == ["morris", "profile", "sensitivity"]
+    assert [profile.parameter for profile in found.profiles] == ["a", "b"]
+    assert [follow_up.kind for follow_up in found.follow_ups] == ["morris", "profile", "sensitivity"]
     assert client.figure(job, "profiles", form="csv").content.startswith(b"parameter,value,objective")
-    assert client.statistics(job, noise=0.05)["linearisation"]["noise"]["origin"] == "known"
-    assert client.posterior(job, noise={"y": 0.05})["trusted"]
+    linearisation = client.statistics(job, noise=0.05).linearisation
+    assert linearisation is not None
+    assert linearisation.noise is not None
+    assert linearisation.noise.origin == "known"
+    assert client.posterior(job, noise={"y": 0.05}).trusted
     assert "posterior" in client.figures(job, posterior=True)
     assert client.report_pdf(job, posterior=True).startswith(b"%PDF-")
 
@@ -44,4 +47,4 @@ def test_the_asynchronous_client_does_the_same(server: LiveServer, job: str) -> 
 
     evaluations, found = asyncio.run(ask())
     assert evaluations == 9 + 4  # the optimum and four places a parameter, and the ends of both intervals
-    assert found["linearisation"]["parameters"]["b"]["value"] == 2.0
+    assert found.linearisation.parameters["b"].value == 2.0

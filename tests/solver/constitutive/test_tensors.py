@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoswarm.solver.constitutive.elastic import isotropic_stiffness, linear_elastic
 from geoswarm.solver.constitutive.tensors import flip_sign, principal_axes, rotation_matrix, solve_dense
 
 
@@ -56,13 +55,3 @@ def test_flipping_the_sign_twice_changes_nothing() -> None:
     stress = np.array([1.0, -2.0, 3.0, 0.5, 0.0, -4.0])
     assert (flip_sign(stress) == -stress).all()
     assert (flip_sign(flip_sign(stress)) == stress).all()
-
-
-def test_linear_elasticity_follows_hooke() -> None:
-    young, poisson = 1000.0, 0.3
-    strain = np.array([-0.3e-3, -0.3e-3, 1.0e-3, 0.4e-3, 0.0, 0.0])
-    before = np.zeros(6)
-    stress, tangent = linear_elastic(before, strain, young, poisson)
-    assert stress == pytest.approx([0.0, 0.0, 1.0, 0.4e-3 * young / 2.6, 0.0, 0.0], abs=1.0e-12)
-    assert tangent == pytest.approx(isotropic_stiffness(young / 1.2, young / 2.6), rel=1.0e-14)
-    assert not before.any()

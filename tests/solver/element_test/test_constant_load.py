@@ -12,8 +12,9 @@ from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivale
 from geoswarm.solver.element_test.axial import confined_load, lateral_limits
 from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
 from geoswarm.solver.element_test.controls import Stage
-from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load as load_stage
+from tests.soils import creep_law, creep_point
 
 STRESSES = (9.0, 25.0, 100.0, 400.0, 100.0, 20.0, 200.0)
 DURATIONS = (2.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.5)
@@ -80,9 +81,9 @@ def test_values_do_not_depend_on_the_other_points() -> None:
 def test_the_general_driver_gives_the_same(name: str) -> None:
     soil = SOILS[name]
     lateral = 0.2 * soil.K0nc
-    start = PointState.from_stress([lateral, lateral, 0.2, 0.0, 0.0, 0.0], soil)
+    start = creep_point([lateral, lateral, 0.2, 0.0, 0.0, 0.0], soil)
     stages: list[Stage] = [load_stage(stress, time) for stress, time in zip(STRESSES, DURATIONS, strict=True)]
-    general = follow(soil, start, stages, [[0.3 * time, time] for time in DURATIONS], tolerance=1.0e-5)
+    general = follow(creep_law(soil), start, stages, [[0.3 * time, time] for time in DURATIONS], tolerance=1.0e-5)
     _, fast, _ = history(soil, 1.0e-7, (0.3, 1.0))
     assert general.strain[:, 2] == pytest.approx(fast[:, 0], abs=2.0e-6)
     assert np.abs(general.strain[:, [0, 1, 3, 4, 5]]).max() < 1.0e-10

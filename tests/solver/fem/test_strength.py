@@ -8,17 +8,18 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.fem.body import Body, State
-from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb
+from geoswarm.solver.fem.materials import InterfaceMaterial, Material
 from geoswarm.solver.fem.strength import associated, missing_strength, strengthened
+from tests.soils import elastic, mohr_coulomb, soil_arrays
 
 
-def _body(soil: MohrCoulomb | LinearElastic, joint: InterfaceMaterial) -> Body:
+def _body(soil: Material, joint: InterfaceMaterial) -> Body:
     return Body(
         False,
         False,
         np.zeros((1, 6), dtype=np.int32),
         np.zeros(1, dtype=np.int64),
-        soil.constants()[np.newaxis],
+        *soil_arrays(soil),
         np.zeros((1, 6), dtype=np.int32),
         np.zeros(1, dtype=np.int64),
         joint.constants()[np.newaxis],
@@ -32,20 +33,20 @@ def _state(stress: tuple[float, float, float, float], traction: tuple[float, flo
     blank = np.zeros((1, 3))
     return State(
         np.tile(np.array(stress), (1, 3, 1)),
-        blank,
+        np.zeros((1, 3, 0)),
         np.zeros((1, 3), dtype=np.bool_),
         np.tile(np.array(traction), (1, 3, 1)),
         blank.copy(),
     )
 
 
-SOIL = MohrCoulomb(1.0e4, 0.3, 2.0, 30.0, 10.0, 0.0)
+SOIL = mohr_coulomb(1.0e4, 0.3, 2.0, 30.0, 10.0, 0.0)
 JOINT = InterfaceMaterial(1.0e5, 1.0e5, 1.0, 20.0)
 
 
 def test_stresses_within_the_limits_need_nothing() -> None:
     assert missing_strength(_body(SOIL, JOINT), _state((-10.0, -20.0, -12.0, 0.0), (-10.0, 3.0))) is None
-    assert missing_strength(_body(LinearElastic(1.0e4, 0.3), JOINT), _state((9.0, 0.0, 0.0, 50.0), (0.0, 0.5))) is None
+    assert missing_strength(_body(elastic(1.0e4, 0.3), JOINT), _state((9.0, 0.0, 0.0, 50.0), (0.0, 0.5))) is None
 
 
 def test_cohesion_and_cut_off_are_missing_as_by_mohrs_circle() -> None:
@@ -74,6 +75,6 @@ def test_strength_fades_to_that_of_the_body() -> None:
 
 def test_associated_flow_changes_the_dilatancy_alone() -> None:
     flowing = associated(_body(SOIL, JOINT))
-    same = MohrCoulomb(1.0e4, 0.3, 2.0, 30.0, 30.0, 0.0), InterfaceMaterial(1.0e5, 1.0e5, 1.0, 20.0, 20.0)
-    assert np.array_equal(flowing.constants[0], same[0].constants())
+    same = mohr_coulomb(1.0e4, 0.3, 2.0, 30.0, 30.0, 0.0), InterfaceMaterial(1.0e5, 1.0e5, 1.0, 20.0, 20.0)
+    assert np.array_equal(flowing.constants[0], same[0].soil.constants)
     assert np.array_equal(flowing.interface_constants[0], same[1].constants())

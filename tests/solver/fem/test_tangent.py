@@ -10,21 +10,14 @@ import pytest
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
 from geoswarm.solver.fem.body import Body, State
-from geoswarm.solver.fem.materials import (
-    CONSTANTS,
-    INTERFACE_CONSTANTS,
-    InterfaceMaterial,
-    LinearElastic,
-    Material,
-    MohrCoulomb,
-    SoftSoilCreepMaterial,
-)
+from geoswarm.solver.fem.materials import INTERFACE_CONSTANTS, InterfaceMaterial, Material
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.newton import assemble
 from geoswarm.solver.fem.setup import edge_owners, elements_of
+from tests.soils import creeping, elastic, mohr_coulomb, soil_arrays
 from tests.verification.fem.bodies import block, graded, moved, stacked
 
-CREEP = SoftSoilCreepMaterial(soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0, 3.0))
+CREEP = creeping(soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0, 3.0))
 LOAD = np.array([-30.0, 4.0, 7.0, 3.0, 2.0, 5.0, 0.3])
 
 
@@ -41,7 +34,7 @@ def _remainders(
     traction = np.tile([-20.0, 4.0], (mesh.interfaces.shape[0], 3, 1))
     old = State(
         stress,
-        np.full(stress.shape[:2], math.log(60.0)),
+        np.full((*stress.shape[:2], 1), math.log(60.0)),
         np.zeros(stress.shape[:2], dtype=np.bool_),
         traction,
         np.zeros(traction.shape[:2]),
@@ -55,7 +48,7 @@ def _remainders(
         updated,
         mesh.triangles,
         np.zeros(mesh.triangles.shape[0], dtype=np.int64),
-        material.constants().reshape(-1, CONSTANTS),
+        *soil_arrays(material),
         mesh.interfaces,
         np.zeros(mesh.interfaces.shape[0], dtype=np.int64),
         joint,
@@ -92,8 +85,8 @@ def _remainders(
 @pytest.mark.parametrize(
     ("material", "log_time"),
     [
-        (LinearElastic(1.0e3, 0.3), -math.inf),
-        (MohrCoulomb(1.0e3, 0.3, 5.0, 25.0, 5.0), -math.inf),
+        (elastic(1.0e3, 0.3), -math.inf),
+        (mohr_coulomb(1.0e3, 0.3, 5.0, 25.0, 5.0), -math.inf),
         (CREEP, 1.0),
         (CREEP, -math.inf),
     ],
@@ -114,11 +107,11 @@ def test_the_tangent_with_interfaces(updated: bool, axisymmetric: bool) -> None:
     lower = moved(block(graded(1.0, 3.0, 2), graded(0.0, 1.0, 1), name="lower"), lambda x: x)
     upper = moved(block(graded(1.0, 3.0, 2), graded(0.0, 1.0, 1), name="upper"), lambda x: x + np.array([0.0, 1.0]))
     mesh = moved(stacked(lower, upper), lambda x: x + np.column_stack([0.0 * x[:, 0], 0.1 * x[:, 0] ** 2]))
-    remainders = _remainders(mesh, LinearElastic(1.0e3, 0.3), axisymmetric, updated, -math.inf)
+    remainders = _remainders(mesh, elastic(1.0e3, 0.3), axisymmetric, updated, -math.inf)
     assert min(remainders) < 1.0e-7
 
 
 def test_the_remainder_is_of_second_order() -> None:
     mesh = block(graded(1.0, 4.0, 3), graded(0.0, 1.0, 2), distortion=0.2)
-    first, second, _ = _remainders(mesh, LinearElastic(1.0e3, 0.3), True, True, -math.inf, 1.0e-3)
+    first, second, _ = _remainders(mesh, elastic(1.0e3, 0.3), True, True, -math.inf, 1.0e-3)
     assert math.log10(first / second) == pytest.approx(2.0, abs=0.3)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.errors import DivergedError
-from geoswarm.solver.fem.materials import LinearElastic, MohrCoulomb
+from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
+from tests.soils import elastic, mohr_coulomb
 from tests.verification.fem.bodies import block, graded, moved
 
 __all__ = ["LENGTH", "WEIGHT", "InfiniteSlope"]
@@ -49,10 +50,10 @@ class InfiniteSlope:
             math.atan((self.safety * weight * math.sin(a) * math.cos(a) - self.c) / (weight * math.cos(a) ** 2))
         )
 
-    def soil(self) -> MohrCoulomb:
+    def soil(self) -> Material:
         """Its material."""
         phi = self.friction
-        return MohrCoulomb(YOUNG, POISSON, self.c, phi, self.dilatancy * phi, self.cutoff, WEIGHT)
+        return mohr_coulomb(YOUNG, POISSON, self.c, phi, self.dilatancy * phi, self.cutoff, WEIGHT)
 
     def calculate(self) -> PhaseResult:
         """Elastic under its weight, then with its strength; DivergedError where it does not stand."""
@@ -70,9 +71,7 @@ class InfiniteSlope:
             Traction("right", x_slope=-sigma_x, y_slope=sigma_x * tangent, level=-length * tangent),
         )
         held = (Fixity("bottom", x=0.0, y=0.0),)
-        weight = Phase(
-            "weight", "gravity", {"soil": LinearElastic(YOUNG, POISSON, WEIGHT)}, fixities=held, tractions=ends
-        )
+        weight = Phase("weight", "gravity", {"soil": elastic(YOUNG, POISSON, WEIGHT)}, fixities=held, tractions=ends)
         return solve_phases(mesh, [weight, Phase("strength", materials={"soil": self.soil()})], control=Control())[-1]
 
     def stands(self) -> bool:

@@ -9,13 +9,15 @@ import pytest
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
-from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load, isotropic_load
-from geoswarm.solver.fem.materials import SoftSoilCreepMaterial
+from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
+from geoswarm.solver.laws.soft_soil_creep import creep_constants
+from tests.soils import creep_law, creep_point, creeping
 from tests.verification.fem.bodies import block, graded, node_at
 
 STAGES = ((100.0, 1.0), (200.0, 1.0), (400.0, 1.0), (400.0, 99.0))
@@ -23,8 +25,8 @@ TWO = block(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
 Test = Literal["oedometer", "isotropic"]
 
 
-def _soil(c: float = 0.0) -> SoftSoilCreepMaterial:
-    return SoftSoilCreepMaterial(soft_soil_creep(0.10, 0.02, 0.005, c, 30.0, K0nc=0.5), OCR=1.3)
+def _soil(c: float = 0.0) -> Material:
+    return creeping(soft_soil_creep(0.10, 0.02, 0.005, c, 30.0, K0nc=0.5), OCR=1.3)
 
 
 def _elements(mesh: Mesh, test: Test, *, updated: bool = False, time_tolerance: float = 1.0e-4) -> list[PhaseResult]:
@@ -69,12 +71,12 @@ def _elements(mesh: Mesh, test: Test, *, updated: bool = False, time_tolerance: 
 
 def _point(test: Test) -> FloatArray:
     """Axial strain at the times of :func:`_elements`, (stages, times)."""
-    soil = _soil().soil
+    soil = creep_constants(_soil().soil.constants)
     lateral = 25.0 if test == "oedometer" else 50.0
     stage = confined_load if test == "oedometer" else isotropic_load
-    start = PointState.from_stress([lateral, lateral, 50.0, 0.0, 0.0, 0.0], soil, OCR=1.3)
+    start = creep_point([lateral, lateral, 50.0, 0.0, 0.0, 0.0], soil, OCR=1.3)
     times = [np.linspace(0.0, duration, 5) for _, duration in STAGES]
-    history = follow(soil, start, [stage(*one) for one in STAGES], times)
+    history = follow(creep_law(soil), start, [stage(*one) for one in STAGES], times)
     axial: FloatArray = history.strain[:, 2].reshape(len(STAGES), -1)
     return axial
 
@@ -118,7 +120,7 @@ def test_weight_adds_what_half_the_height_of_soil_weighs() -> None:
         Phase(
             "start",
             "K0",
-            materials={"soil": SoftSoilCreepMaterial(soil, weight, OCR=1.3)},
+            materials={"soil": creeping(soil, weight, OCR=1.3)},
             surcharge=50.0,
             fixities=(Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", y=0.0)),
         ),
@@ -132,8 +134,8 @@ def test_weight_adds_what_half_the_height_of_soil_weighs() -> None:
     column = 0.0
     for depth in depths:
         own = weight * depth
-        start = PointState.from_stress([0.5 * (50.0 + own), 0.5 * (50.0 + own), 50.0 + own, 0, 0, 0], soil, OCR=1.3)
-        history = follow(soil, start, [confined_load(100.0 + own, 1.0)], [[1.0]])
+        start = creep_point([0.5 * (50.0 + own), 0.5 * (50.0 + own), 50.0 + own, 0, 0, 0], soil, OCR=1.3)
+        history = follow(creep_law(soil), start, [confined_load(100.0 + own, 1.0)], [[1.0]])
         column += float(history.strain[-1, 2]) / depths.size
     assert settlement == pytest.approx(column, rel=1.0e-3)
     assert settlement < 0.99 * 0.048785

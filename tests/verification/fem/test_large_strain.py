@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.fem.materials import LinearElastic
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import Calculation, solve_phases
+from tests.soils import elastic
 from tests.verification.fem.bodies import block, graded
 
 CLOSE = Control(tolerance=1.0e-9)
@@ -31,7 +31,7 @@ def test_a_turn_by_360_degree_keeps_the_stress() -> None:
         Phase(
             "start",
             "K0",
-            materials={"soil": LinearElastic(1.0e4, 0.3)},
+            materials={"soil": elastic(1.0e4, 0.3)},
             initial_stress=lambda x: np.tile(stress, (x.shape[0], 1)),
         )
     )
@@ -54,7 +54,7 @@ def _sheared(steps: int) -> FloatArray:
     change = np.column_stack([2.0 * mesh.nodes[:, 1], 0.0 * mesh.nodes[:, 0]])
     phase = Phase(
         "shear",
-        materials={"soil": LinearElastic(2.6e3, 0.3)},
+        materials={"soil": elastic(2.6e3, 0.3)},
         fixities=_everywhere(mesh, change),
         updated_mesh=True,
         load_step=1.0 / steps,
@@ -80,7 +80,7 @@ def test_large_compaction_is_logarithmic(geometry: str) -> None:
     stiffness = 1.0e4 * 0.7 / (1.3 * 0.4)
     phase = Phase(
         "compaction",
-        materials={"soil": LinearElastic(1.0e4, 0.3)},
+        materials={"soil": elastic(1.0e4, 0.3)},
         fixities=(Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", y=0.0)),
         tractions=(Traction("top", normal=-0.23026 * stiffness),),
         updated_mesh=True,
@@ -97,7 +97,7 @@ def test_a_pressure_follows_a_turning_body_only_when_asked_to(follower: bool) ->
     mesh = block(ALONG, UP)
     base = Phase(
         "pressure",
-        materials={"soil": LinearElastic(1.0e4, 0.3)},
+        materials={"soil": elastic(1.0e4, 0.3)},
         fixities=(Fixity("left", x=0.0, y=0.0),),
         tractions=(Traction("right", normal=-10.0, follower=follower),),
         updated_mesh=True,

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.errors import DivergedError
-from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb
+from geoswarm.solver.fem.materials import InterfaceMaterial
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
+from tests.soils import elastic, mohr_coulomb
 from tests.verification.fem.bodies import block, embankment, graded, moved, slope, stacked
 
 SIDES = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))
@@ -26,7 +27,7 @@ def _footing(cells: int) -> float:
     under = tuple(int(node) for node in np.unique(mesh.boundaries["top"]) if mesh.nodes[node, 0] < 1.0 + 1.0e-9)
     phase = Phase(
         "footing",
-        materials={"soil": MohrCoulomb(1.0e5, 0.49, 100.0, 0.0, tension_cutoff=None)},
+        materials={"soil": mohr_coulomb(1.0e5, 0.49, 100.0, 0.0, tension_cutoff=None)},
         fixities=(*SIDES, Fixity(under, y=-0.03)),
         load_step=0.05,
         largest_load_step=0.1,
@@ -45,7 +46,7 @@ def test_prandtl_footing_within_three_percent_and_converging() -> None:
 def _stands(mesh: Mesh, factor: float) -> bool:
     """Whether the slope of Griffiths & Lane (1999), example 1, carries its weight with its strength reduced."""
     c, phi = 10.0 / factor, math.degrees(math.atan(math.tan(math.radians(20.0)) / factor))
-    soil = MohrCoulomb(1.0e5, 0.3, c, phi, tension_cutoff=None, unit_weight=20.0)
+    soil = mohr_coulomb(1.0e5, 0.3, c, phi, tension_cutoff=None, unit_weight=20.0)
     phase = Phase("weight", "gravity", materials={"soil": soil}, fixities=SIDES[::2], load_step=0.2)
     try:
         solve_phases(mesh, [phase], control=Control(tolerance=1.0e-4, smallest_step=0.01))
@@ -80,7 +81,7 @@ def _infinite_slope(factor: float) -> bool:
         Traction("right", x_slope=-sigma_x, y_slope=-sigma_xy, level=-length * tangent),
     )
     friction = math.degrees(math.atan(strength))
-    soil = MohrCoulomb(1.0e5, 0.3, 20.0 / factor, friction, friction, unit_weight=weight)
+    soil = mohr_coulomb(1.0e5, 0.3, 20.0 / factor, friction, friction, unit_weight=weight)
     phase = Phase(
         "weight",
         "gravity",
@@ -111,7 +112,7 @@ def test_a_block_slides_on_its_interface_at_60_kn_per_metre() -> None:
     joint = InterfaceMaterial(1.0e5, 1.0e5, 2.5, math.degrees(math.atan(0.5)))
     press = Phase(
         "weight",
-        materials={"base": LinearElastic(1.0e6, 0.0), "block": LinearElastic(1.0e6, 0.0), "joint": joint},
+        materials={"base": elastic(1.0e6, 0.0), "block": elastic(1.0e6, 0.0), "joint": joint},
         fixities=(Fixity("lower bottom", x=0.0, y=0.0), Fixity("left", x=0.0)),
         tractions=(Traction("top", y=-25.0),),
     )
@@ -129,7 +130,7 @@ def test_a_lifted_block_leaves_its_interface_without_tension() -> None:
     lower = block(graded(0.0, 2.0, 2), graded(-1.0, 0.0, 1), name="base")
     upper = block(graded(0.0, 2.0, 2), graded(0.0, 1.0, 1), name="block")
     mesh = stacked(lower, upper)
-    soil = LinearElastic(1.0e6, 0.0)
+    soil = elastic(1.0e6, 0.0)
     lift = Phase(
         "lift",
         materials={"base": soil, "block": replace(soil), "joint": InterfaceMaterial(1.0e5, 1.0e5, 0.0, 30.0)},
@@ -147,12 +148,10 @@ def test_the_slope_of_the_comparison_moves_as_in_other_programs() -> None:
     20 steps, one 0.032977 m.
     """
     mesh = slope(20.0, 20.0, 10.0, (13, 13, 12), 14)
-    weight = Phase(
-        "weight", "gravity", materials={"soil": LinearElastic(1.0e5, 0.3, 20.0)}, fixities=SIDES, load_step=1.0
-    )
+    weight = Phase("weight", "gravity", materials={"soil": elastic(1.0e5, 0.3, 20.0)}, fixities=SIDES, load_step=1.0)
     largest = np.hypot(*solve_phases(mesh, [weight])[0].displacements.T).max()
     assert largest == pytest.approx(0.0304354, abs=2.0e-7)
-    soil = MohrCoulomb(1.0e5, 0.3, 10.0, 20.0, tension_cutoff=None, unit_weight=20.0)
+    soil = mohr_coulomb(1.0e5, 0.3, 10.0, 20.0, tension_cutoff=None, unit_weight=20.0)
     plastic = replace(weight, materials={"soil": soil}, load_step=0.05, largest_load_step=0.05)
     largest = np.hypot(*solve_phases(mesh, [plastic])[0].displacements.T).max()
     assert largest == pytest.approx(0.032925, abs=5.0e-6)

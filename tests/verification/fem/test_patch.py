@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.fem.materials import InterfaceMaterial, LinearElastic, MohrCoulomb
+from geoswarm.solver.fem.materials import InterfaceMaterial
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.fem.triangle import shape_functions
+from tests.soils import elastic, mohr_coulomb
 from tests.verification.fem.bodies import block, graded, moved, stacked
 
 TIGHT = Control(tolerance=1.0e-13)
-ELASTIC = LinearElastic(1.0e4, 0.3)
+ELASTIC = elastic(1.0e4, 0.3)
 
 
 def everywhere(mesh: Mesh, field: FloatArray) -> tuple[Fixity, ...]:
@@ -96,7 +97,7 @@ def test_plastic_patch_keeps_uniform_stress_at_the_limit() -> None:
     mesh = block(graded(0.0, 2.0, 3), graded(0.0, 1.0, 3), distortion=0.25)
     field = mesh.nodes * [0.01, -0.02]
     phase = Phase(
-        "patch", materials={"soil": MohrCoulomb(1.0e4, 0.3, 5.0, 25.0, 5.0)}, fixities=everywhere(mesh, field)
+        "patch", materials={"soil": mohr_coulomb(1.0e4, 0.3, 5.0, 25.0, 5.0)}, fixities=everywhere(mesh, field)
     )
     result = solve_phases(mesh, [phase], control=TIGHT)[0]
     assert result.plastic.all()

@@ -8,11 +8,12 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from geoswarm.solver.fem.materials import LinearElastic, Material, MohrCoulomb
+from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
+from tests.soils import elastic, mohr_coulomb
 from tests.verification.fem.bodies import block, graded, moved
 
 CLOSE = Control(tolerance=1.0e-9)
@@ -44,7 +45,7 @@ def test_the_elastic_cylinder_widens_as_lame_says(geometry: Literal["plane_strai
     mesh, fixities = (ring(16), RING) if geometry == "plane_strain" else (disc(16), DISC)
     phase = Phase(
         "pressure",
-        materials={"soil": LinearElastic(1.0e4, 0.3)},
+        materials={"soil": elastic(1.0e4, 0.3)},
         fixities=fixities,
         tractions=(Traction("left", normal=-100.0),),
     )
@@ -70,7 +71,7 @@ def _squeezed(material: Material, widening: float, load_step: float = 0.02) -> t
 
 
 def test_a_tresca_tube_yields_spreads_and_fails_at_its_limit_pressure() -> None:
-    tresca = MohrCoulomb(1.0e4, 0.3, 50.0, 0.0, tension_cutoff=None)
+    tresca = mohr_coulomb(1.0e4, 0.3, 50.0, 0.0, tension_cutoff=None)
     # u(a) at first yield by Lame: 37.5/100 of 0.0190667 m.
     below, state = _squeezed(tresca, 0.99 * 0.375 * 0.0190667)
     assert not state.plastic.any()
@@ -84,7 +85,7 @@ def test_the_plastic_front_of_the_tresca_tube_is_where_it_should_be() -> None:
     mesh = disc(40)
     phase = Phase(
         "pressure",
-        materials={"soil": MohrCoulomb(1.0e4, 0.3, 50.0, 0.0, tension_cutoff=None)},
+        materials={"soil": mohr_coulomb(1.0e4, 0.3, 50.0, 0.0, tension_cutoff=None)},
         fixities=DISC,
         tractions=(Traction("left", normal=-62.4215),),
         load_step=0.1,
@@ -102,7 +103,7 @@ def test_a_mohr_coulomb_tube_fails_at_its_limit_pressure(psi: float) -> None:
     c, phi = 50.0, math.radians(30.0)
     N = (1.0 + math.sin(phi)) / (1.0 - math.sin(phi))
     limit = c / math.tan(phi) * (2.0 ** (1.0 - 1.0 / N) - 1.0)
-    pressure, state = _squeezed(MohrCoulomb(1.0e4, 0.3, c, 30.0, psi, tension_cutoff=None), 0.06)
+    pressure, state = _squeezed(mohr_coulomb(1.0e4, 0.3, c, 30.0, psi, tension_cutoff=None), 0.06)
     assert state.plastic.all()
     assert pressure == pytest.approx(limit, rel=0.01)
 
@@ -112,7 +113,7 @@ def test_the_triaxial_strength_of_mohr_coulomb() -> None:
     at_rest = Phase(
         "cell",
         "K0",
-        materials={"soil": MohrCoulomb(1.0e4, 0.3, 5.0, 25.0)},
+        materials={"soil": mohr_coulomb(1.0e4, 0.3, 5.0, 25.0)},
         initial_stress=lambda x: np.tile([-100.0, -100.0, -100.0, 0.0], (x.shape[0], 1)),
         fixities=(Fixity("bottom", y=0.0), Fixity("left", x=0.0)),
         tractions=(Traction("right", normal=-100.0), Traction("top", normal=-100.0)),

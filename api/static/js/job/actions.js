@@ -2,10 +2,8 @@
 import { announce, confirmed, element, once } from "../dom.js";
 import { post, send } from "../http.js";
 import { leave } from "../pace.js";
-import { ENDED } from "../stream.js";
+import { ENDED, OPEN } from "../states.js";
 import { extend } from "./extend.js";
-
-const OPEN = ["queued", "running", "paused"];
 
 export function actions(view) {
   const place = document.getElementById("actions");
@@ -33,14 +31,14 @@ export function actions(view) {
     const list = [];
     if ((state === "queued" || state === "running") && !retrying) list.push(button("Pause", "quiet", () => post(`/jobs/${id}/pause`), "Paused."));
     if (state === "paused") list.push(button("Resume", "", () => post(`/jobs/${id}/resume`), "Resumed."));
-    if (state === "finished" || state === "cancelled" || OPEN.includes(state)) {
+    if (state === "finished" || state === "cancelled" || OPEN.has(state)) {
       list.push(element("button", { type: "button", class: "quiet", onclick: () => extend(view) }, ENDED.has(state) ? "Go on …" : "Change the end …"));
     }
     if (failed && (state === "paused" || ENDED.has(state))) {
       list.push(button("Run failed evaluations again", "quiet", () => post(`/jobs/${id}/retry-failed`), "The failed evaluations run again."));
     }
     list.push(element("a", { class: "button quiet", href: `/new?from=${id}` }, "Clone"));
-    if (OPEN.includes(state)) {
+    if (OPEN.has(state)) {
       list.push(button("Cancel", "danger", () => post(`/jobs/${id}/cancel`), "", [`End “${name}” now? What it has found stays.`, "End it"]));
     } else {
       list.push(button("Delete", "danger", async () => {

@@ -6,6 +6,8 @@ import { plot } from "../plot.js";
 import { fitPlot } from "./fit_plot.js";
 
 const words = (name) => name.replaceAll("_", " ");
+// What has a place of its own in the dialog; every other column of an evaluation is a fact.
+const PLACED = new Set(["generation", "particle", "state", "parameters", "objective", "misfits", "responses", "reason", "message", "attempts", "worker", "started_at", "finished_at", "seconds", "log"]);
 
 /** Show it in a dialog. */
 export async function openEvaluation(view, generation, particle) {
@@ -22,7 +24,8 @@ export async function openEvaluation(view, generation, particle) {
   const made = dialog(`Generation ${generation}, particle ${particle}`,
     evaluation.reason ? element("p", { class: "error" }, element("strong", {}, `Why it failed: ${words(evaluation.reason)}. `), evaluation.message ?? "") : null,
     element("dl", {}, fact("State", evaluation.state), fact(withUnit("Objective", fit.objective_unit), number(evaluation.objective, 8)),
-      fact("Time", duration(evaluation.seconds)), fact("Worker", evaluation.worker ?? "–"), fact("Finished", moment(evaluation.finished_at))),
+      fact("Time", duration(evaluation.seconds)), fact("Worker", evaluation.worker ?? "–"), fact("Finished", moment(evaluation.finished_at)),
+      Object.entries(evaluation).filter(([name]) => !PLACED.has(name)).map(([name, value]) => fact(heading(name), cell(name, value)))),
     element("div", { class: "grid" }, parameters(fit, chosen), chosen.shares.length ? shares(chosen) : null),
     drawn.length ? element("h3", {}, "Response") : null, frames,
     attempts(tries),
@@ -33,6 +36,8 @@ export async function openEvaluation(view, generation, particle) {
   await Promise.all(plots.map((one) => one.draw()));
 }
 
+const heading = (name) => words(name).replace(/^./, (first) => first.toUpperCase());
+const cell = (name, value) => value === null ? "–" : name.endsWith("_at") ? moment(value) : typeof value === "number" ? number(value, 6) : String(value);
 const fact = (name, value) => element("div", {}, element("dt", {}, name), element("dd", {}, value));
 
 function rows(title, heads, body) {

@@ -3,7 +3,7 @@ import { element, empty, failure } from "../dom.js";
 import { duration, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
-import { ENDED } from "../stream.js";
+import { ENDED, EVALUATION_STATES } from "../states.js";
 import { openEvaluation } from "./evaluation.js";
 
 const PAGE = 25, INTERVAL = 3000;
@@ -14,7 +14,7 @@ export function evaluations(view) {
   let next = null, asked = 0;
 
   const control = (label, input) => element("label", {}, label, input);
-  const state = element("select", { name: "state" }, element("option", { value: "" }, "all"), ["finished", "failed", "running", "pending"].map((name) => element("option", {}, name)));
+  const state = element("select", { name: "state" }, element("option", { value: "" }, "all"), [...EVALUATION_STATES].map((name) => element("option", {}, name)));
   const generation = element("input", { name: "generation", type: "number", min: 0, step: 1, placeholder: "all" });
   const most = element("input", { name: "max_objective", type: "number", step: "any", placeholder: "any" });
   const filters = element("form", { class: "controls", "aria-label": "Filter the evaluations" }, control("State", state), control("Generation", generation), control("Objective up to", most));

@@ -1,7 +1,7 @@
 // Change when a job ends; one that has ended goes on where it was.
 import { announce, dialog, element } from "../dom.js";
 import { get, send } from "../http.js";
-import { ENDED } from "../stream.js";
+import { ENDED } from "../states.js";
 
 const CRITERIA = [
   ["max_evaluations", "Largest number of evaluations", 1, 1],

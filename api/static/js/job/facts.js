@@ -1,7 +1,7 @@
 // The numbers at the top, and the parameters of the best evaluation.
 import { element, empty } from "../dom.js";
 import { amount, count, duration, number, symbol, withUnit } from "../format.js";
-import { ENDED } from "../stream.js";
+import { ENDED } from "../states.js";
 
 const words = (name) => name.replaceAll("_", " ");
 const HOW = { free: "searched", fixed: "fixed", linked: "linked" };

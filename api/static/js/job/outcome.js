@@ -2,7 +2,7 @@
 import { alarm } from "../alarm.js";
 import { announce, element } from "../dom.js";
 import { get } from "../http.js";
-import { ENDED } from "../stream.js";
+import { ENDED } from "../states.js";
 import { openEvaluation } from "./evaluation.js";
 
 export function outcome(view) {

@@ -4,10 +4,10 @@ import { element, once } from "../dom.js";
 import { ends, number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
+import { ENDED } from "../states.js";
 
 const BASES = { bent: " (approximate: the model bends there; profiles give it)", correlated: " (widened for correlated residuals)", uneven: " (widened for uneven residuals)", profile: " (by likelihood)" };
 const AGAIN_SECONDS = 2;
-const ENDED = ["finished", "failed", "cancelled"];
 
 export class Uncertainty {
   constructor(holder, { job, maySubmit, units, objectiveUnit, onFound }) {
@@ -44,7 +44,7 @@ export class Uncertainty {
       this.message.textContent = error.message;
       return;
     }
-    const open = found.follow_ups.filter(({ state }) => !ENDED.includes(state)).length;
+    const open = found.follow_ups.filter(({ state }) => !ENDED.has(state)).length;
     this.jobs.replaceChildren(...found.follow_ups.map(({ id, kind, state, evaluations }) => element("li", {}, element("a", { href: `/jobs/${id}` }, kind), " ", element("span", { class: `state ${state}` }, state), ` ${evaluations} evaluations`)));
     this.table.replaceChildren(...this.intervals(found));
     this.showProfiles(found.profiles);

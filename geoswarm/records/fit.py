@@ -1,0 +1,76 @@
+"""Measured points, and what single evaluations give there, in the units that the user gave."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from geoswarm.records.arrays import Floats, Measured
+from geoswarm.records.record import Number, record, told
+
+__all__ = ["Fit", "FitCurve", "FitParameter", "FitSeries", "FitShare"]
+
+
+@record
+class FitParameter:
+    """A parameter as it stands in the problem."""
+
+    name: str
+    symbol: str
+    unit: str = told("empty for a pure number")
+    form: Literal["free", "fixed", "linked"]
+    value: float | None = told("of a fixed one")
+    expression: str | None = told("of a linked one")
+    lower: float | None
+    upper: float | None
+    scale: Literal["linear", "log"] | None
+    initial: float | None
+
+
+@record(eq=False)
+class FitSeries:
+    """Measured points of one series, by rising x."""
+
+    series: str
+    x_quantity: str
+    y_quantity: str
+    x_unit: str
+    y_unit: str
+    weight: float
+    x: Measured
+    measured: Measured
+    breaks: Measured = told("x at which a load is applied")
+
+
+@record
+class FitShare:
+    """Part of one series in the objective."""
+
+    series: str
+    weight: float
+    misfit: Number
+    share: float
+    root_mean_square: Number = told("of the residuals, weighted as the points are, in unit")
+    unit: str = told("of the measured values")
+
+
+@record(eq=False)
+class FitCurve:
+    """What one evaluation gives at the measured points."""
+
+    role: Literal["initial", "best", "chosen"] = told("initial: the first evaluation that succeeded")
+    generation: int
+    particle: int
+    objective: Number
+    parameters: dict[str, float] = told("all of them, by name")
+    shares: list[FitShare]
+    values: dict[str, Floats] = told("calculated values of each series, in its y_unit")
+
+
+@record(eq=False)
+class Fit:
+    """Measured points, and what the first and the best evaluation give there."""
+
+    objective_unit: str = told("empty where series of different units add up")
+    parameters: list[FitParameter]
+    series: list[FitSeries]
+    curves: list[FitCurve]

@@ -1,0 +1,75 @@
+"""A job, and what becomes of its failed evaluations."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from geoswarm.records.record import Number, record, told
+from geoswarm.records.states import ENDED_STATES, JobState
+
+__all__ = ["Job", "Retry"]
+
+
+@record
+class Job:
+    """A submitted problem and how far it is; ``objective`` and ``parameters`` are the best so far."""
+
+    id: str
+    name: str
+    state: JobState
+    forward_model: str
+    method: str
+    stop_reasons: list[str] = told("every stop criterion that was satisfied at the end")
+    objective: Number = told("lowest objective f so far; null before the first success")
+    parameters: dict[str, float] | None = told("all parameters (free, fixed, linked) at that objective")
+    evaluations: int = told("counted in finished generations")
+    generations: int
+    failed_evaluations: int
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    seconds: float | None = told("running time so far")
+    error: str | None = told("why the job failed")
+    seed: int
+    free_parameters: list[str]
+    max_evaluations: int | None = told("planned number of evaluations, when there is one")
+    priority: int
+    retrying: bool = told("its failed evaluations are run again; then it is what it was before")
+    owner: str | None = told("whose key submitted it; null: none, or that of the environment")
+    last_event: int = told("id of its newest event: follow the events after it")
+    trend: list[Number] | None = told(
+        "lowest objective so far at evenly spaced generations; only in lists, when asked for", default=None
+    )
+    versions: dict[str, str] | None = told(
+        "of geoswarm, python and what calculates, when it was begun; null: not begun, or not recorded"
+    )
+    warnings: list[str] = told("other versions that took part; what it waits for, when there is no room")
+
+    @property
+    def ended(self) -> bool:
+        """Whether the job is finished, failed or cancelled."""
+        return self.state in ENDED_STATES
+
+    def _repr_html_(self) -> str:
+        """Show the job in a notebook."""
+        from geoswarm.solver.notebook import result_html
+
+        facts = {
+            "id": self.id,
+            "state": self.state if self.error is None else f"{self.state}: {self.error}",
+            "objective": "-" if self.objective is None else f"{self.objective:.6g}",
+            "evaluations": f"{self.evaluations} in {self.generations} generations, {self.failed_evaluations} failed",
+            "stopped by": ", ".join(self.stop_reasons),
+            "seed": str(self.seed),
+        }
+        known = self.parameters or {}
+        remarks = {name: "" if name in self.free_parameters else "fixed or linked" for name in known}
+        return result_html(self.name, facts, self.parameters, remarks)
+
+
+@record
+class Retry:
+    """Failed evaluations that are run again."""
+
+    evaluations: int = told("their number")
+    job: Job

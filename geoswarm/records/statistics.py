@@ -1,0 +1,338 @@
+"""What the stored evaluations of a job tell; parameter values are natural, numbers that are not known are None."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from geoswarm.records.record import Number, record, told
+
+__all__ = [
+    "Combination",
+    "CorrelationPair",
+    "CorrelationTable",
+    "Dependence",
+    "Evidence",
+    "FitVerdict",
+    "FittedLine",
+    "KnownOrEstimated",
+    "LackOfFit",
+    "Linearisation",
+    "Misfit",
+    "OptimumParameter",
+    "Place",
+    "Projection",
+    "Proposal",
+    "Residuals",
+    "ReweightAnswer",
+    "SampleCounts",
+    "SeriesShare",
+    "StatisticsAnswer",
+    "Threshold",
+    "Verdict",
+]
+
+
+@record(closed=True)
+class SampleCounts:
+    """Evaluations that the statistics rest on."""
+
+    total: int
+    failed: int
+    left_out: int = told("successful ones of a long history that were not read")
+    source: str = told("kind of the method they come from; follow_up: of any; mixed: of several")
+    kept: int = told("good fits: at or below the threshold")
+    kept_unbiased: int = told("those of a Monte Carlo sampling")
+
+
+@record(closed=True)
+class Threshold:
+    """Objective up to which a fit is good."""
+
+    value: float
+    origin: Literal["given", "statistics", "samples"]
+    explanation: str
+    wanted: Number = told("where it was raised to keep enough samples: what statistics would have")
+
+
+@record(closed=True)
+class CorrelationPair:
+    """Correlation of two parameters among the good fits."""
+
+    first: str
+    second: str
+    coefficient: Number
+    lower: Number
+    upper: Number
+    count: int
+    interval: Literal["fisher", "bootstrap", "none"]
+    correlated: bool = told("|r| at or above 0.5, and the interval excludes 0")
+
+
+@record(closed=True)
+class CorrelationTable:
+    """Correlations of all pairs by one method."""
+
+    method: Literal["pearson", "spearman"]
+    coordinates: Literal["linear", "search"]
+    level: float
+    biased: bool = told("over particles of a swarm")
+    pairs: list[CorrelationPair]
+
+
+@record(closed=True)
+class Projection:
+    """The objective over one parameter."""
+
+    parameter: str
+    scale: Literal["linear", "log"]
+    edges: list[float]
+    envelope: list[Number] = told("lowest objective in each bin; null where it is empty")
+    counts: list[int]
+    best: float
+    lowest: Number
+    highest: Number
+    lower: Number = told("5 % quantile of the good fits")
+    upper: Number = told("95 % quantile of the good fits")
+    width_ratio: Number = told("width of the good fits over that of all samples")
+    unimodal: bool | None
+    open_below: bool | None
+    open_above: bool | None
+    beyond_below: int
+    beyond_above: int
+    kept: int
+
+
+@record(closed=True)
+class Evidence:
+    """What a verdict rests on."""
+
+    basis: Literal["sampling", "linearisation", "none"]
+    good_fits: int
+    range_lower: Number
+    range_upper: Number
+    width_ratio: Number
+    unimodal: bool | None
+    open_below: bool | None
+    open_above: bool | None
+    partners: list[tuple[str, Number]]
+    influence: Number
+    sampling_bias: bool
+
+
+@record(closed=True)
+class FittedLine:
+    """Line through the good fits, by which one parameter may be linked to another."""
+
+    parameter: str
+    partner: str
+    scale: Literal["linear", "log"]
+    intercept: float
+    slope: float
+    lower: float
+    upper: float
+    residual: Number
+    correlation: float
+    count: int
+    expression: str
+
+
+@record(closed=True)
+class Proposal:
+    """Something to do about a parameter."""
+
+    kind: Literal["fix", "link", "widen", "add_test"]
+    parameter: str
+    sentence: str
+    changes: dict[str, Any] = told("parts of the problem to replace")
+    line: FittedLine | None
+
+
+@record(closed=True)
+class Verdict:
+    """What the data say about one parameter."""
+
+    parameter: str
+    kind: Literal[
+        "identified",
+        "bounded_on_one_side",
+        "in_combination",
+        "not_identified",
+        "undecided",
+        "lack_of_fit",
+        "error_not_met",
+    ]
+    sentence: str
+    evidence: Evidence
+    proposals: list[Proposal]
+
+
+@record(closed=True)
+class Misfit:
+    """A series, or a stage of it, that the model does not describe; numbers in the units of the data."""
+
+    series: str
+    stage: int | None
+    reason: Literal["pattern", "repeats", "stated_error"]
+    probability: Number = told("of as much by chance, were the model right")
+    deviation: Number = told("root mean square of the residuals")
+    largest: Number = told("largest smoothed residual, calculated - measured")
+    x: Number = told("where it is")
+    ratio: Number = told("residuals over the stated error")
+    unit: str
+    x_unit: str
+
+
+@record(closed=True)
+class FitVerdict:
+    """Whether the model describes the data: it stands before all other verdicts."""
+
+    kind: Literal["describes", "lack_of_fit", "error_not_met", "untested"]
+    sentence: str
+    misfits: list[Misfit]
+    remedies: list[str]
+    level: float = told("probability of calling a right model wrong")
+
+
+@record(closed=True)
+class OptimumParameter:
+    """One parameter at the optimum."""
+
+    value: float
+    standard_error: Number
+    interval: tuple[float, float] | None
+    interval_basis: Literal["linearised", "correlated", "uneven", "profile"] | None = told(
+        "what the interval rests on; the two in the middle allow for correlated or uneven residuals"
+    )
+    bending: Number = told(
+        "how far an end by likelihood lies from the linearised one, relatively; null where nobody looked"
+    )
+    bent: bool = told("the model bends within the interval, and no profile has been calculated")
+    influence: float
+    why_no_interval: str | None
+
+
+@record(closed=True)
+class KnownOrEstimated:
+    """Standard deviation of a reading by series, base units."""
+
+    origin: Literal["known", "estimated"]
+    deviations: dict[str, float]
+
+
+@record(closed=True)
+class Combination:
+    """A direction at the optimum."""
+
+    singular_value: float
+    components: dict[str, float]
+    open: bool = told("the data leave it open")
+
+
+@record(closed=True)
+class Dependence:
+    """A series whose residuals are correlated, or of uneven size; intervals allow for it."""
+
+    series: str
+    kind: Literal["correlated", "uneven"]
+    rho: float = told("correlation of neighbouring readings")
+    readings: int
+    effective: float = told("how many independent ones they are worth")
+    sentence: str
+
+
+@record(closed=True)
+class Linearisation:
+    """Standard errors and intervals at the optimum."""
+
+    parameters: dict[str, OptimumParameter]
+    level: float
+    degrees_of_freedom: int
+    noise: KnownOrEstimated | None
+    combinations: list[Combination]
+    correlation: list[list[Number]]
+    unclear: list[str] = told("parameters whose sensitivities are too uncertain to say anything")
+    derivative_error: Number
+    distance: list[Number] = told("to the nearest minimum inside the bounds, in standard errors")
+    at_optimum: bool = told("false also where no distance is known")
+    held: dict[str, Literal["lower", "upper"]] = told(
+        "parameters at a bound beyond which the data pull: the minimum lies on it"
+    )
+    fit: FitVerdict = told("intervals hold only where the model describes the data")
+    dependence: list[Dependence]
+
+
+@record(closed=True)
+class LackOfFit:
+    """Repeats against the scatter around the model."""
+
+    noise: float
+    repeats: int
+    ratio: Number
+    probability: Number
+
+
+@record(closed=True)
+class Residuals:
+    """Residuals of one series at the optimum or the best evaluation, base units."""
+
+    series: str
+    x: list[float]
+    residuals: list[float]
+    deviation: Number
+    bias: Number
+    runs: int | None
+    expected_runs: Number
+    runs_probability: Number
+    durbin_watson: Number
+    durbin_watson_probability: Number
+    lack_of_fit: LackOfFit | None
+    warnings: list[str]
+
+
+@record(closed=True)
+class SeriesShare:
+    """Weight of a series and its share in the objective."""
+
+    series: str
+    weight: float
+    misfit: Number
+    share: Number
+
+
+@record(closed=True)
+class StatisticsAnswer:
+    """What the stored evaluations tell."""
+
+    samples: SampleCounts
+    fit: FitVerdict
+    threshold: Threshold
+    correlations: list[CorrelationTable]
+    projections: list[Projection]
+    verdicts: list[Verdict]
+    linearisation: Linearisation | None
+    residuals_at_optimum: bool = told("of a polished optimum, not of the best evaluation")
+    residuals: list[Residuals]
+    weights: list[SeriesShare]
+    warnings: list[str]
+
+
+@record(closed=True)
+class Place:
+    """An evaluation and its objective under the new weights."""
+
+    generation: int
+    particle: int
+    objective: float
+    parameters: dict[str, float]
+
+
+@record(closed=True)
+class ReweightAnswer:
+    """Stored evaluations under other weights."""
+
+    weights: list[SeriesShare]
+    best: Place
+    best_before: Place
+    moved: bool = told("another evaluation is the best now")
+    warnings: list[str]
+    problem: dict[str, Any] = told("the problem with the new weights, ready to be submitted")

@@ -1,0 +1,139 @@
+"""How a staged test is calculated: by the fast path of its law, by the general driver, or with finite elements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
+from geoswarm.solver.element_test.material_point import follow, point_under
+from geoswarm.solver.errors import DivergedError, InfeasibleError
+from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.laws.soft_soil_creep import creep_soil
+
+if TYPE_CHECKING:
+    from geoswarm.solver.forward.staged_load import StagedLoadModel
+
+__all__ = ["FAST_PATHS", "Calculate", "history_of"]
+
+Calculate: TypeAlias = Callable[[Mapping[str, float]], tuple[FloatArray, FloatArray]]
+"""Parameters by name -> axial and lateral strain at the times (m, 2) and at the ends of the stages (n, 2)."""
+
+
+def history_of(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
+    """Prepare the calculation of a test.
+
+    Parameters
+    ----------
+    times, firsts
+        As :func:`geoswarm.solver.element_test.constant_load.constant_load_history` takes them.
+    """
+    fast = FAST_PATHS.get(model.spec.material)
+    if fast is not None:
+        return fast(model, times, firsts)
+    if model.spec.discretization == "finite_element":
+        return _specimen(model, times, firsts)
+    return _general(model, times, firsts)
+
+
+def _loads(model: StagedLoadModel) -> tuple[FloatArray, FloatArray]:
+    """Stresses, kPa, and durations, day, of the stages."""
+    stages = model.spec.stages
+    return np.array([stage.stress for stage in stages]), np.array([stage.duration for stage in stages])
+
+
+def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
+    """Any law at a material point."""
+    spec = model.spec
+    stages = [model.load(stage.stress, stage.duration) for stage in spec.stages]
+    wanted = [times[first:last] for first, last in pairwise(firsts.tolist())]
+    moments = [np.append(inside, stage.duration) for inside, stage in zip(wanted, stages, strict=True)]
+    last = np.cumsum([len(one) for one in moments]) - 1
+    inside = np.ones(last[-1] + 1, dtype=np.bool_)
+    inside[last] = False
+
+    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        soil = model.soil(parameters)
+        lateral = model.initial_lateral(soil)
+        start = point_under([lateral, lateral, spec.initial_stress, 0.0, 0.0, 0.0], soil)
+        strain = follow(soil, start, stages, moments, tolerance=spec.tolerance).strain[:, [2, 0]]
+        return strain[inside], strain[last]
+
+    return calculate
+
+
+def _specimen(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
+    """Any law with finite elements."""
+    specimen, (stresses, durations) = model.specimen, _loads(model)
+
+    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        soil = model.soil(parameters)
+        ratio = model.initial_lateral(soil) / model.spec.initial_stress
+        return specimen.history(soil, ratio, stresses, durations, times, firsts)
+
+    return calculate
+
+
+def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
+    """Soft soil creep, whose loads at a material point are scalar equations."""
+    spec = model.spec
+    specimen = model.specimen if spec.discretization == "finite_element" else None
+    stresses, durations = _loads(model)
+    default_OCR, default_POP = spec.OCR or 1.0, spec.POP or 0.0
+
+    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        soil = creep_soil(parameters, spec.formulation, spec.tension_cutoff)
+        OCR, POP = parameters.get("OCR", default_OCR), parameters.get("POP", default_POP)
+        if not (OCR >= 1.0 and POP >= 0.0 and (OCR == 1.0 or POP == 0.0)):
+            raise InfeasibleError(model.check({"OCR": OCR, "POP": POP}))
+        lateral, log_pp = model.initial_state(soil, OCR, POP)
+        if specimen is not None:
+            past = math.exp(log_pp - _log_equivalent(spec.initial_stress, lateral, soil))
+            placed = Soil(model.law, np.array([*soil, past, 0.0]))
+            ratio = lateral / spec.initial_stress
+            return specimen.history(placed, ratio, stresses, durations, times, firsts)
+        status, stage, time, output, ends = constant_load_history(
+            soil,
+            stresses,
+            durations,
+            model.lateral_ratio,
+            spec.initial_stress,
+            lateral,
+            log_pp,
+            spec.tolerance,
+            times,
+            firsts,
+        )
+        if status != FINISHED:
+            raise DivergedError(_failure(model, status, stage, time))
+        return output, ends
+
+    return calculate
+
+
+def _log_equivalent(vertical: float, lateral: float, soil: SoftSoilCreep) -> float:
+    """ln of the equivalent pressure of an axisymmetric stress."""
+    deviator = vertical - lateral
+    return math.log(equivalent_pressure((vertical + 2.0 * lateral) / 3.0, deviator * deviator, soil)[0])
+
+
+def _failure(model: StagedLoadModel, status: int, stage: int, time: float) -> str:
+    load = model.spec.stages[stage].stress
+    if status == FAILED_SOIL:
+        return f"stage {stage + 1} ({load:g} kPa): the load is above the strength of the soil"
+    return (
+        f"stage {stage + 1} ({load:g} kPa): no step meets the tolerance {model.spec.tolerance:g} "
+        f"{time:.3g} day after its application; a larger tolerance may"
+    )
+
+
+FAST_PATHS: Mapping[str, Callable[[StagedLoadModel, FloatArray, IntArray], Calculate]] = {
+    "soft_soil_creep": _soft_soil_creep
+}
+"""Calculations of one law that are faster than the general ones and agree with them."""

@@ -1,0 +1,167 @@
+"""What the laboratory tests with constant loads in stages share in their sections of the problem file."""
+
+from __future__ import annotations
+
+from abc import ABC
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
+from geoswarm.solver.forward.staged_history import FAST_PATHS
+from geoswarm.solver.laws.base import Law
+from geoswarm.solver.laws.registry import UnknownLawError, find_law, kinds
+
+__all__ = ["MAX_LENGTH", "MAX_STRESS", "MIN_LENGTH", "LoadStage", "SpecimenMesh", "StagedLoadSpec"]
+
+# Far beyond any test; what lies beyond them is a mistake in units, or meant to overflow something.
+MIN_LENGTH, MAX_LENGTH = 1.0e-6, 1.0e3
+"""Smallest and largest dimension of a specimen, m."""
+MAX_STRESS = 1.0e7
+"""Largest stress, kPa."""
+MAX_DURATION = 1.0e7
+"""Longest stage, day."""
+MAX_STAGES = 1000
+
+
+class LoadStage(BaseModel):
+    """One load that is kept constant: ``stress`` in kPa for ``duration`` in days."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    stress: float = Field(
+        gt=0.0,
+        le=MAX_STRESS,
+        description="Applied stress, kPa, compression positive.",
+        json_schema_extra=in_unit("kPa", 5, 1600),
+    )
+    duration: float = Field(
+        gt=0.0, le=MAX_DURATION, description="Duration, day.", json_schema_extra=in_unit("day", 0.5, 7)
+    )
+
+
+class SpecimenMesh(BaseModel):
+    """Elements of a specimen: cells of two six-node triangles each, between its axis and its side."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    columns: int = Field(1, ge=1, le=50, description="Cells from the axis to the side.")
+    rows: int = Field(1, ge=1, le=50, description="Cells over the height.")
+
+
+class StagedLoadSpec(ForwardModelSpec, ABC):
+    """Fields of the tests with constant loads in stages."""
+
+    material: str = Field(
+        "soft_soil_creep", description="Law of the material.", json_schema_extra={"enum": list(kinds())}
+    )
+    discretization: Literal["material_point", "finite_element"] = Field(
+        "material_point",
+        description="How the specimen is represented: one point, or axisymmetric six-node triangles with their weight.",
+    )
+    height: float = Field(
+        ge=MIN_LENGTH,
+        le=MAX_LENGTH,
+        description="Height of the specimen at the beginning, m.",
+        json_schema_extra=in_unit("m"),
+    )
+    initial_stress: float = Field(gt=0.0, le=MAX_STRESS, description="Stress before the first stage, kPa.")
+    stages: tuple[LoadStage, ...] = Field(
+        min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
+    )
+    zero_at_stage: int = Field(
+        1, ge=1, description="Stage before whose application time, displacement and strain are zero."
+    )
+    OCR: float | None = Field(None, ge=1.0, description="Default of the parameter OCR (1 unless given here).")
+    POP: float | None = Field(
+        None,
+        ge=0.0,
+        description="Default of the parameter POP, kPa; not together with OCR.",
+        json_schema_extra=in_unit("kPa", 0, 50),
+    )
+    formulation: Literal["translated", "untranslated"] = Field(
+        "translated", description="Whether stiffness and creep see the mean stress shifted by c cot(phi)."
+    )
+    tension_cutoff: float | None = Field(
+        0.0,
+        ge=0.0,
+        description="Largest admissible tension, kPa; null for no cut-off.",
+        json_schema_extra=in_unit("kPa"),
+    )
+    geometry: Literal["updated", "fixed"] = Field(
+        "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
+    )
+    tolerance: float = Field(
+        2.0e-5,
+        ge=1.0e-8,
+        le=1.0e-2,
+        description="Time integration error aimed at, as axial logarithmic strain; controlled step by step.",
+    )
+    unit_weight: float | None = Field(
+        None,
+        ge=0.0,
+        description="Unit weight of the specimen, kN/m³ (finite_element; 17.85 unless given).",
+        json_schema_extra=in_unit("kN/m³", 14, 22),
+    )
+    mesh: SpecimenMesh | None = Field(
+        None, description="Elements (finite_element; one cell of two triangles unless given)."
+    )
+    initial_void_ratio: float | None = Field(
+        None,
+        gt=0.0,
+        description="Void ratio before the first stage; needed by the series stage_void_ratio.",
+        json_schema_extra=in_unit("1", 0.5, 3),
+    )
+
+    @field_validator("material")
+    @classmethod
+    def _known(cls, kind: str) -> str:
+        try:
+            find_law(kind)
+        except UnknownLawError as error:
+            raise ValueError(str(error)) from error
+        return kind
+
+    @property
+    def law(self) -> Law:
+        """The law of the material."""
+        return find_law(self.material)
+
+    @property
+    def has_fast_path(self) -> bool:
+        """Whether the law has a calculation of its own for loads at a material point."""
+        return self.material in FAST_PATHS
+
+    @property
+    def components(self) -> int:
+        """Stress components that the calculation needs of the law."""
+        return 6 if self.discretization == "material_point" else 4
+
+    @property
+    def quick(self) -> bool:
+        """At one material point, not with finite elements."""
+        return self.discretization == "material_point"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> StagedLoadSpec:
+        if self.OCR is not None and self.POP is not None:
+            raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; one of them is accepted")
+        if self.discretization == "material_point" and (self.unit_weight is not None or self.mesh is not None):
+            raise ValueError("unit_weight and mesh are of a specimen with discretization: finite_element")
+        if self.zero_at_stage > len(self.stages):
+            raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
+        fault = self._missing()
+        if fault is not None:
+            raise ValueError(fault)
+        return self
+
+    def _missing(self) -> str | None:
+        """What the law lacks for this test, or what is given that it does not have, in words."""
+        law = self.law
+        if self.components not in law.components:
+            return f"material {law.kind} has no stress update for discretization: {self.discretization}"
+        names = {info.name for info in law.parameters} | {one.name for one in law.settings}
+        for name in ("OCR", "POP", "formulation", "tension_cutoff"):
+            if name not in names and getattr(self, name) != type(self).model_fields[name].default:
+                return f"{name} is given, which material {law.kind} does not have"
+        return None

@@ -1,0 +1,164 @@
+"""What a soil law declares: parameters, settings, state variables, initial state, and its stress update."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.laws.binary import StressUpdate
+from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
+
+__all__ = ["Law", "Setting", "Soil", "StateVariable", "StrengthPlaces"]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A choice of a law that is no parameter: one of ``choices``, or without them a number of at least ``lower``.
+
+    A number may also be None, which its description explains.
+    """
+
+    name: str
+    description: str
+    default: str | float | None
+    choices: tuple[str, ...] = ()
+    unit: str = ""
+    lower: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class StateVariable:
+    """A number that a law keeps for each material point."""
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+
+
+class StrengthPlaces(NamedTuple):
+    """Where the constants of a law hold its Mohr-Coulomb strength; the tension cut-off may be inf."""
+
+    cohesion: int
+    sin_phi: int
+    cos_phi: int
+    sin_psi: int
+    tension: int
+
+
+class Law(ABC):
+    """A soil law. Stress is compression positive, kPa, in the order of :mod:`geoswarm.solver.laws.binary`."""
+
+    kind: ClassVar[str]
+    title: ClassVar[str]
+    """In words, a noun."""
+
+    parameters: ClassVar[tuple[ParameterInfo, ...]]
+    derived: ClassVar[frozenset[str]] = frozenset()
+    """Parameters that follow from others unless they are given; their default 0 stands for that."""
+
+    settings: ClassVar[tuple[Setting, ...]] = ()
+    state: ClassVar[tuple[StateVariable, ...]] = ()
+    update: ClassVar[StressUpdate]
+    components: ClassVar[frozenset[int]] = frozenset({4, 6})
+    """Numbers of stress components that the update takes: 6 for element tests, 4 for finite elements."""
+
+    strength: ClassVar[StrengthPlaces | None] = None
+    """A Mohr-Coulomb strength that finite elements may change in steps."""
+
+    perfectly_plastic: ClassVar[bool] = False
+    """Whether the tangent may lose all stiffness: finite elements then mix elastic stiffness into it."""
+
+    @abstractmethod
+    def constants(self, given: Mapping[str, Any]) -> FloatArray:
+        """Numbers that the update reads, shape (n,), from a value of every parameter and setting.
+
+        Raises
+        ------
+        InfeasibleError
+            The values do not fit together. Those outside their limits do not come here.
+        """
+
+    def contradiction(self, values: Mapping[str, float]) -> str | None:
+        """What is inadmissible about parameters together, in words, or None; not all need to be there yet."""
+        del values
+        return None
+
+    def incomplete(self, given: frozenset[str]) -> str | None:
+        """What is missing among the parameters that follow from one another, in words, or None."""
+        del given
+        return None
+
+    def inadmissible(self, values: Mapping[str, float]) -> str | None:
+        """What is inadmissible about some of the parameters, in words, or None."""
+        return outside_limits(self.parameters, values) or self.contradiction(values)
+
+    @property
+    def knows_K0(self) -> bool:
+        """Whether :meth:`K0` gives a number."""
+        return type(self).K0 is not Law.K0
+
+    def K0(self, constants: FloatArray) -> float | None:
+        """Ratio of horizontal to vertical stress at rest; None: the law knows none."""
+        del constants
+        return None
+
+    def initial_state(self, stress: FloatArray, constants: FloatArray) -> FloatArray:
+        """State variables (..., s) of a soil that is placed under stresses (..., 4 or 6)."""
+        del constants
+        return np.zeros((*stress.shape[:-1], len(self.state)))
+
+    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> FloatArray | None:
+        """ln(theta/day), (...,), of the time theta in which a soil under these stresses slows down by half its rate.
+
+        ``stress`` (..., 4 or 6), ``state`` (..., s). Time is stepped in ln(1 + t/theta); None: time has no effect.
+        """
+        del stress, state, constants
+        return None
+
+    @abstractmethod
+    def elastic_moduli(self, constants: FloatArray, p: float) -> tuple[float, float]:
+        """Bulk and shear modulus, kPa, at the mean stress p, kPa."""
+
+    def state_weights(self, constants: FloatArray) -> FloatArray:
+        """Strain that one unit of each state variable stands for, (s,), to judge errors; 0: it does not count."""
+        del constants
+        return np.zeros(len(self.state))
+
+    def soil(self, given: Mapping[str, Any]) -> Soil:
+        """A soil of this law; parameters and settings that are not given, or None, have their defaults.
+
+        Raises
+        ------
+        InfeasibleError
+            A parameter is missing, or what is given is inadmissible.
+        """
+        known = {info.name: info.default for info in self.parameters}
+        numbers = {name: default if given.get(name) is None else float(given[name]) for name, default in known.items()}
+        missing = [name for name, value in numbers.items() if value is None]
+        if missing:
+            raise InfeasibleError(f"{self.title} needs {missing[0]}, which is not given")
+        values = {name: value for name, value in numbers.items() if value is not None}
+        message = self.inadmissible(values)
+        if message is not None:
+            raise InfeasibleError(message)
+        for one in self.settings:
+            value = given.get(one.name)
+            if not one.choices and value is not None and not value >= one.lower:
+                raise InfeasibleError(f"{one.name} = {value:g} {one.unit}: at least {one.lower:g} is accepted")
+        choices = {one.name: given.get(one.name, one.default) for one in self.settings}
+        return Soil(self, self.constants({**values, **choices}))
+
+
+@dataclass(frozen=True, eq=False)
+class Soil:
+    """A law with its constants."""
+
+    law: Law
+    constants: FloatArray

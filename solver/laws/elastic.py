@@ -1,0 +1,96 @@
+"""Linear isotropic elasticity as a law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.laws.base import Law
+from geoswarm.solver.laws.binary import NumbaUpdate, carray
+from geoswarm.solver.parameter_info import ParameterInfo
+
+__all__ = ["MODULI", "Elastic", "moduli_contradiction", "moduli_incomplete", "young_of"]
+
+MODULI = (
+    ParameterInfo("E", "E", "kPa", "Young's modulus; or give G.", default=0.0, lower=0.0),
+    ParameterInfo("G", "G", "kPa", "Shear modulus; or give E.", default=0.0, lower=0.0),
+    ParameterInfo("nu", "ν", "", "Poisson's ratio.", lower=-1.0, lower_open=True, upper=0.5, upper_open=True),
+)
+"""Parameters of an isotropic elastic law: one of E and G, and nu."""
+
+
+def moduli_contradiction(values: Mapping[str, float]) -> str | None:
+    """What is wrong with the moduli, or None."""
+    if values.get("E", 0.0) > 0.0 and values.get("G", 0.0) > 0.0:
+        return f"E = {values['E']:g} and G = {values['G']:g} kPa are both given; exactly one of E and G is accepted"
+    return None
+
+
+def moduli_incomplete(given: frozenset[str]) -> str | None:
+    """What is wrong with the moduli that are given, or None."""
+    return None if len(given & {"E", "G"}) == 1 else "exactly one of E and G is accepted"
+
+
+def young_of(given: Mapping[str, Any]) -> float:
+    """Young's modulus, kPa, from the one modulus that is given.
+
+    Raises
+    ------
+    InfeasibleError
+        None is given.
+    """
+    if not given["E"] and not given["G"]:
+        raise InfeasibleError("E and G: exactly one of E and G is accepted, a value above 0 kPa")
+    return float(given["E"] if given["E"] else 2.0 * (1.0 + given["nu"]) * given["G"])
+
+
+@NumbaUpdate
+def _update(components, _log_time, strain, stress, _state, constants, new_stress, _new_state, tangent):  # type: ignore[no-untyped-def]  # pointers
+    shear, lame = constants[0], constants[1]
+    volume = strain[0] + strain[1] + strain[2]
+    C = carray(tangent, (components, components))
+    for i in range(components):
+        for j in range(components):
+            C[i, j] = lame if i < 3 and j < 3 else 0.0
+        C[i, i] += 2.0 * shear if i < 3 else shear
+        new_stress[i] = stress[i] + C[i, i] * strain[i] - (lame * strain[i] if i < 3 else 0.0)
+        if i < 3:
+            new_stress[i] += lame * volume
+    return 0
+
+
+class Elastic(Law):
+    """Linear isotropic elasticity; constants: G, Lame's constant, nu."""
+
+    kind: ClassVar[str] = "elastic"
+    title: ClassVar[str] = "linear elasticity"
+    parameters: ClassVar[tuple[ParameterInfo, ...]] = MODULI
+    derived: ClassVar[frozenset[str]] = frozenset({"E", "G"})
+    update: ClassVar[NumbaUpdate] = _update
+
+    def contradiction(self, values: Mapping[str, float]) -> str | None:
+        """Both moduli."""
+        return moduli_contradiction(values)
+
+    def incomplete(self, given: frozenset[str]) -> str | None:
+        """The modulus."""
+        return moduli_incomplete(given)
+
+    def constants(self, given: Mapping[str, Any]) -> FloatArray:
+        """G, Lame's constant and nu."""
+        young, poisson = young_of(given), given["nu"]
+        shear = young / (2.0 * (1.0 + poisson))
+        return np.array([shear, 2.0 * shear * poisson / (1.0 - 2.0 * poisson), poisson])
+
+    def K0(self, constants: FloatArray) -> float:
+        """That of a body that is held at its sides: nu/(1 - nu)."""
+        return float(constants[2] / (1.0 - constants[2]))
+
+    def elastic_moduli(self, constants: FloatArray, p: float) -> tuple[float, float]:
+        """The same at any stress."""
+        del p
+        return float(constants[1] + 2.0 / 3.0 * constants[0]), float(constants[0])

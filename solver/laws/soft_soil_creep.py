@@ -1,0 +1,270 @@
+"""Soft soil creep as a law: the physics is in :mod:`geoswarm.solver.constitutive.soft_soil_creep`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.creep_update import creep_update
+from geoswarm.solver.constitutive.planar_creep import planar_creep
+from geoswarm.solver.constitutive.soft_soil_creep import (
+    Formulation,
+    SoftSoilCreep,
+    friction_constant,
+    soft_soil_creep,
+)
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
+from geoswarm.solver.laws.binary import NumbaUpdate, carray
+from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
+from geoswarm.solver.parameter_info import ParameterInfo
+
+__all__ = ["SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
+
+_OCR, _POP = 16, 17
+"""Where the constants hold the initial preconsolidation, after those of the kernels."""
+
+_PARAMETERS = (
+    ParameterInfo(
+        "lambda_star",
+        "λ*",
+        "",
+        "Modified compression index, slope of normal compression over ln(stress); above kappa_star.",
+        lower=0.0,
+        lower_open=True,
+        typical=(0.01, 0.3),
+    ),
+    ParameterInfo(
+        "kappa_star",
+        "κ*",
+        "",
+        "Modified swelling index, slope of unloading and reloading over ln(stress).",
+        lower=0.0,
+        lower_open=True,
+        typical=(0.002, 0.1),
+    ),
+    ParameterInfo(
+        "mu_star",
+        "μ*",
+        "",
+        "Modified creep index, creep strain over ln(time).",
+        lower=0.0,
+        lower_open=True,
+        typical=(1.0e-4, 0.02),
+    ),
+    ParameterInfo("c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, 50.0)),
+    ParameterInfo(
+        "phi",
+        "φ",
+        "degree",
+        "Effective friction angle; 0 is refused.",
+        lower=0.0,
+        upper=90.0,
+        lower_open=True,
+        upper_open=True,
+        typical=(15.0, 35.0),
+    ),
+    ParameterInfo(
+        "psi", "ψ", "degree", "Dilatancy angle, at most phi.", default=0.0, lower=0.0, upper=90.0, upper_open=True
+    ),
+    ParameterInfo(
+        "nu_ur",
+        "ν_ur",
+        "",
+        "Poisson's ratio for unloading and reloading.",
+        default=0.15,
+        lower=0.0,
+        upper=0.5,
+        upper_open=True,
+        typical=(0.1, 0.2),
+    ),
+    ParameterInfo(
+        "K0nc",
+        "K₀ⁿᶜ",
+        "",
+        "Stress ratio of normally consolidated one-dimensional compression; 0: derived, 1 - sin(phi).",
+        default=0.0,
+        lower=0.0,
+        upper=1.0,
+        upper_open=True,
+        typical=(0.4, 0.8),
+    ),
+    ParameterInfo(
+        "M",
+        "M",
+        "",
+        "Slope q/p of the tops of the equivalent pressure ellipses; 0: derived from K0nc.",
+        default=0.0,
+        lower=0.0,
+        typical=(0.8, 1.8),
+    ),
+    ParameterInfo(
+        "OCR",
+        "OCR",
+        "",
+        "Initial overconsolidation ratio p_p/p_eq of the model; without cohesion that of the vertical stress. "
+        "Translated, both hold a = c cot(phi): with p = a = 20 kPa, OCR = 2 is a preconsolidation stress of "
+        "2 (p + a) - a = 60 kPa. POP counts stresses as they are.",
+        default=1.0,
+        lower=1.0,
+        typical=(1.0, 4.0),
+    ),
+    ParameterInfo(
+        "POP",
+        "POP",
+        "kPa",
+        "Initial pre-overburden pressure: preconsolidation stress minus initial stress; not together with OCR.",
+        default=0.0,
+        lower=0.0,
+        typical=(0.0, 50.0),
+    ),
+)
+
+
+@NumbaUpdate
+def _update(components, log_time, strain, stress, state, constants, new_stress, new_state, tangent):  # type: ignore[no-untyped-def]  # pointers
+    c = carray(constants, 16)
+    soil = SoftSoilCreep(
+        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], c[11], c[12], c[13], c[14], c[15]
+    )
+    old, step = carray(stress, components), carray(strain, components)
+    new, C = carray(new_stress, components), carray(tangent, (components, components))
+    log_time -= math.log(soil.tau)
+    if components == 4:
+        new_state[0], active = planar_creep(old, step, log_time, state[0], soil, new, C)
+        return active
+    found, derivative, new_state[0], active = creep_update(old, step, log_time, state[0], soil)
+    for i in range(components):
+        new[i] = found[i]
+        for j in range(components):
+            C[i, j] = derivative[i, j]
+    return active
+
+
+class SoftSoilCreepLaw(Law):
+    """Soft soil creep; constants: those of the kernels (:class:`SoftSoilCreep`), OCR and POP."""
+
+    kind: ClassVar[str] = "soft_soil_creep"
+    title: ClassVar[str] = "soft soil creep"
+    parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
+    derived: ClassVar[frozenset[str]] = frozenset({"K0nc", "M"})
+    settings: ClassVar[tuple[Setting, ...]] = (
+        Setting(
+            "formulation",
+            "Whether stiffness and creep see the mean stress shifted by c cot(phi).",
+            "translated",
+            choices=("translated", "untranslated"),
+        ),
+        TENSION_CUTOFF,
+    )
+    state: ClassVar[tuple[StateVariable, ...]] = (
+        StateVariable("log_pp", "ln p_p", "", "Logarithm of the preconsolidation pressure in kPa."),
+    )
+    update: ClassVar[NumbaUpdate] = _update
+    strength: ClassVar[StrengthPlaces | None] = StrengthPlaces(7, 8, 9, 10, 14)
+
+    def inadmissible(self, values: Mapping[str, float]) -> str | None:
+        """What is inadmissible, in words; friction is needed."""
+        if values.get("phi") == 0.0:
+            return "phi = 0 degree: soft soil creep needs friction; a value above 0 and below 90 degree is accepted"
+        return super().inadmissible(values)
+
+    def contradiction(self, values: Mapping[str, float]) -> str | None:
+        """Indices, angles, K0nc and M, or OCR and POP that do not fit together."""
+        defaults = {info.name: info.default for info in self.parameters if info.default is not None}
+        known = {**defaults, **values}
+        stiff, soft = known.get("lambda_star"), known.get("kappa_star")
+        if stiff is not None and soft is not None and not stiff > soft:
+            return f"lambda_star = {stiff:g} with kappa_star = {soft:g}: lambda_star above kappa_star is accepted"
+        phi, psi, K0nc, M = known.get("phi"), known["psi"], known["K0nc"], known["M"]
+        if phi is not None and psi > phi:
+            return f"psi = {psi:g} degree with phi = {phi:g} degree: psi at most phi is accepted"
+        if K0nc > 0.0 and M > 0.0:
+            return f"K0nc = {K0nc:g} and M = {M:g} are both given; one of them is accepted, the other follows from it"
+        if known["OCR"] != 1.0 and known["POP"] != 0.0:
+            return f"OCR = {known['OCR']:g} and POP = {known['POP']:g} kPa are both given; one of them is accepted"
+        if M == 0.0 and stiff is not None and soft is not None and (phi is not None or K0nc > 0.0):
+            ratio = K0nc if K0nc > 0.0 or phi is None else 1.0 - math.sin(math.radians(phi))
+            try:
+                friction_constant(ratio, known["nu_ur"], stiff / soft)
+            except InfeasibleError as error:
+                return str(error)
+        return None
+
+    def constants(self, given: Mapping[str, Any]) -> FloatArray:
+        """Those that the class names."""
+        return np.array([*creep_soil(given, given["formulation"], given["tension_cutoff"]), given["OCR"], given["POP"]])
+
+    def K0(self, constants: FloatArray) -> float:
+        """K0nc."""
+        return creep_constants(constants).K0nc
+
+    def initial_state(self, stress: FloatArray, constants: FloatArray) -> FloatArray:
+        """ln p_p: p_p = OCR p_eq, or p_eq where the vertical stress is raised by POP and the horizontal by K0nc POP."""
+        soil, POP = creep_constants(constants), constants[_POP]
+        if POP > 0.0:
+            shift = np.zeros(stress.shape[-1])
+            shift[:3] = POP * np.array([soil.K0nc, 1.0, soil.K0nc])
+            return np.log(equivalent_pressures(stress + shift, soil))[..., np.newaxis]
+        return (np.log(equivalent_pressures(stress, soil)) + math.log(constants[_OCR]))[..., np.newaxis]
+
+    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> FloatArray:
+        """ln of tau (p_eq/p_p)^-beta: the time that creep takes to slow down."""
+        soil = creep_constants(constants)
+        beta = (soil.lambda_star - soil.kappa_star) / soil.mu_star
+        ratio = np.log(equivalent_pressures(stress, soil)) - state[..., 0]
+        scale: FloatArray = math.log(soil.tau) - beta * ratio
+        return scale
+
+    def elastic_moduli(self, constants: FloatArray, p: float) -> tuple[float, float]:
+        """K = (p + a)/kappa*."""
+        soil = creep_constants(constants)
+        bulk = max(p + soil.shift, soil.pressure_floor) / soil.kappa_star
+        return bulk, soil.shear_ratio * bulk
+
+    def state_weights(self, constants: FloatArray) -> FloatArray:
+        """Creep strain of a unit of ln p_p."""
+        return np.array([constants[0] - constants[1]])
+
+
+def creep_soil(
+    parameters: Mapping[str, float], formulation: Formulation, tension_cutoff: float | None
+) -> SoftSoilCreep:
+    """Constants of the kernels from parameters by name.
+
+    Raises
+    ------
+    InfeasibleError
+        A value is outside what the law admits.
+    """
+    return soft_soil_creep(
+        parameters["lambda_star"],
+        parameters["kappa_star"],
+        parameters["mu_star"],
+        parameters["c"],
+        parameters["phi"],
+        parameters.get("psi", 0.0),
+        parameters.get("nu_ur", 0.15),
+        parameters.get("K0nc") or None,
+        parameters.get("M") or None,
+        formulation=formulation,
+        tension_cutoff=tension_cutoff,
+    )
+
+
+def creep_constants(constants: FloatArray) -> SoftSoilCreep:
+    """The constants as the kernels take them."""
+    return SoftSoilCreep(*constants[:_OCR].tolist())
+
+
+def equivalent_pressures(stress: FloatArray, soil: SoftSoilCreep) -> FloatArray:
+    """Equivalent pressure p_eq, kPa, of stresses (..., 4 or 6), compression positive."""
+    p = stress[..., :3].mean(axis=-1)
+    q2 = 1.5 * ((stress[..., :3] - p[..., np.newaxis]) ** 2).sum(axis=-1) + 3.0 * (stress[..., 3:] ** 2).sum(axis=-1)
+    x = np.maximum(p + soil.shift, soil.pressure_floor)
+    pressure: FloatArray = x + q2 / (soil.M**2 * (x + soil.extra))
+    return pressure

@@ -1,0 +1,52 @@
+"""One parameter that a calculation knows, as its users see it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+__all__ = ["ParameterInfo", "outside_limits"]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterInfo:
+    """One parameter that a forward model knows.
+
+    ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) limit what is
+    physically admissible; ``typical`` is a usual range offered to users. ``lower_open``: ``lower`` itself is refused.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    default: float | None = None
+    lower: float | None = None
+    upper: float | None = None
+    lower_open: bool = False
+    upper_open: bool = False
+    typical: tuple[float, float] | None = None
+
+    @property
+    def accepted(self) -> str:
+        """Its limits in words."""
+        lower = "" if self.lower is None else f"{'above' if self.lower_open else 'at least'} {self.lower:g}"
+        upper = "" if self.upper is None else f"{'below' if self.upper_open else 'at most'} {self.upper:g}"
+        return " and ".join(part for part in (lower, upper) if part) or "a finite value"
+
+    def admits(self, value: float) -> bool:
+        """Whether a value is finite and within the limits."""
+        below = self.lower is not None and (value < self.lower or (self.lower_open and value == self.lower))
+        above = self.upper is not None and (value > self.upper or (self.upper_open and value == self.upper))
+        return not below and not above and math.isfinite(value)
+
+
+def outside_limits(infos: Iterable[ParameterInfo], values: Mapping[str, float]) -> str | None:
+    """The first of the given values that is outside its limits, and what is accepted, in words; or None."""
+    for info in infos:
+        value = values.get(info.name)
+        if value is not None and not info.admits(value):
+            unit = f" {info.unit}" if info.unit else ""
+            return f"{info.name} = {value:g}{unit}: {info.accepted} is accepted"
+    return None

@@ -1,0 +1,89 @@
+"""Laboratory tests with any law: closed forms, and the general driver beside the fast path."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.forward import staged_history
+from geoswarm.solver.forward.isotropic_compression import IsotropicCompressionSpec
+from geoswarm.solver.forward.oedometer import OedometerSpec
+from tests.solver.forward.staged_tests import IDENTIFIED
+
+STAGES = [{"stress": 60.0, "duration": 1.0}, {"stress": 150.0, "duration": 2.0}, {"stress": 40.0, "duration": 1.0}]
+STRESSES = np.array([60.0, 150.0, 40.0])
+YOUNG, POISSON = 5.0e3, 0.3
+CONFINED = YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
+
+
+def oedometer(material: str, **changes: object) -> OedometerSpec:
+    """Three loads at small strain."""
+    section = {"height": 0.02, "initial_stress": 20.0, "stages": STAGES, "geometry": "fixed"}
+    return OedometerSpec.model_validate({**section, "material": material, **changes})
+
+
+@pytest.mark.parametrize("discretization", ["material_point", "finite_element"])
+def test_an_elastic_specimen_settles_by_the_confined_modulus(discretization: str) -> None:
+    extra = {"unit_weight": 0.0} if discretization == "finite_element" else {}
+    model = oedometer("elastic", discretization=discretization, **extra).build()
+    run = model.prepare({"stage_axial_strain": np.array([1.0, 2.0, 3.0])})
+    found = run({"E": YOUNG, "nu": POISSON})["stage_axial_strain"]
+    assert found == pytest.approx((STRESSES - 20.0) / CONFINED, rel=1.0e-6)
+    by_shear = run({"G": YOUNG / 2.6, "nu": POISSON})["stage_axial_strain"]
+    assert by_shear == pytest.approx(found, rel=1.0e-12)
+
+
+def test_an_elastic_specimen_shrinks_by_the_bulk_modulus() -> None:
+    section = {"height": 0.1, "diameter": 0.05, "initial_stress": 20.0, "stages": STAGES, "geometry": "fixed"}
+    model = IsotropicCompressionSpec.model_validate({**section, "material": "elastic"}).build()
+    run = model.prepare({"stage_volumetric_strain": np.array([1.0, 2.0, 3.0])})
+    found = run({"E": YOUNG, "nu": POISSON})["stage_volumetric_strain"]
+    assert found == pytest.approx((STRESSES - 20.0) * 3.0 * (1.0 - 2.0 * POISSON) / YOUNG, rel=1.0e-6)
+
+
+def test_mohr_coulomb_is_elastic_until_unloading_reaches_passive_failure() -> None:
+    model = oedometer("mohr_coulomb", K0=0.5).build()
+    run = model.prepare({"stage_axial_strain": np.array([1.0, 2.0, 3.0])})
+    soil = {"E": YOUNG, "nu": POISSON, "c": 0.0, "phi": 30.0}
+    first, second, third = run(soil)["stage_axial_strain"].tolist()
+    assert first == pytest.approx(40.0 / CONFINED, rel=1.0e-6)
+    assert second == pytest.approx(130.0 / CONFINED, rel=1.0e-6)
+    # sigma_h = 10 + 3/7 (sigma_v - 20), unloading along it: sigma_h/sigma_v stays below K_p = 3.
+    assert third == pytest.approx(20.0 / CONFINED, rel=1.0e-6)
+    # With phi = 5 degree K_a = 0.84: plastic from the beginning of the load on.
+    weak = run(soil | {"phi": 5.0, "c": 10.0})["stage_axial_strain"]
+    assert weak[1] > second
+
+
+def test_the_general_driver_gives_what_the_fast_path_gives(monkeypatch: pytest.MonkeyPatch) -> None:
+    x = {"axial_strain": np.array([0.01, 0.5, 1.0, 1.2, 3.0, 3.5]), "stage_axial_strain": np.array([1.0, 2.0, 3.0])}
+    spec = oedometer("soft_soil_creep", tolerance=1.0e-6, OCR=1.2)
+    fast = spec.build().prepare(x)(IDENTIFIED)
+    monkeypatch.setattr(staged_history, "FAST_PATHS", {})
+    general = spec.build().prepare(x)(IDENTIFIED)
+    for name in x:
+        assert general[name] == pytest.approx(fast[name], abs=5.0e-6)
+
+
+@pytest.mark.parametrize(
+    ("material", "changes", "message"),
+    [
+        ("elastic", {"OCR": 2.0}, "OCR is given, which material elastic does not have"),
+        ("elastic", {"tension_cutoff": None}, "tension_cutoff is given, which material elastic does not have"),
+        ("mohr_coulomb", {"formulation": "untranslated"}, "formulation is given, which material mohr_coulomb"),
+        ("mohr-coulomb", {}, "unknown law 'mohr-coulomb'"),
+    ],
+)
+def test_what_a_law_does_not_have_is_told(material: str, changes: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        oedometer(material, **changes)
+
+
+def test_a_stress_at_rest_beyond_the_strength_is_inadmissible() -> None:
+    run = oedometer("mohr_coulomb", K0=0.2).build().prepare({"settlement": np.array([0.5])})
+    least = (1.0 - math.sin(math.radians(30.0))) / (1.0 + math.sin(math.radians(30.0)))
+    with pytest.raises(InfeasibleError, match=f"K0 from {least:g}"):
+        run({"E": YOUNG, "nu": POISSON, "c": 0.0, "phi": 30.0})

@@ -1,0 +1,154 @@
+"""Every law: what it declares, its tangent, and that both numbers of components give the same."""
+
+from __future__ import annotations
+
+import math
+import re
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.laws.binary import StressUpdate
+from geoswarm.solver.laws.registry import BUILT_IN, UnknownLawError, find_law, kinds
+
+GIVEN = {
+    "elastic": {"E": 1.0e4, "nu": 0.3},
+    "mohr_coulomb": {"G": 4.0e3, "nu": 0.25, "c": 2.0, "phi": 25.0, "psi": 5.0},
+    "soft_soil_creep": {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.005, "c": 2.0, "phi": 25.0, "psi": 3.0},
+}
+STRESS = np.array([60.0, 100.0, 55.0, 8.0, 0.0, 0.0])
+SMALL = np.array([2.0e-4, 6.0e-4, -1.0e-4, 3.0e-4, 0.0, 0.0])
+LARGE = np.array([-4.0e-3, 6.0e-3, -3.0e-3, 8.0e-3, 0.0, 0.0])
+
+
+def soil(kind: str) -> Soil:
+    """A soil of a built-in law."""
+    return find_law(kind).soil(GIVEN[kind])
+
+
+def test_laws_declare_what_they_are() -> None:
+    assert set(GIVEN) == set(BUILT_IN) <= set(kinds())
+    for kind in BUILT_IN:
+        law = find_law(kind)
+        assert law.kind == kind
+        assert len({info.name for info in law.parameters}) == len(law.parameters)
+        assert law.derived <= {info.name for info in law.parameters if info.default == 0.0}
+        assert law.initial_state(STRESS, soil(kind).constants).shape == (len(law.state),)
+        assert law.K0(soil(kind).constants) == pytest.approx(0.5, abs=0.15)
+
+
+def test_an_unknown_law_is_told_with_the_nearest() -> None:
+    with pytest.raises(UnknownLawError, match=r"unknown law 'elastik'.*elastic"):
+        find_law("elastik")
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes", "message"),
+    [
+        ("elastic", {"E": None}, "exactly one of E and G"),
+        ("elastic", {"G": 4.0e3}, "exactly one of E and G"),
+        ("elastic", {"nu": 0.5}, "nu = 0.5: above -1 and below 0.5 is accepted"),
+        ("elastic", {"nu": None}, "linear elasticity needs nu, which is not given"),
+        ("mohr_coulomb", {"c": -1.0}, "c = -1 kPa: at least 0 is accepted"),
+        ("mohr_coulomb", {"phi": 90.0}, "phi = 90 degree"),
+        ("mohr_coulomb", {"psi": 26.0}, "psi at most phi is accepted"),
+        ("mohr_coulomb", {"tension_cutoff": -1.0}, "tension_cutoff = -1 kPa: at least 0 is accepted"),
+        ("soft_soil_creep", {"phi": 0.0}, "needs friction"),
+        ("soft_soil_creep", {"OCR": 0.9}, "OCR = 0.9: at least 1 is accepted"),
+        ("soft_soil_creep", {"OCR": 2.0, "POP": 10.0}, "both given"),
+    ],
+)
+def test_what_is_inadmissible_is_told(kind: str, changes: dict[str, float | None], message: str) -> None:
+    with pytest.raises(InfeasibleError, match=message):
+        find_law(kind).soil(GIVEN[kind] | changes)
+
+
+@pytest.mark.parametrize("kind", BUILT_IN)
+@pytest.mark.parametrize("step", [SMALL, LARGE])
+def test_four_components_give_what_six_give(kind: str, step: np.ndarray) -> None:
+    of = soil(kind)
+    state = of.law.initial_state(STRESS, of.constants)
+    general = of.law.update(step, 0.0, STRESS, state, of.constants)
+    planar = of.law.update(step[:4], 0.0, STRESS[:4], state, of.constants)
+    assert general[3] >= 0
+    assert (planar[3] > 0) == (general[3] > 0)
+    assert planar[0] == pytest.approx(general[0][:4], rel=1.0e-9)
+    assert general[0][4:] == pytest.approx([0.0, 0.0], abs=1.0e-12)
+    assert planar[1] == pytest.approx(general[1], rel=1.0e-9)
+    assert planar[2] == pytest.approx(general[2][:4, :4], rel=1.0e-6, abs=1.0e-4)
+
+
+@pytest.mark.parametrize("kind", BUILT_IN)
+@pytest.mark.parametrize("step", [SMALL, LARGE])
+@pytest.mark.parametrize("log_time", [-math.inf, 0.0])
+def test_the_tangent_is_the_derivative(kind: str, step: np.ndarray, log_time: float) -> None:
+    of = soil(kind)
+    stress = STRESS + np.array([0.0, 0.0, 0.0, 0.0, -5.0, 3.0])
+    strain = step + np.array([0.0, 0.0, 0.0, 0.0, 2.0e-4, -4.0e-4])
+    state = of.law.initial_state(stress, of.constants)
+    *_, tangent, status = of.law.update(strain, log_time, stress, state, of.constants)
+    assert status >= 0
+    h = 1.0e-8
+    slopes = [
+        (
+            of.law.update(strain + h * way, log_time, stress, state, of.constants)[0]
+            - of.law.update(strain - h * way, log_time, stress, state, of.constants)[0]
+        )
+        / (2.0 * h)
+        for way in np.eye(6)
+    ]
+    assert np.abs(np.array(slopes).T - tangent).max() < 2.0e-5 * np.abs(tangent).max()
+
+
+def test_mohr_coulomb_fails_where_the_closed_form_says() -> None:
+    of = find_law("mohr_coulomb").soil({"E": 1.0e4, "nu": 0.3, "c": 5.0, "phi": 25.0})
+    stress = np.array([100.0, 100.0, 100.0, 0.0, 0.0, 0.0])
+    for _ in range(60):  # triaxial: the lateral strains that keep the cell pressure
+        step = np.array([0.0, 0.0, 2.0e-3, 0.0, 0.0, 0.0])
+        for _ in range(40):
+            new, _, tangent, status = of.law.update(step, -math.inf, stress, np.zeros(0), of.constants)
+            assert status >= 0
+            rest = 100.0 - new[:2]
+            if np.abs(rest).max() < 1.0e-9:
+                break
+            step[:2] += np.linalg.lstsq(tangent[:2, :2], rest, rcond=None)[0]
+        stress = new
+    assert stress[2] - 100.0 == pytest.approx(162.0881, abs=1.0e-3)
+
+
+def test_an_address_is_all_that_a_calculation_needs() -> None:
+    of = soil("elastic")
+    bare = StressUpdate(of.law.update.address)
+    found = bare(SMALL, -math.inf, STRESS, np.zeros(0), of.constants)
+    assert found[0] == pytest.approx(STRESS + found[2] @ SMALL)
+
+
+def test_elasticity_follows_hooke() -> None:
+    of = find_law("elastic").soil({"E": 1.0e4, "nu": 0.3})
+    strain = np.array([1.0e-3, -2.0e-4, 4.0e-4, 6.0e-4, 2.0e-4, -1.0e-4])
+    stress, _, _, status = of.law.update(strain, -math.inf, STRESS, np.zeros(0), of.constants)
+    change = stress - STRESS
+    mean = change[:3].sum()
+    back = np.append((1.3 * change[:3] - 0.3 * mean) / 1.0e4, 2.6 * change[3:] / 1.0e4)
+    assert status == 0
+    assert back == pytest.approx(strain, rel=1.0e-10)
+
+
+def test_the_update_of_the_documentation_is_elasticity(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "plug-ins.md").read_text(encoding="utf-8")
+    (code,) = [one for one in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "@NumbaUpdate" in one]
+    (tmp_path / "documented_law.py").write_text(code, encoding="utf-8")
+    place = spec_from_file_location("documented_law", tmp_path / "documented_law.py")
+    assert place is not None
+    assert place.loader is not None
+    module = module_from_spec(place)
+    place.loader.exec_module(module)
+    of = soil("elastic")
+    found = module.update(LARGE, -math.inf, STRESS, np.zeros(0), of.constants)
+    expected = of.law.update(LARGE, -math.inf, STRESS, np.zeros(0), of.constants)
+    assert found[0] == pytest.approx(expected[0], rel=1.0e-12)
+    assert found[2] == pytest.approx(expected[2], rel=1.0e-12)
