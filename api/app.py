@@ -9,14 +9,14 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
+from geoswarm.api.access.authentication import SESSION_COOKIE, Authenticator
+from geoswarm.api.access.gate import SIGN_IN, Gate
+from geoswarm.api.access.intake import Intake
+from geoswarm.api.access.limits import Shares
 from geoswarm.api.assets import Assets
-from geoswarm.api.authentication import SESSION_COOKIE, Authenticator
 from geoswarm.api.errors import ProblemDetail, install_error_handlers
-from geoswarm.api.feed import EventFeed
-from geoswarm.api.gate import SIGN_IN, Gate
+from geoswarm.api.events.feed import EventFeed
 from geoswarm.api.heavy.middleware import HeavyWork
-from geoswarm.api.intake import Intake
-from geoswarm.api.limits import Shares
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
@@ -24,7 +24,7 @@ from geoswarm.api.paths import API_PREFIX
 from geoswarm.api.routes import api_router, health_router, metrics_router
 from geoswarm.api.settings import ApiSettings
 from geoswarm.solver.problem import problem_schema
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 
 if TYPE_CHECKING:
     from geoswarm.api.heavy.pool import HeavyPool

@@ -9,10 +9,10 @@ import anyio
 from fastapi import Depends, Path, Query, Request
 
 from geoswarm.api.errors import ProblemDetail
-from geoswarm.api.feed import EventFeed
-from geoswarm.workers.access import Principal
+from geoswarm.api.events.feed import EventFeed
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import JobNotFoundError
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "limiter", "problems_of"]
 

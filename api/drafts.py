@@ -6,8 +6,8 @@ import re
 from functools import cache
 from typing import Any
 
-from geoswarm.api.draft_schemas import DraftIssue, DraftObservation, Example, ProblemDraft
-from geoswarm.api.schemas import Parameter, Series
+from geoswarm.api.schemas.drafts import DraftIssue, DraftObservation, Example, ProblemDraft
+from geoswarm.api.schemas.jobs import Parameter, Series
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.problem import Draft, Problem, load_problem
 from geoswarm.solver.problem.units import convert
@@ -63,7 +63,7 @@ def find_examples() -> dict[str, Example]:
 
 
 def _example(name: str) -> Example:
-    from geoswarm.solver.problem.reading import read_problem_file
+    from geoswarm.solver.problem.text.reading import read_problem_file
 
     with example_file(name) as path:
         text = path.read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from prometheus_client import CollectorRegistry, Counter, Histogram, disable_cre
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.paths import API_PREFIX
-from geoswarm.workers.access import Principal
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.tracing import span
 
 __all__ = ["Observer", "RequestMetrics"]

@@ -13,14 +13,14 @@ from types import FrameType
 
 import uvicorn
 
+from geoswarm.api.access.connections import Config, Connection, Connections, most_connections, raise_descriptors
 from geoswarm.api.app import create_app
 from geoswarm.api.assets import Assets
-from geoswarm.api.connections import Config, Connection, Connections, most_connections, raise_descriptors
 from geoswarm.api.errors import PortInUseError
-from geoswarm.api.feed import EventFeed
+from geoswarm.api.events.feed import EventFeed
 from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.api.settings import ApiSettings
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["DEFAULT_HOST", "DEFAULT_PORT", "Server", "bind", "serve"]
 

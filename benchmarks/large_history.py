@@ -22,10 +22,10 @@ import numpy as np
 from sqlalchemy import event, insert, text, update
 
 from geoswarm.api import ApiSettings, create_app
-from geoswarm.api.feed import GATHER_SECONDS
+from geoswarm.api.events.feed import GATHER_SECONDS
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now

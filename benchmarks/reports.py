@@ -17,12 +17,12 @@ import numpy as np
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, analyse
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
-from geoswarm.solver.report.build import Report
-from geoswarm.solver.report.figures import FigureSet
+from geoswarm.solver.report.document.build import Report
+from geoswarm.solver.report.figures.figure_set import FigureSet
+from geoswarm.solver.report.figures.style import png_of, svg_of
 from geoswarm.solver.report.record import record_of_result
-from geoswarm.solver.report.style import png_of, svg_of
+from geoswarm.solver.runs.local import calibrate
 
 ROOT = Path(__file__).resolve().parents[1]
 PROBLEM = ROOT / "examples" / "oedometer" / "problem.yaml"

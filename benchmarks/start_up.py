@@ -19,7 +19,7 @@ HELP_LIMIT, WORKER_LIMIT = 0.4, 1.5
 # What an embedded worker process does: everything it imports, the problem from its document, one evaluation.
 WORKER = """
 import json, sys
-import geoswarm.workers.embedded_worker
+import geoswarm.workers.hosts.embedded_worker
 from geoswarm.solver.warm import import_models
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem

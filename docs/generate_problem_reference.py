@@ -154,7 +154,7 @@ def page() -> str:
     """The page as it follows from the models."""
     from geoswarm.solver.expressions import FUNCTIONS, MAX_LENGTH
     from geoswarm.solver.problem import MAX_BYTES, MAX_TABLE_BYTES, problem_schema
-    from geoswarm.solver.problem.feasibility import TRIED_POINTS
+    from geoswarm.solver.problem.checks.feasibility import TRIED_POINTS
 
     schema = problem_schema()
     definitions = schema["$defs"]

@@ -20,7 +20,7 @@ from playwright.sync_api import Page  # noqa: E402
 from geoswarm import Client  # noqa: E402
 from geoswarm.api import ApiSettings  # noqa: E402
 from geoswarm.solver.problem import load_problem  # noqa: E402
-from geoswarm.workers.engine import open_engine  # noqa: E402
+from geoswarm.workers.hosts.engine import open_engine  # noqa: E402
 from geoswarm.workers.settings import Settings  # noqa: E402
 from tests.api.conftest import live_server  # noqa: E402
 from tests.dashboard.browser import chromium  # noqa: E402

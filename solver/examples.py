@@ -52,7 +52,7 @@ def describe_example(name: str) -> ExampleSummary:
     KeyError
         There is no such example.
     """
-    from geoswarm.solver.problem.reading import read_problem_file
+    from geoswarm.solver.problem.text.reading import read_problem_file
 
     with example_file(name) as path:
         document = read_problem_file(path)

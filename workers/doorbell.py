@@ -41,6 +41,6 @@ def remote_doorbell(settings: Settings) -> Doorbell:
     """Return the doorbell of a process that runs no workers: that of the broker, or a mute one without a broker."""
     if settings.broker_url is None:
         return MuteDoorbell()
-    from geoswarm.workers.celery_app import CeleryDoorbell
+    from geoswarm.workers.hosts.celery_app import CeleryDoorbell
 
     return CeleryDoorbell(settings)

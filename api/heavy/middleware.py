@@ -18,7 +18,7 @@ from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.api.heavy.process import ROUTE_HEADER, EndedError, HeavyProcess
 from geoswarm.api.heavy.requests import is_heavy, job_of
 from geoswarm.api.heavy.turns import BusyError, Turns
-from geoswarm.workers.access import LOCAL, Principal
+from geoswarm.workers.access.principal import LOCAL, Principal
 
 if TYPE_CHECKING:
     from geoswarm.api.settings import ApiSettings

@@ -7,8 +7,8 @@ from typing import Any
 
 from geoswarm.api.heavy.process import EndedError, HeavyProcess
 from geoswarm.api.settings import ApiSettings
-from geoswarm.workers.embedded import PipeDoorbell
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.embedded import PipeDoorbell
+from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["HeavyPool"]
 

@@ -11,7 +11,7 @@ from geoswarm.api.dependencies import Service
 from geoswarm.api.pages.shell import render
 from geoswarm.api.pages.sparkline import sparkline
 from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
-from geoswarm.workers.store.job_list import JobFilters, SortKey
+from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
 

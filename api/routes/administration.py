@@ -6,14 +6,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Path
 
-from geoswarm.api.administration_schemas import KeyList, NewKeyRequest, Operations
 from geoswarm.api.dependencies import Feed, Service, problems_of
 from geoswarm.api.errors import DetailError
+from geoswarm.api.schemas.administration import KeyList, NewKeyRequest, Operations
 from geoswarm.records.key import Key, NewKey
 from geoswarm.solver.errors import Issue
+from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["router"]
 

@@ -11,12 +11,12 @@ from fastapi import APIRouter, Header, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from geoswarm.api.authentication import Authenticator
+from geoswarm.api.access.authentication import Authenticator
+from geoswarm.api.access.limits import Shares
 from geoswarm.api.dependencies import Feed, JobId, Service, problems_of
 from geoswarm.api.errors import DetailError, detail_response
-from geoswarm.api.feed import EventFeed
-from geoswarm.api.limits import Shares
-from geoswarm.workers.access import Principal
+from geoswarm.api.events.feed import EventFeed
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import StoreUnavailableError
 
 __all__ = ["router"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from geoswarm.api.dependencies import problems_of
-from geoswarm.api.draft_schemas import Example, ExampleList, ExampleSummary
 from geoswarm.api.drafts import find_examples
 from geoswarm.api.errors import DetailError
+from geoswarm.api.schemas.drafts import Example, ExampleList, ExampleSummary
 
 __all__ = ["router"]
 

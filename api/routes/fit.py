@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.records.fit import Fit
-from geoswarm.workers.fit import fit_of
+from geoswarm.workers.service.fit import fit_of
 
 __all__ = ["router"]
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from geoswarm.api.dependencies import problems_of
 from geoswarm.api.errors import DetailError
-from geoswarm.api.schemas import ForwardModelDetail, ForwardModelList, ForwardModelSummary, Parameter, Series
+from geoswarm.api.schemas.jobs import ForwardModelDetail, ForwardModelList, ForwardModelSummary, Parameter, Series
 from geoswarm.solver.errors import BrokenForwardModelError, ExpressionError, ProblemError, UnknownForwardModelError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.registry import built, find_spec, kinds, parse_spec

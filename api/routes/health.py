@@ -6,7 +6,7 @@ import anyio.to_thread
 from fastapi import APIRouter, Request, Response
 
 from geoswarm.api.dependencies import Service, limiter
-from geoswarm.api.schemas import Health, Liveness
+from geoswarm.api.schemas.jobs import Health, Liveness
 
 __all__ = ["router"]
 

@@ -6,13 +6,13 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Header, Query, Request, Response
 
-from geoswarm.api.bodies import ProblemDocument
+from geoswarm.api.access.bodies import ProblemDocument
 from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from geoswarm.api.schemas import JobChange, JobPage
+from geoswarm.api.schemas.jobs import JobChange, JobPage
 from geoswarm.records.job import Job, Retry
 from geoswarm.records.states import JobState
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.store.job_list import JobFilters, SortKey
+from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
 

@@ -7,10 +7,10 @@ from typing import Annotated
 import anyio.to_thread
 from fastapi import APIRouter, Query, Request
 
-from geoswarm.api.bodies import FileContent
+from geoswarm.api.access.bodies import FileContent
 from geoswarm.api.dependencies import limiter, problems_of
-from geoswarm.api.draft_schemas import MeasurementFile
 from geoswarm.api.errors import DetailError
+from geoswarm.api.schemas.drafts import MeasurementFile
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.problem import TableError, read_measurements
 

@@ -10,14 +10,14 @@ from fastapi import APIRouter, Depends, Query, Request
 
 from geoswarm.api.dependencies import JobId, Service, limiter, problems_of
 from geoswarm.api.errors import DetailError
-from geoswarm.api.mesh_schemas import MeshAnswer, MeshFields
+from geoswarm.api.schemas.mesh import MeshAnswer, MeshFields
 from geoswarm.solver.report.curves import objective_unit
-from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.report.folder.jsonable import jsonable
 from geoswarm.workers.errors import NoBodyError
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 
 if TYPE_CHECKING:
-    from geoswarm.workers.bodies import Body
+    from geoswarm.workers.service.bodies import Body
 
 __all__ = ["router"]
 

@@ -17,8 +17,8 @@ from prometheus_client.registry import Collector
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
 from geoswarm.records.states import JOB_STATES
-from geoswarm.workers.measures import Measures
-from geoswarm.workers.tally import BUCKETS
+from geoswarm.workers.operations.measures import Measures
+from geoswarm.workers.operations.tally import BUCKETS
 
 if TYPE_CHECKING:
     from geoswarm.api.heavy.pool import HeavyPool

@@ -8,16 +8,16 @@ from typing import Any
 import anyio.to_thread
 from fastapi import APIRouter, Request
 
-from geoswarm.api.bodies import ProblemDocument, ProblemText
+from geoswarm.api.access.bodies import ProblemDocument, ProblemText
 from geoswarm.api.dependencies import Service, limiter, problems_of
-from geoswarm.api.draft_schemas import ProblemDraft
 from geoswarm.api.drafts import describe_draft
 from geoswarm.api.errors import DetailError
 from geoswarm.api.routes.jobs import PROBLEM_BODY
-from geoswarm.api.schemas import CheckResult, WarmStarts
+from geoswarm.api.schemas.drafts import ProblemDraft
+from geoswarm.api.schemas.jobs import CheckResult, WarmStarts
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
-from geoswarm.solver.problem.reading import Form
+from geoswarm.solver.problem.text.reading import Form
 
 __all__ = ["router"]
 

@@ -9,11 +9,11 @@ import anyio.to_thread
 from fastapi import APIRouter, Body, Request, Response
 from starlette.datastructures import Headers
 
-from geoswarm.api.authentication import SESSION_COOKIE, Authenticator, Identity, given_token
+from geoswarm.api.access.authentication import SESSION_COOKIE, Authenticator, Identity, given_token
 from geoswarm.api.dependencies import problems_of
-from geoswarm.api.schemas import Session, SignIn
-from geoswarm.workers.access import LOCAL
-from geoswarm.workers.sessions import SESSION_SECONDS
+from geoswarm.api.schemas.jobs import Session, SignIn
+from geoswarm.workers.access.principal import LOCAL
+from geoswarm.workers.access.sessions import SESSION_SECONDS
 
 __all__ = ["router"]
 

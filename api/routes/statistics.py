@@ -7,17 +7,17 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, ConfigDict, Field
 
+from geoswarm.api.access.headers import DOCUMENT_POLICY
 from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
-from geoswarm.api.headers import DOCUMENT_POLICY
-from geoswarm.api.statistics_schemas import FigureList
+from geoswarm.api.schemas.statistics import FigureList
 from geoswarm.api.views import WantedView
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.solver.extras import needs_extra
-from geoswarm.solver.report.build import Report
-from geoswarm.solver.report.style import figures_available, png_of, svg_of
-from geoswarm.workers.service import JobService
+from geoswarm.solver.report.document.build import Report
+from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of
+from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["ReweightRequest", "router"]
 

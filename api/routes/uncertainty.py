@@ -8,7 +8,7 @@ from fastapi import APIRouter, Header, Request, Response
 
 from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
-from geoswarm.api.statistics_schemas import (
+from geoswarm.api.schemas.statistics import (
     GlobalRequest,
     ProfileRequest,
     SensitivityRequest,
@@ -16,7 +16,7 @@ from geoswarm.api.statistics_schemas import (
 from geoswarm.api.views import Noise
 from geoswarm.records.job import Job
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
-from geoswarm.workers.follow_ups import submit_global_sensitivity, submit_profile, submit_sensitivity
+from geoswarm.workers.service.findings import submit_global_sensitivity, submit_profile, submit_sensitivity
 
 __all__ = ["router"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from geoswarm.api.dependencies import Service, problems_of
-from geoswarm.api.schemas import WorkerList
+from geoswarm.api.schemas.jobs import WorkerList
 
 __all__ = ["router"]
 

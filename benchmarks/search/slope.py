@@ -13,8 +13,8 @@ import click
 import numpy as np
 
 from benchmarks.search.problems import example
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 
 BEST_KNOWN = 4.915e-5  # m2, the least of several thousand runs
 FIRST_SEED = 9431  # none of these was used while the method was made

@@ -19,7 +19,7 @@ import sys
 from collections.abc import Sequence
 
 from geoswarm.cli.commands import cli
-from geoswarm.cli.error_messages import CommandContext, report
+from geoswarm.cli.words.error_messages import CommandContext, report
 
 __all__ = ["cli", "main"]
 

@@ -31,68 +31,80 @@ _RESULTS = "What a job, or a run in a folder, tells"
 _OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
-    "init": CommandEntry("geoswarm.cli.init", _PROBLEM, "Write a commented problem to begin with, and its data."),
+    "init": CommandEntry("geoswarm.cli.start.init", _PROBLEM, "Write a commented problem to begin with, and its data."),
     "inline": CommandEntry(
-        "geoswarm.cli.init", _PROBLEM, "Write a problem as JSON with its data inside, as the body of POST /api/v1/jobs."
+        "geoswarm.cli.start.init",
+        _PROBLEM,
+        "Write a problem as JSON with its data inside, as the body of POST /api/v1/jobs.",
     ),
-    "check": CommandEntry("geoswarm.cli.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
-    "evaluate": CommandEntry("geoswarm.cli.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
-    "run": CommandEntry("geoswarm.cli.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
-    "paper": CommandEntry("geoswarm.cli.paper", _PROBLEM, "Run the published studies again and compare every number."),
+    "check": CommandEntry(
+        "geoswarm.cli.local.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."
+    ),
+    "evaluate": CommandEntry(
+        "geoswarm.cli.local.evaluate", _PROBLEM, "Run one forward calculation with given parameters."
+    ),
+    "run": CommandEntry("geoswarm.cli.local.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
+    "paper": CommandEntry(
+        "geoswarm.cli.start.paper", _PROBLEM, "Run the published studies again and compare every number."
+    ),
     "examples": CommandEntry(
-        "geoswarm.cli.examples", _PROBLEM, "List the examples that are installed, or write one out."
+        "geoswarm.cli.start.examples", _PROBLEM, "List the examples that are installed, or write one out."
     ),
-    "demo": CommandEntry("geoswarm.cli.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
+    "demo": CommandEntry(
+        "geoswarm.cli.start.demo", _SERVICE, "Start a service and calibrate the published oedometer test."
+    ),
     "serve": CommandEntry(
         "geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."
     ),
     "worker": CommandEntry("geoswarm.cli.serve", _SERVICE, "Run forward calculations for a service with a broker."),
     "sweep": CommandEntry("geoswarm.cli.serve", _SERVICE, "Look after jobs: re-dispatch what is overdue."),
-    "submit": CommandEntry("geoswarm.cli.submit", _JOBS, "Submit a problem as a job."),
-    "watch": CommandEntry("geoswarm.cli.submit", _JOBS, "Follow a job until it ends."),
-    "list": CommandEntry("geoswarm.cli.jobs", _JOBS, "List jobs, newest first."),
-    "show": CommandEntry("geoswarm.cli.jobs", _JOBS, "Show a job with its best parameters."),
-    "cancel": CommandEntry("geoswarm.cli.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
-    "pause": CommandEntry("geoswarm.cli.jobs", _JOBS, "Pause a job."),
-    "resume": CommandEntry("geoswarm.cli.jobs", _JOBS, "Resume a paused job."),
-    "export": CommandEntry("geoswarm.cli.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
-    "retry-failed": CommandEntry("geoswarm.cli.failures", _JOBS, "Run the failed evaluations of a job again."),
-    "workers": CommandEntry("geoswarm.cli.jobs", _JOBS, "List the workers of a service."),
+    "submit": CommandEntry("geoswarm.cli.service.submit", _JOBS, "Submit a problem as a job."),
+    "watch": CommandEntry("geoswarm.cli.service.submit", _JOBS, "Follow a job until it ends."),
+    "list": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "List jobs, newest first."),
+    "show": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Show a job with its best parameters."),
+    "cancel": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
+    "pause": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Pause a job."),
+    "resume": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Resume a paused job."),
+    "export": CommandEntry(
+        "geoswarm.cli.service.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."
+    ),
+    "retry-failed": CommandEntry("geoswarm.cli.service.failures", _JOBS, "Run the failed evaluations of a job again."),
+    "workers": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "List the workers of a service."),
     "report": CommandEntry(
-        "geoswarm.cli.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."
+        "geoswarm.cli.local.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."
     ),
     "statistics": CommandEntry(
-        "geoswarm.cli.statistics",
+        "geoswarm.cli.local.statistics",
         _RESULTS,
         "Tell what the data say about each parameter, from stored evaluations; no forward run.",
     ),
     "sensitivity": CommandEntry(
-        "geoswarm.cli.follow_ups",
+        "geoswarm.cli.local.follow_ups",
         _RESULTS,
         "Evaluate the sensitivities at the optimum: standard errors, intervals, open combinations.",
     ),
     "profile": CommandEntry(
-        "geoswarm.cli.follow_ups",
+        "geoswarm.cli.local.follow_ups",
         _RESULTS,
         "Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.",
     ),
     "influence": CommandEntry(
-        "geoswarm.cli.follow_ups",
+        "geoswarm.cli.local.follow_ups",
         _RESULTS,
         "Evaluate how much each parameter matters over the whole search range (Sobol, Morris).",
     ),
     "posterior": CommandEntry(
-        "geoswarm.cli.findings",
+        "geoswarm.cli.local.findings",
         _RESULTS,
         "Sample the posterior of the parameters from stored evaluations; no forward run.",
     ),
     "reweight": CommandEntry(
-        "geoswarm.cli.reweight",
+        "geoswarm.cli.local.reweight",
         _RESULTS,
         "Calculate the objectives that stored responses have under other weights; no forward run.",
     ),
-    "keys": CommandEntry("geoswarm.cli.keys", _OPERATION, "Create, list and revoke API keys."),
-    "prune": CommandEntry("geoswarm.cli.prune", _OPERATION, "Delete old jobs for good."),
+    "keys": CommandEntry("geoswarm.cli.service.keys", _OPERATION, "Create, list and revoke API keys."),
+    "prune": CommandEntry("geoswarm.cli.service.prune", _OPERATION, "Delete old jobs for good."),
 }
 
 
@@ -147,7 +159,7 @@ def cli(ctx: click.Context, debug: bool) -> None:
     search method and when to stop. 'geoswarm run PROBLEM' calibrates it here; 'geoswarm serve' and 'geoswarm submit'
     do the same on a service with workers. New here: 'geoswarm demo'.
     """
-    from geoswarm.cli.error_messages import CommandContext
+    from geoswarm.cli.words.error_messages import CommandContext
 
     session = ctx.ensure_object(CommandContext)
     session.debug, session.command = debug, ctx.invoked_subcommand

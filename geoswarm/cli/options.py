@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import click
 
-from geoswarm.cli.error_messages import BadInputError
+from geoswarm.cli.words.error_messages import BadInputError
 
 __all__ = [
     "api_key_option",

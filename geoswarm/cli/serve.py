@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from geoswarm.cli.databases import refuse_missing_database
-from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.options import api_key_option, broker_option, database_option
-from geoswarm.cli.output import note
+from geoswarm.cli.service.databases import refuse_missing_database
+from geoswarm.cli.words.error_messages import BadInputError
+from geoswarm.cli.words.output import note
 
 if TYPE_CHECKING:
     from geoswarm.workers.settings import Settings
@@ -143,8 +143,8 @@ def serve_command(
     --owner NAME --role admin' on the same database, or give GEOSWARM_API_KEY.
     """
     from geoswarm.api import ApiSettings, bind, serve
-    from geoswarm.workers.engine import open_engine
-    from geoswarm.workers.keys import ApiKeys
+    from geoswarm.workers.access.keys import ApiKeys
+    from geoswarm.workers.hosts.engine import open_engine
     from geoswarm.workers.settings import Settings
 
     group = group_settings(kinds, slots)
@@ -210,7 +210,7 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
     SettingsError
         When the key could be guessed.
     """
-    from geoswarm.workers.keys import ApiKeys
+    from geoswarm.workers.access.keys import ApiKeys
     from geoswarm.workers.secrets import is_loopback, refuse_weak_key
     from geoswarm.workers.store import Store
 
@@ -256,7 +256,7 @@ def worker_command(
     Give the same database and broker as to 'geoswarm serve'. Ctrl-C or SIGTERM stops it; what it was calculating is
     given to other workers.
     """
-    from geoswarm.workers.celery_app import run_celery_worker
+    from geoswarm.workers.hosts.celery_app import run_celery_worker
     from geoswarm.workers.settings import Settings
 
     group = group_settings(kinds, slots)
@@ -280,8 +280,8 @@ def sweep_command(database: str | None, broker: str | None, log_level: str, log_
 
     Every service and worker does this, too. A sweep of its own keeps jobs going while no service runs.
     """
+    from geoswarm.workers.operations.sweep import run_sweep
     from geoswarm.workers.settings import Settings
-    from geoswarm.workers.sweep import run_sweep
 
     settings = Settings.from_environment(database_url=database, broker_url=broker)
     refuse_missing_database(settings)

@@ -24,9 +24,9 @@ from geoswarm.paper.study import (
     sample,
 )
 from geoswarm.solver.identifiability import FittedLine, fit_line
-from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report.build import report_of_result
+from geoswarm.solver.report.document.build import report_of_result
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
 
 __all__ = ["run_isotropic"]
 

@@ -23,9 +23,9 @@ from geoswarm.paper.study import (
     row,
     sample,
 )
-from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report.build import report_of_result
+from geoswarm.solver.report.document.build import report_of_result
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
 
 __all__ = ["run_oedometer"]
 

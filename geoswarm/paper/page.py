@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from geoswarm.paper.study import Study
-from geoswarm.solver.report.html import render
-from geoswarm.solver.report.style import inline_svg, save_figure
+from geoswarm.solver.report.document.html import render
+from geoswarm.solver.report.figures.style import inline_svg, save_figure
 
 __all__ = ["write_page", "write_study"]
 

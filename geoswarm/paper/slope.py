@@ -25,12 +25,12 @@ from geoswarm.paper.study import (
 )
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.forward.section import SectionModel
+from geoswarm.solver.forward.cross_section import SectionModel
 from geoswarm.solver.identifiability import Samples
-from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report.build import Report, linearise_stored
+from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.record import record_of_result
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
 
 __all__ = ["run_slope"]
 

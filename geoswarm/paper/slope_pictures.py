@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from geoswarm.paper.study import Picture
-from geoswarm.solver.forward.section import SectionModel
+from geoswarm.solver.forward.cross_section import SectionModel
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.report.profile_plot import depth_profile, profile_figure, profile_rows
-from geoswarm.solver.report.section_plot import deformed_figure, mesh_figure, vectors_figure, vectors_rows
+from geoswarm.solver.report.figures.cross_section_plot import deformed_figure, mesh_figure, vectors_figure, vectors_rows
+from geoswarm.solver.report.figures.profile_plot import depth_profile, profile_figure, profile_rows
 
 __all__ = ["slope_pictures"]
 

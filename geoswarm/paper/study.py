@@ -11,11 +11,11 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, Statistics, analyse
-from geoswarm.solver.identifiability.correlations import Coordinates
-from geoswarm.solver.local import CalibrationResult, calibrate
+from geoswarm.solver.identifiability.stored.correlations import Coordinates
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
-from geoswarm.solver.report.build import Report
+from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.report.record import record_of_result
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
 from geoswarm.solver.words import ends
 
 if TYPE_CHECKING:

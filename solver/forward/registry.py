@@ -41,7 +41,7 @@ BUILT_IN = {
     "combined": "geoswarm.solver.forward.combined:CombinedSpec",
     "oedometer": "geoswarm.solver.forward.oedometer:OedometerSpec",
     "isotropic_compression": "geoswarm.solver.forward.isotropic_compression:IsotropicCompressionSpec",
-    "section": "geoswarm.solver.forward.section:SectionSpec",
+    "section": "geoswarm.solver.forward.cross_section:SectionSpec",
     "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",
 }
 """Forward models of this package, as pyproject.toml declares them.

@@ -12,9 +12,9 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.fem.materials import Material
+from geoswarm.solver.fem.mesh.cross_section import Layer, Profile, SectionGeometry
 from geoswarm.solver.fem.mesh.layered import LayeredMesh
 from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
-from geoswarm.solver.fem.mesh.section import Layer, Profile, SectionGeometry
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.laws.base import Soil

@@ -26,20 +26,20 @@
 
 from __future__ import annotations
 
-from geoswarm.solver.identifiability.combinations import Combination
-from geoswarm.solver.identifiability.correlations import Correlation, Correlations, correlate
-from geoswarm.solver.identifiability.differences import DifferenceDesign, Jacobian, design, differentiate
 from geoswarm.solver.identifiability.errors import StatisticsError, TooFewPointsError
-from geoswarm.solver.identifiability.filtering import Filtered, Threshold, filter_samples, propose_threshold
-from geoswarm.solver.identifiability.linearisation import Linearisation
 from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, noise_objective
-from geoswarm.solver.identifiability.projections import Projection, project
-from geoswarm.solver.identifiability.proposals import FittedLine, Proposal, apply_changes, fit_line
-from geoswarm.solver.identifiability.residuals import SeriesResiduals, examine_residuals
+from geoswarm.solver.identifiability.optimum.combinations import Combination
+from geoswarm.solver.identifiability.optimum.differences import DifferenceDesign, Jacobian, design, differentiate
+from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
+from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations, linearise
+from geoswarm.solver.identifiability.residuals.independence import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.sensitivity import from_evaluations, linearise
-from geoswarm.solver.identifiability.study import Statistics, analyse
-from geoswarm.solver.identifiability.verdicts import Evidence, Verdict, judge
+from geoswarm.solver.identifiability.stored.correlations import Correlation, Correlations, correlate
+from geoswarm.solver.identifiability.stored.filtering import Filtered, Threshold, filter_samples, propose_threshold
+from geoswarm.solver.identifiability.stored.projections import Projection, project
+from geoswarm.solver.identifiability.stored.proposals import FittedLine, Proposal, apply_changes, fit_line
+from geoswarm.solver.identifiability.stored.study import Statistics, analyse
+from geoswarm.solver.identifiability.stored.verdicts import Evidence, Verdict, judge
 from geoswarm.solver.identifiability.weighting import (
     Reweighted,
     SeriesWeight,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.problem.consolidation import find_consolidation
+from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.problem.units import convert
 

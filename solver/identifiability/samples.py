@@ -11,8 +11,8 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
-from geoswarm.solver.local import CalibrationResult, EvaluationRecord
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runs.local import CalibrationResult, EvaluationRecord
 
 __all__ = ["Samples", "Source"]
 

@@ -14,7 +14,7 @@ from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.search import SearchSpace, Snapshot
-    from geoswarm.solver.search.follow_ups import DesignSearch, GlobalPoints
+    from geoswarm.solver.search.descent.planned import DesignSearch, GlobalPoints
 
 __all__ = ["GlobalMethod", "MorrisMethod", "SobolMethod"]
 
@@ -44,7 +44,7 @@ class GlobalMethod(FollowUpMethod):
 
     def points(self, space: SearchSpace, seed: int) -> GlobalPoints:
         """Draw the points of the design."""
-        from geoswarm.solver.search.follow_ups import GlobalPoints
+        from geoswarm.solver.search.descent.planned import GlobalPoints
 
         return GlobalPoints(space, self.kind, self.samples, seed)
 
@@ -98,6 +98,6 @@ class _DesignMaker:
         return self._search(snapshot)
 
     def _search(self, snapshot: Snapshot | None) -> DesignSearch:
-        from geoswarm.solver.search.follow_ups import DesignSearch
+        from geoswarm.solver.search.descent.planned import DesignSearch
 
         return DesignSearch(self._points, self._batch, snapshot)

@@ -14,7 +14,7 @@ from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task, in
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.search import SearchSpace, Snapshot
-    from geoswarm.solver.search.follow_ups import ProfileSearch
+    from geoswarm.solver.search.descent.planned import ProfileSearch
 
 __all__ = ["ProfileMethod"]
 
@@ -61,7 +61,7 @@ class ProfileMethod(FollowUpMethod):
 
     def search(self, space: SearchSpace, snapshot: Snapshot | None = None) -> ProfileSearch:
         """Begin, or go on."""
-        from geoswarm.solver.search.follow_ups import BLIND_STEP, ProfileSearch, ProfileSettings
+        from geoswarm.solver.search.descent.planned import BLIND_STEP, ProfileSearch, ProfileSettings
 
         rise, step = in_order(space, self.rise, np.nan), in_order(space, self.step, BLIND_STEP)
         return ProfileSearch(space, ProfileSettings(in_order(space, self.at), rise, step), snapshot)

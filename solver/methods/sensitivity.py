@@ -13,7 +13,7 @@ from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task, in
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.search import SearchSpace, Snapshot
-    from geoswarm.solver.search.follow_ups import SensitivitySearch
+    from geoswarm.solver.search.descent.planned import SensitivitySearch
 
 __all__ = ["SensitivityMethod"]
 
@@ -60,7 +60,7 @@ class SensitivityMethod(FollowUpMethod):
 
     def search(self, space: SearchSpace, snapshot: Snapshot | None = None) -> SensitivitySearch:
         """Begin, or go on."""
-        from geoswarm.solver.search.follow_ups import SensitivitySearch, SensitivitySettings
+        from geoswarm.solver.search.descent.planned import SensitivitySearch, SensitivitySettings
 
         settings = SensitivitySettings(in_order(space, self.at), self.step, self.polish)
         return SensitivitySearch(space, settings, snapshot)

@@ -2,15 +2,15 @@
 
 from geoswarm.solver.problem.assembly import load_problem, parse_problem
 from geoswarm.solver.problem.draft import Draft, LocatedIssue, draft_of_document, draft_of_text
-from geoswarm.solver.problem.measurements import Measurements, read_measurements
 from geoswarm.solver.problem.observations import Observation, Points
 from geoswarm.solver.problem.parameters import FixedParameter, FreeParameter, LinkedParameter, Parameter
 from geoswarm.solver.problem.problem import Problem
-from geoswarm.solver.problem.reading import MAX_BYTES, read_document
 from geoswarm.solver.problem.schema import problem_schema
 from geoswarm.solver.problem.sections import Stopping
-from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, TableError
-from geoswarm.solver.problem.writing import problem_yaml
+from geoswarm.solver.problem.tables.measurements import Measurements, read_measurements
+from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError
+from geoswarm.solver.problem.text.reading import MAX_BYTES, read_document
+from geoswarm.solver.problem.text.writing import problem_yaml
 
 __all__ = [
     "MAX_BYTES",

@@ -18,8 +18,9 @@ from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import built, find_spec, parse_spec
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.registry import UnknownMethodError, find_method, kinds
-from geoswarm.solver.problem.extremes import extreme_issues
-from geoswarm.solver.problem.feasibility import estimates_in_conflict, infeasibility
+from geoswarm.solver.problem.checks.extremes import extreme_issues
+from geoswarm.solver.problem.checks.feasibility import estimates_in_conflict, infeasibility
+from geoswarm.solver.problem.checks.sizes import point_issues, size_issues
 from geoswarm.solver.problem.issues import describe, issues_of, validated
 from geoswarm.solver.problem.observations import Observation, Points, build_observations, read_points
 from geoswarm.solver.problem.parameters import (
@@ -33,7 +34,6 @@ from geoswarm.solver.problem.parameters import (
     parse_known,
 )
 from geoswarm.solver.problem.problem import Problem
-from geoswarm.solver.problem.reading import plain_document, read_problem_file
 from geoswarm.solver.problem.running import Failures, Limits
 from geoswarm.solver.problem.sections import (
     PARAMETER_FORMS,
@@ -44,7 +44,7 @@ from geoswarm.solver.problem.sections import (
     Stopping,
     WarmStart,
 )
-from geoswarm.solver.problem.sizes import point_issues, size_issues
+from geoswarm.solver.problem.text.reading import plain_document, read_problem_file
 from geoswarm.solver.problem.weighting import scheme_factors
 from geoswarm.solver.words import did_you_mean
 

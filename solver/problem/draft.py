@@ -15,10 +15,10 @@ from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.problem.assembly import parse_problem
-from geoswarm.solver.problem.lines import line_of, lines_of
 from geoswarm.solver.problem.problem import Problem
-from geoswarm.solver.problem.reading import plain_document, read_document
-from geoswarm.solver.problem.writing import problem_yaml
+from geoswarm.solver.problem.tables.lines import line_of, lines_of
+from geoswarm.solver.problem.text.reading import plain_document, read_document
+from geoswarm.solver.problem.text.writing import problem_yaml
 
 __all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text"]
 

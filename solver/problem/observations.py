@@ -13,13 +13,13 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
-from geoswarm.solver.problem.cells import moment_in
-from geoswarm.solver.problem.columns import Columns, Heading, read_table
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.preparation import Readings, prepared
 from geoswarm.solver.problem.sections import ObservationSection
-from geoswarm.solver.problem.selection import SELECTION, chosen_points
-from geoswarm.solver.problem.tables import TableError
+from geoswarm.solver.problem.tables.cells import moment_in
+from geoswarm.solver.problem.tables.columns import Columns, Heading, read_table
+from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
 

@@ -11,9 +11,9 @@ from geoswarm.solver.forward.registry import AnyForwardModelSpec
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from geoswarm.solver.methods.registry import built_in_methods
-from geoswarm.solver.problem.cells import moment_in
 from geoswarm.solver.problem.preparation import Resample
 from geoswarm.solver.problem.running import Failures, Limits
+from geoswarm.solver.problem.tables.cells import moment_in
 from geoswarm.solver.problem.weighting import Weighting
 from geoswarm.solver.section import Section
 

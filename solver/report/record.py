@@ -10,9 +10,9 @@ from importlib.metadata import PackageNotFoundError, version
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability import Linearisation
-from geoswarm.solver.identifiability.polish import Polished
-from geoswarm.solver.local import CalibrationResult, GenerationRecord
+from geoswarm.solver.identifiability.optimum.polish import Polished
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
 from geoswarm.solver.versions import versions
 
 __all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]

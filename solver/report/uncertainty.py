@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from geoswarm.solver.identifiability.follow_ups import NO_FINDINGS, Findings
-from geoswarm.solver.identifiability.posterior import Posterior
+from geoswarm.solver.identifiability.stored.findings import NO_FINDINGS, Findings
+from geoswarm.solver.identifiability.stored.posterior import Posterior
 
 __all__ = ["NOTHING_FURTHER", "Uncertainty"]
 

@@ -24,7 +24,7 @@ from threadpoolctl import threadpool_limits
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration import Proposer, ProposerState, Runs
 from geoswarm.solver.search.base import Snapshot
-from geoswarm.solver.search.ending import Ending
+from geoswarm.solver.search.descent.ending import Ending
 from geoswarm.solver.search.randomness import particle_generator
 from geoswarm.solver.search.space import SearchSpace
 

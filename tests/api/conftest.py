@@ -18,8 +18,8 @@ from geoswarm.api.server import base_url, build_server
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.engine import Engine, open_engine
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import Engine, open_engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 

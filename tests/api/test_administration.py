@@ -6,9 +6,9 @@ import pytest
 
 from geoswarm.api import ApiSettings
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
-from geoswarm.workers.service import JobService
-from geoswarm.workers.tally import tally
+from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
+from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem
 
 

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from geoswarm.api import create_app
 from geoswarm.api.routes.forward_models import EXAMPLES
 from geoswarm.solver.forward.registry import kinds, parse_spec
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem
 
 

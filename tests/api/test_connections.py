@@ -14,11 +14,11 @@ from pathlib import Path
 import httpx
 import pytest
 
-import geoswarm.api.connections
+import geoswarm.api.access.connections
 from geoswarm.api import ApiSettings
-from geoswarm.api.connections import LEAST_CONNECTIONS, Phase, most_connections
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.api.access.connections import LEAST_CONNECTIONS, Phase, most_connections
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
 
 SCRIPT = """
@@ -26,7 +26,7 @@ import os, resource, sys, threading, time
 from geoswarm.api import serve
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.logs import start_logging
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 
@@ -145,7 +145,7 @@ def test_the_head_of_a_request_must_arrive_in_time(service: JobService) -> None:
 
 
 def test_the_rest_of_an_answered_body_must_come_soon(service: JobService, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(geoswarm.api.connections, "REST_SECONDS", 0.5)
+    monkeypatch.setattr(geoswarm.api.access.connections, "REST_SECONDS", 0.5)
     with live_server(service) as server:
         head = b"POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000000\r\n\r\n"
         with connect(server.url, head + b" " * 1000) as raw:
@@ -154,7 +154,7 @@ def test_the_rest_of_an_answered_body_must_come_soon(service: JobService, monkey
 
 
 def test_who_does_not_read_an_answer_is_left(service: JobService, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(geoswarm.api.connections, "STALL_SECONDS", 0.5)
+    monkeypatch.setattr(geoswarm.api.access.connections, "STALL_SECONDS", 0.5)
     x = [i / 7 for i in range(190_000)]
     long = line_problem(observations=[{"series": "y", "points": {"x": x, "y": x}}])
     with live_server(service) as server:

@@ -12,7 +12,7 @@ from geoswarm.api.errors import TRANSLATED, translate
 from geoswarm.workers import errors as workers_errors
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, line_problem, live_server

@@ -5,8 +5,8 @@ from __future__ import annotations
 import httpx
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, LiveServer, line_problem

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.engine import Engine
+from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, line_problem, wait_for_end
 
 MEASURED = {"x": [120.0, 0.0, 60.0], "y": [500.0, 100.0, 300.0]}

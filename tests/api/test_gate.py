@@ -6,7 +6,7 @@ import pytest
 from pydantic import SecretStr
 
 from geoswarm.api import ApiError, ApiSettings
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App
 
 KEY = "a-very-secret-key"

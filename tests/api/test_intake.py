@@ -14,9 +14,9 @@ import pytest
 from pydantic import SecretStr
 
 from geoswarm.api import ApiSettings
-from geoswarm.api.intake import LARGE_BODIES, SMALL_BODY_BYTES
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.api.access.intake import LARGE_BODIES, SMALL_BODY_BYTES
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, LiveServer, line_problem, live_server
 
 MB = 2**20

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from geoswarm.api import ApiSettings
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem
 
 FIELDS = {

@@ -7,8 +7,8 @@ from collections.abc import AsyncIterator
 import pytest
 
 from geoswarm.api import ApiSettings
-from geoswarm.api.limits import MOST_CLIENTS, RateLimiter
-from geoswarm.workers.service import JobService
+from geoswarm.api.access.limits import MOST_CLIENTS, RateLimiter
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App
 
 

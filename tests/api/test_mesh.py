@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from geoswarm.api import ApiSettings
-from geoswarm.workers.engine import Engine
-from geoswarm.workers.keys import ApiKeys
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, line_problem, wait_for_end
 from tests.solver.forward.continuum.bodies import OEDOMETER, ground
 

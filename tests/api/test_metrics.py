@@ -10,11 +10,11 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from geoswarm.workers import tracing
 from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.service import JobService
+from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.tally import tally
-from geoswarm.workers.worker import Worker
 from tests.api.conftest import API, App, line_problem
 
 
@@ -78,7 +78,7 @@ def test_failures_are_counted_by_reason_and_logged_with_their_place(
         stopping={"max_evaluations": 12},
     )
     job = app.post(f"{API}/jobs", json=failing).json()["id"]
-    with caplog.at_level(logging.INFO, logger="geoswarm.workers.claim_runner"):
+    with caplog.at_level(logging.INFO, logger="geoswarm.workers.execution.claim_runner"):
         work(service, settings, job)
     counted = {label: value for (name, label), value in samples(app).items() if name == "geoswarm_runs_total"}
     assert sum(value for label, value in counted.items() if label != "finished") >= 6

@@ -12,11 +12,11 @@ from pydantic import SecretStr
 from geoswarm.api import ApiSettings
 from geoswarm.records.key import Role
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.access import Principal
-from geoswarm.workers.engine import Engine
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import JobNotFoundError
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import Engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, line_problem, wait_for_end

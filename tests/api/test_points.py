@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from geoswarm.workers.engine import Engine
+from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, wait_for_end
 from tests.api.test_statistics import sampled
 

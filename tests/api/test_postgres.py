@@ -8,7 +8,7 @@ import httpx
 import pytest
 
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, LiveServer, line_problem

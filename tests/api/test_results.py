@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from geoswarm.api.routes.results import csv_header, csv_lines
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.engine import Engine
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, line_problem, wait_for_end
 from tests.geoswarm.records.made import evaluation
 

@@ -11,14 +11,14 @@ import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
 
 from geoswarm.api import ApiSettings, create_app
-from geoswarm.workers.access import Principal
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.worker import Worker
 from tests.api.conftest import line_problem
 
 SECRET = "confidential-embankment"

@@ -14,7 +14,7 @@ import pytest
 
 from geoswarm.api import ApiSettings, PortInUseError, bind, serve
 from geoswarm.api.server import base_url
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, LiveServer, line_problem
 
 
@@ -82,7 +82,7 @@ SCRIPT = """
 import sys
 from geoswarm.api import serve
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 

@@ -11,8 +11,8 @@ from pydantic import SecretStr
 from sqlalchemy import text
 
 from geoswarm.api import ApiSettings
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem
 
 STATIC = "environment-key-of-the-operator"

@@ -10,12 +10,12 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, analyse, reweight
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.report.folder.jsonable import jsonable
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.words import typeset
-from geoswarm.workers.engine import Engine
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import Engine
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem, wait_for_end
 
 

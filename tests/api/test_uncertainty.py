@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.engine import Engine
-from geoswarm.workers.store.follow_ups import evaluations_in_order
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.workers.hosts.engine import Engine
+from geoswarm.workers.queries.follow_ups import evaluations_in_order
 from tests.api.conftest import API, App, line_problem, wait_for_end
 
 X = np.linspace(0.0, 3.0, 16)

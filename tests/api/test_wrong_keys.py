@@ -7,9 +7,9 @@ import pytest
 from pydantic import SecretStr
 
 from geoswarm.api import ApiError, ApiSettings
-from geoswarm.api.authentication import FAILURE_BURST, SIGN_IN_BURST
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.api.access.authentication import FAILURE_BURST, SIGN_IN_BURST
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, live_server
 
 STATIC = "the-key-of-the-operator"

@@ -20,7 +20,7 @@ from urllib.parse import urlsplit
 import httpx
 
 from geoswarm.solver.examples import example_file
-from geoswarm.solver.problem.reading import read_problem_file
+from geoswarm.solver.problem.text.reading import read_problem_file
 from tests.attacks.services import Service
 from tests.models.geoswarm_bad_models import REASONS
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runner.processes import descendants
-from geoswarm.workers.engine import open_engine
-from geoswarm.workers.service import JobService
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.workers.hosts.engine import open_engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from tests.integration.engines import celery_workers, wait_for, wait_until_ended
 from tests.models.geoswarm_bad_models import REASONS

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from geoswarm.workers.engine import Engine, open_engine
+from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.settings import Settings
 from tests.api.conftest import API, App, line_problem, wait_for_end
 

@@ -15,21 +15,21 @@ from typing import Any, TypeAlias
 import pytest
 from starlette.datastructures import Headers
 
-from geoswarm.api.authentication import given_key, given_token
+from geoswarm.api.access.authentication import given_key, given_token
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.expressions import parse_expression
 from geoswarm.solver.problem import parse_problem, problem_yaml, read_document, read_measurements
-from geoswarm.solver.problem.cells import moment_in, read_cells
 from geoswarm.solver.problem.draft import draft_of_text
-from geoswarm.solver.problem.headings import guess_unit, units_in_comments
-from geoswarm.solver.problem.json_places import duplicate_place
-from geoswarm.solver.problem.lines import lines_of
-from geoswarm.solver.problem.tables import TableError, cell_number, table_rows
+from geoswarm.solver.problem.tables.cells import moment_in, read_cells
+from geoswarm.solver.problem.tables.headings import guess_unit, units_in_comments
+from geoswarm.solver.problem.tables.lines import lines_of
+from geoswarm.solver.problem.tables.reading import TableError, cell_number, table_rows
+from geoswarm.solver.problem.text.json_places import duplicate_place
 from geoswarm.solver.problem.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean, typeset
-from geoswarm.workers.cursors import decode_cursor
 from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.logs import JsonFormatter, TextFormatter
+from geoswarm.workers.queries.cursors import decode_cursor
 from geoswarm.workers.secrets import redact
 
 LONGEST = 100_000

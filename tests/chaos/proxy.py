@@ -15,7 +15,7 @@ from collections import Counter, deque
 from types import TracebackType
 from typing import Self
 
-from geoswarm.workers.celery_app import QUEUE
+from geoswarm.workers.hosts.celery_app import QUEUE
 
 __all__ = ["LossyProxy", "split_frames"]
 

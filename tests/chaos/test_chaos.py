@@ -24,10 +24,10 @@ import pytest
 from geoswarm import Client
 from geoswarm.client.errors import GeoswarmError
 from geoswarm.records.evaluation import Evaluation
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.chaos.faults import Disturber

@@ -32,7 +32,7 @@ def test_the_solver_runs_without_the_extras() -> None:
     blocked = ("sqlalchemy", "alembic", "celery", "redis", "fastapi", "uvicorn", "psycopg", "matplotlib")
     program = (
         f"import sys; sys.modules.update(dict.fromkeys({blocked!r}))\n"
-        "from geoswarm.solver.local import calibrate\n"
+        "from geoswarm.solver.runs.local import calibrate\n"
         "from geoswarm.solver.problem import parse_problem\n"
         "from geoswarm.solver.warm import SAMPLES\n"
         "print(calibrate(parse_problem(SAMPLES['oedometer'])).state)"

@@ -20,8 +20,8 @@ def refuse(name, globals=None, locals=None, fromlist=(), level=0):
 builtins.__import__ = refuse
 if __name__ == "__main__":
     import geoswarm.client
-    import geoswarm.solver.evaluators
-    geoswarm.solver.evaluators.WATCHED = False
+    import geoswarm.solver.runs.evaluators
+    geoswarm.solver.runs.evaluators.WATCHED = False
     from geoswarm.cli import main
     for command in (
         ["examples", "oedometer", "example"],

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.workers.celery_app import create_celery
 from geoswarm.workers.errors import SettingsError
+from geoswarm.workers.hosts.celery_app import create_celery
 from geoswarm.workers.logs import JsonFormatter, TextFormatter
 from geoswarm.workers.secrets import is_loopback, redact, refuse_known_secrets, refuse_weak_key
 from geoswarm.workers.settings import Settings

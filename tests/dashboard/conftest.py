@@ -15,9 +15,9 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from geoswarm.api import ApiSettings
-from geoswarm.workers.engine import open_engine
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.hosts.engine import open_engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from tests.api.conftest import LiveServer
 from tests.dashboard.browser import Guard, chromium, guarded_context

@@ -15,7 +15,7 @@ from playwright.sync_api import Page, expect
 
 from geoswarm.solver.examples import example_file
 from geoswarm.solver.problem import load_problem, parse_problem
-from geoswarm.workers.tally import tally
+from geoswarm.workers.operations.tally import tally
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.layout import check_layout, leaf_through

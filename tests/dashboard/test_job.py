@@ -10,8 +10,8 @@ import pytest
 from playwright.sync_api import Locator, Page, Route, expect
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.access import LOCAL, Principal
-from geoswarm.workers.store.job_list import JobFilters
+from geoswarm.workers.access.principal import LOCAL, Principal
+from geoswarm.workers.queries.job_list import JobFilters
 from tests.api.conftest import line_problem, wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from geoswarm.solver.problem import load_problem
-from geoswarm.workers.access import Principal
+from geoswarm.workers.access.principal import Principal
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_statistics import ended
 

@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import expect
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.keys import ApiKeys
-from geoswarm.workers.tally import tally
+from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.operations.tally import tally
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site

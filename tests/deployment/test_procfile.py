@@ -18,8 +18,8 @@ import pytest
 from sqlalchemy.engine import make_url
 
 from geoswarm import Client
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 from tests.contracts.repository import ROOT
 from tests.integration.engines import wait_for
 from tests.servers import find_program, free_port
@@ -87,7 +87,7 @@ def test_the_procfile_works_with_the_environment_of_the_example(
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
     # kernels as plain Python: nothing waits until they are compiled
     environment = {"PATH": path, "HOME": str(tmp_path), "NUMBA_DISABLE_JIT": "1", **own}
-    check = [sys.executable, "-m", "geoswarm.workers.healthcheck", "--worker"]
+    check = [sys.executable, "-m", "geoswarm.workers.hosts.healthcheck", "--worker"]
 
     def ready() -> bool:
         ended = [name for name, process in processes.items() if process.poll() is not None]

@@ -9,8 +9,8 @@ import pytest
 from examples.generate_reference_data import EXAMPLES, HERE
 from geoswarm.cli import main
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import load_problem
+from geoswarm.solver.runs.local import calibrate
 
 BANDS = {  # around the true values, for the seed in the problem file; the oedometer stops at the published target
     "oedometer": {"lambda_star": (0.072, 0.097), "kappa_star": (0.040, 0.067), "c": (19.0, 35.0)},

@@ -9,7 +9,7 @@ import pytest
 
 from examples.generate_reference_data import HERE
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.forward.section import SectionModel
+from geoswarm.solver.forward.cross_section import SectionModel
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 
 LABORATORY = [0.064, 0.035, 0.00146, 10.0, 5560.0]

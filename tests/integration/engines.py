@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 from geoswarm.records.job import Job
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from tests.workers.problems import History, expected_history, line
 
@@ -54,7 +54,7 @@ def long_history() -> History:
 
 
 RUN_WORKER = (
-    "import json, sys; from geoswarm.workers.celery_app import run_celery_worker;"
+    "import json, sys; from geoswarm.workers.hosts.celery_app import run_celery_worker;"
     "from geoswarm.workers.settings import Settings;"
     "run_celery_worker(Settings(**json.loads(sys.argv[1])), int(sys.argv[2]))"
 )

@@ -21,8 +21,8 @@ import httpx
 import pytest
 
 from geoswarm import Client
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 from tests.integration.engines import must_end, wait_for
 from tests.servers import RedisServer, free_port
 

@@ -9,9 +9,9 @@ import time
 import pytest
 import redis
 
-from geoswarm.workers.celery_app import QUEUE
-from geoswarm.workers.engine import open_engine
 from geoswarm.workers.errors import BrokerUnavailableError
+from geoswarm.workers.hosts.celery_app import QUEUE
+from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.settings import Settings
 from tests.integration.engines import (
     LONG,

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.engine import Engine, open_engine
 from geoswarm.workers.errors import StoreUnavailableError
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import Engine, open_engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.integration.engines import LONG, STEADY, long_history, process_exists, wait_for, wait_until_ended
@@ -110,7 +110,7 @@ def test_a_job_goes_on_in_the_next_engine(database_url: str) -> None:
 def test_no_worker_outlives_a_killed_engine(tmp_path: Path) -> None:
     settings = Settings(database_url=f"sqlite:///{tmp_path / 'jobs.db'}", workers=2, grace_seconds=0.5)
     program = (
-        "import sys, time; from geoswarm.workers.engine import open_engine;"
+        "import sys, time; from geoswarm.workers.hosts.engine import open_engine;"
         "from geoswarm.workers.settings import Settings;"
         "engine = open_engine(Settings(**__import__('json').loads(sys.argv[1]))); time.sleep(60)"
     )

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.workers.engine import Engine, open_engine
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
+from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.settings import Settings
 from tests.integration.engines import process_exists, wait_for, wait_until_ended
 from tests.workers.problems import line

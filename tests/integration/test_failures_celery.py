@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.workers.engine import open_engine
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import open_engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from tests.integration.engines import STEADY, celery_workers, process_exists, wait_for, wait_until_ended
 from tests.integration.test_failures import misbehaving, pids

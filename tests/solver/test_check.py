@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from geoswarm.solver.check import check_problem
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.check import check_problem
 
 
 def check(**changes: Any) -> Any:

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver import evaluators
 from geoswarm.solver.errors import WorkerLostError
-from geoswarm.solver.local import CalibrationResult, GenerationRecord, calibrate
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.processes import descendants
+from geoswarm.solver.runs import evaluators
+from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord, calibrate
 from tests.solver.problems import decay_problem
 
 

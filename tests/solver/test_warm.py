@@ -23,7 +23,7 @@ import json, sys
 from pathlib import Path
 from numba.core import event
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.check import middle
+from geoswarm.solver.runs.check import middle
 from geoswarm.solver.problem import load_problem
 from geoswarm.solver.warm import groups_of, run_sample
 compiled = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from geoswarm.cli import output
+from geoswarm.cli.words import output
 from geoswarm.solver.words import duration, ends, number, reasons_in_words, share, typeset, visible
 
 

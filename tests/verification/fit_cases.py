@@ -13,8 +13,8 @@ from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.forward.formula import FormulaSpec
 from geoswarm.solver.identifiability import Linearisation, design, from_evaluations
-from geoswarm.solver.identifiability.bending import likelihood_intervals
-from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.identifiability.optimum.bending import likelihood_intervals
+from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.problem import parse_problem
 
 __all__ = ["BANANA", "DEPARTING", "RIGHT", "WRONG", "Case", "Coverage", "coverage", "fitted", "share_flagged"]

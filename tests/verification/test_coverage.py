@@ -10,7 +10,7 @@ import pytest
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import design, from_evaluations
-from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.problem import parse_problem
 
 X = np.linspace(0.0, 4.0, 15)

@@ -13,7 +13,7 @@ import pytest
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.problem.consolidation import consolidation_degree
+from geoswarm.solver.problem.checks.consolidation import consolidation_degree
 
 TESTS = 300
 LOADS = (12.5, 25.0, 50.0, 100.0, 200.0, 400.0, 800.0, 1600.0)

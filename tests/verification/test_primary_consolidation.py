@@ -8,10 +8,10 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.problem.consolidation import find_consolidation
-from geoswarm.solver.report.build import Report, report_of_result
+from geoswarm.solver.problem.checks.consolidation import find_consolidation
+from geoswarm.solver.report.document.build import Report, report_of_result
+from geoswarm.solver.runs.local import calibrate
 
 DAY = 1440.0  # min
 TIMES = np.unique(np.round(np.geomspace(0.1, DAY, 24), 2))

@@ -14,8 +14,8 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, Statistics, analyse, fit_line
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 from tests.contracts.repository import ROOT
 
 SEEDS = 20

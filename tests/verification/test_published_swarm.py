@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 
 PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
 

@@ -8,11 +8,11 @@ from typing import Any, TypeAlias
 
 import pytest
 
+from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.worker import Worker
 
 MakeWorker: TypeAlias = Callable[..., Worker]
 

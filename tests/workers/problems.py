@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.workers.service import JobService
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["History", "expected_history", "line", "recorded_history"]
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.runner.runner import Runner
-from geoswarm.workers.claim_runner import ClaimRunner
 from geoswarm.workers.coordinator.work import Claim, HandIn
+from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.settings import Settings
 from tests.solver.runner.test_runner import misbehaving
 from tests.workers.conftest import MakeWorker

@@ -6,10 +6,10 @@ import pytest
 from sqlalchemy import func, select
 
 from geoswarm.solver.problem import Problem, Stopping
-from geoswarm.workers.access import Principal
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import QuotaExceededError, StoreUnavailableError
-from geoswarm.workers.probe import Probe
-from geoswarm.workers.service import JobService
+from geoswarm.workers.operations.probe import Probe
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import evaluations

@@ -5,9 +5,9 @@ import os
 
 import pytest
 
-from geoswarm.workers.celery_app import QUEUE, CeleryDoorbell, create_celery
-from geoswarm.workers.embedded import PipeDoorbell
 from geoswarm.workers.errors import SettingsError
+from geoswarm.workers.hosts.celery_app import QUEUE, CeleryDoorbell, create_celery
+from geoswarm.workers.hosts.embedded import PipeDoorbell
 from geoswarm.workers.settings import Settings
 from tests.servers import RedisServer
 
@@ -40,7 +40,7 @@ def test_a_dead_redis_is_reported_once_and_rings_are_dropped(caplog: pytest.LogC
     with RedisServer() as server:
         doorbell = CeleryDoorbell(Settings(broker_url=server.url))
         server.stop()
-        with caplog.at_level(logging.INFO, logger="geoswarm.workers.celery_app"):
+        with caplog.at_level(logging.INFO, logger="geoswarm.workers.hosts.celery_app"):
             doorbell.ring("job")
             doorbell._silent_until = 0.0
             doorbell.ring("job")

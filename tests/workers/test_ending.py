@@ -8,10 +8,10 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Stopping
-from geoswarm.workers.access import Principal
-from geoswarm.workers.claim_runner import ClaimRunner
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError, QuotaExceededError
-from geoswarm.workers.service import JobService
+from geoswarm.workers.execution.claim_runner import ClaimRunner
+from geoswarm.workers.service.job_service import JobService
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history
 

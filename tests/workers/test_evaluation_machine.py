@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geoswarm.workers.coordinator.evaluation import (
+from geoswarm.workers.states.evaluation import (
     Claimed,
     Duplicated,
     EvaluationEvent,

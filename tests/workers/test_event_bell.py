@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import text
 
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.event_bell import EventBell

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.workers.healthcheck import main, what_is_wrong
+from geoswarm.workers.hosts.healthcheck import main, what_is_wrong
 from geoswarm.workers.identity import Identity
+from geoswarm.workers.queries.workers import mark_lost, register_worker
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.workers import mark_lost, register_worker
 
 
 def test_a_worker_of_this_machine_must_be_alive(store: Store, settings: Settings) -> None:
@@ -44,7 +44,7 @@ def test_the_exit_code_tells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 def test_it_runs_as_a_program(tmp_path: Path) -> None:
     Store(Settings(database_url=f"sqlite:///{tmp_path}/jobs.db")).close()
     done = subprocess.run(
-        [sys.executable, "-m", "geoswarm.workers.healthcheck", "--worker"],
+        [sys.executable, "-m", "geoswarm.workers.hosts.healthcheck", "--worker"],
         env={"GEOSWARM_DATABASE_URL": f"sqlite:///{tmp_path}/jobs.db", "PATH": "/usr/bin:/bin"},
         cwd=Path(__file__).parents[2],
         capture_output=True,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from geoswarm.workers.access import Principal
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import InvalidCursorError
-from geoswarm.workers.service import JobService
-from geoswarm.workers.store.job_list import JobFilters, SortKey
+from geoswarm.workers.queries.job_list import JobFilters, SortKey
+from geoswarm.workers.service.job_service import JobService
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import line
 

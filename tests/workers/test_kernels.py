@@ -17,7 +17,7 @@ from geoswarm.solver.runner import kernels
 from geoswarm.solver.runner.evaluator import InlineEvaluator
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.warm import SAMPLES
-from geoswarm.workers.engine import open_engine
+from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.tables import events
 from tests.integration.engines import wait_until_ended

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select, update
 
-from geoswarm.workers.access import LOCAL, Principal
+from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
+from geoswarm.workers.access.principal import LOCAL, Principal
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
-from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now

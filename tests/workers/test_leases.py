@@ -9,12 +9,12 @@ from sqlalchemy import Connection, select, update
 
 from geoswarm.workers.coordinator.job_exchange import _typical
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.service import JobService
+from geoswarm.workers.queries.jobs import lock_job
+from geoswarm.workers.queries.workers import register_worker
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.jobs import lock_job
 from geoswarm.workers.store.tables import attempts, evaluations
-from geoswarm.workers.store.workers import register_worker
 from tests.workers.hand import PROBLEM, Hand, runtime_for
 
 

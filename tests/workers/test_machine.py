@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.errors import InfeasibleSpaceError
-from geoswarm.workers.coordinator.machine import (
+from geoswarm.workers.errors import InvalidTransitionError
+from geoswarm.workers.states.job import (
     CancelRequested,
     DispatchGeneration,
     FinishJob,
@@ -27,7 +28,6 @@ from geoswarm.workers.coordinator.machine import (
     Transition,
     apply,
 )
-from geoswarm.workers.errors import InvalidTransitionError
 from tests.workers.problems import calibration, line
 
 # the textbook swarm: these tests make up objectives for which there are no responses

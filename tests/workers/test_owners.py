@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
-from geoswarm.workers.access import Principal
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import IdempotencyConflictError, JobNotFoundError, QuotaExceededError
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import line_problem
 from tests.workers.conftest import MakeWorker
 

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from sqlalchemy import insert, update
 
-from geoswarm.workers.access import LOCAL, Principal
-from geoswarm.workers.service import JobService
+from geoswarm.workers.access.principal import LOCAL, Principal
+from geoswarm.workers.queries.queue import most_urgent_job, note_served
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.queue import most_urgent_job, note_served
 from geoswarm.workers.store.tables import jobs, turns
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history

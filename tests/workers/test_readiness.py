@@ -17,10 +17,10 @@ import httpx
 import pytest
 
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.engine import open_engine
 from geoswarm.workers.errors import StoreUnavailableError
-from geoswarm.workers.probe import OneAtATime
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import open_engine
+from geoswarm.workers.operations.probe import OneAtATime
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import live_server

@@ -7,17 +7,17 @@ from pathlib import Path
 import pytest
 from sqlalchemy import func, select, text, update
 
-from geoswarm.workers import retention
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError
-from geoswarm.workers.retention import delete_job, prune
-from geoswarm.workers.service import JobService
+from geoswarm.workers.operations import retention
+from geoswarm.workers.operations.retention import delete_job, prune
+from geoswarm.workers.operations.sweep import Sweeper
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import attempts, evaluations, events, generations, jobs
-from geoswarm.workers.sweep import Sweeper
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import line
 

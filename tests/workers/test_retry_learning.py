@@ -10,8 +10,8 @@ import pytest
 
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.workers.coordinator.work import Exchange
-from geoswarm.workers.service import JobService
-from geoswarm.workers.worker import Worker
+from geoswarm.workers.execution.worker import Worker
+from geoswarm.workers.service.job_service import JobService
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import recorded_history
 

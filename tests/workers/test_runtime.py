@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from sqlalchemy import select, update
 
 from geoswarm.solver.runner.evaluator import InlineEvaluator
-from geoswarm.workers.claim_runner import ClaimRunner
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import HandIn
-from geoswarm.workers.service import JobService
+from geoswarm.workers.execution.claim_runner import ClaimRunner
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import attempts, evaluations, jobs

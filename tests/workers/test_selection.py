@@ -7,12 +7,13 @@ import itertools
 import pytest
 
 from geoswarm.solver.identifiability import analyse
-from geoswarm.solver.identifiability.study import SWARM_BIAS
+from geoswarm.solver.identifiability.stored.study import SWARM_BIAS
 from geoswarm.workers.cache import Cache
-from geoswarm.workers.service import JobService
+from geoswarm.workers.queries import jobs, selection
+from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.service.statistics import StatisticsService, StoredJob
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.statistics import StatisticsService, StoredJob
-from geoswarm.workers.store import Store, jobs, selection
+from geoswarm.workers.store import Store
 from tests.workers.hand import Hand, finish, runtime_for
 from tests.workers.problems import calibration, line
 
@@ -64,8 +65,8 @@ def test_a_long_history_is_read_in_generations_that_stand_for_it(
 def test_statistics_say_what_they_rest_on(
     monkeypatch: pytest.MonkeyPatch, service: JobService, job: tuple[str, bool]
 ) -> None:
-    monkeypatch.setattr("geoswarm.workers.statistics.MOST_READ", 100)
-    monkeypatch.setattr("geoswarm.workers.store.selection.MOST_RECORDS", 10)
+    monkeypatch.setattr("geoswarm.workers.service.statistics.MOST_READ", 100)
+    monkeypatch.setattr("geoswarm.workers.queries.selection.MOST_RECORDS", 10)
     job_id, sampled = job
     stored = service.statistics.stored(job_id)
     assert stored.samples.size + stored.samples.left_out == 200
@@ -85,7 +86,7 @@ def test_long_responses_make_fewer_evaluations(
 ) -> None:
     job_id, _ = job
     points = sum(o.x.size for o in service.statistics.stored(job_id).problem.observations)
-    monkeypatch.setattr("geoswarm.workers.statistics.MOST_VALUES", 50 * points)
+    monkeypatch.setattr("geoswarm.workers.service.statistics.MOST_VALUES", 50 * points)
     stored = StatisticsService(service.store, service._row, Cache()).stored(job_id)
     assert stored.samples.size + stored.samples.left_out == 200
     assert 40 <= stored.samples.size <= 75
@@ -99,7 +100,7 @@ def test_a_large_generation_is_thinned(
     problem = line(method={"kind": "monte_carlo", "samples": 200, "batch": 200}, stopping={})
     job_id = service.submit(problem)[0].id
     finish(Hand(runtime_for(store, settings), job_id, "w1", calibration(problem)))
-    monkeypatch.setattr("geoswarm.workers.statistics.MOST_READ", 20)
+    monkeypatch.setattr("geoswarm.workers.service.statistics.MOST_READ", 20)
     stored = service.statistics.stored(job_id)
     assert stored.samples.size + stored.samples.left_out == 200
     assert 20 <= stored.samples.size <= 31

@@ -15,10 +15,10 @@ from geoswarm.workers.errors import (
     JobNotFoundError,
     StoreUnavailableError,
 )
-from geoswarm.workers.service import JobService
+from geoswarm.workers.queries.job_list import JobFilters
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.job_list import JobFilters
 from geoswarm.workers.store.tables import attempts, evaluations, events, generations
 from tests.servers import PostgresServer
 from tests.workers.conftest import MakeWorker, RecordingDoorbell

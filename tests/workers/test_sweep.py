@@ -9,14 +9,14 @@ from sqlalchemy import update
 
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import HandIn
+from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity, is_dead, this_machine
-from geoswarm.workers.service import JobService
+from geoswarm.workers.operations.sweep import Sweeper
+from geoswarm.workers.queries.workers import register_worker
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import jobs, workers
-from geoswarm.workers.store.workers import register_worker
-from geoswarm.workers.sweep import Sweeper
-from geoswarm.workers.worker import Worker
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
 from tests.workers.problems import calibration, line
 
@@ -119,7 +119,7 @@ def test_the_sweep_process_frees_what_a_dead_worker_held_and_stops_on_request(
     store.write(lambda c: register_worker(c, identity))
     claim_one(worker, job_id)
     program = (
-        "import sys; from geoswarm.workers.settings import Settings; from geoswarm.workers.sweep import run_sweep;"
+        "import sys; from geoswarm.workers.settings import Settings; from geoswarm.workers.operations.sweep import run_sweep;"
         "run_sweep(Settings.model_validate_json(sys.argv[1]))"
     )
     process = subprocess.Popen([sys.executable, "-c", program, settings.model_dump_json()], stderr=subprocess.DEVNULL)

@@ -14,12 +14,12 @@ import pytest
 from sqlalchemy import event
 
 from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.probe import Probe
-from geoswarm.workers.service import JobService
+from geoswarm.workers.operations.probe import Probe
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.worker import Worker
 from tests.workers.conftest import RecordingDoorbell
 from tests.workers.problems import expected_history, line, recorded_history
 

@@ -12,19 +12,19 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from sqlalchemy import text
 
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.access import Principal
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.service import JobService
+from geoswarm.workers.operations.sweep import Sweeper
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.migrate import HEAD
 from geoswarm.workers.store.tables import metadata
-from geoswarm.workers.sweep import Sweeper
-from geoswarm.workers.worker import Worker
 
 SCHEMAS = Path(__file__).parent / "schemas"
 RELEASED = sorted({path.name.partition(".")[0] for path in SCHEMAS.glob("*.sql")})

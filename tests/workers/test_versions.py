@@ -10,10 +10,10 @@ import pytest
 from sqlalchemy import text
 
 from geoswarm.solver.versions import PACKAGES, versions
-from geoswarm.workers.service import JobService
+from geoswarm.workers.queries import versions as recording
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store import versions as recording
 from tests.workers.hand import PROBLEM, Hand, finish, runtime_for
 
 Become = Callable[..., None]

@@ -10,14 +10,15 @@ from sqlalchemy import select, update
 
 from geoswarm.solver.calibration import Offer
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
-from geoswarm.workers.access import Principal
-from geoswarm.workers.service import JobService
-from geoswarm.workers.store import Store, offers
+from geoswarm.workers.access.principal import Principal
+from geoswarm.workers.queries import offers
+from geoswarm.workers.queries.workers import see_worker
+from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import jobs
-from geoswarm.workers.store.workers import see_worker
 from tests.solver.problems import decay_document
 from tests.workers.conftest import MakeWorker
 

@@ -13,11 +13,11 @@ from geoswarm.solver.calibration import Calibration, Evaluation, Step
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.fork_server_link import ForkServerLink
 from geoswarm.workers.coordinator.work import HandIn
-from geoswarm.workers.service import JobService
+from geoswarm.workers.execution.worker import _Turn
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import pack_json
 from geoswarm.workers.store.tables import jobs
-from geoswarm.workers.worker import _Turn
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
 from tests.workers.problems import calibration, expected_history, line, recorded_history
 
@@ -116,7 +116,7 @@ def test_without_a_process_to_spare_the_work_is_left_to_others(
     def none(_self: ForkServerLink) -> None:
         raise OSError(errno.EAGAIN, "no process to spare")
 
-    monkeypatch.setattr("geoswarm.workers.worker.TROUBLE_SECONDS", 0.01)
+    monkeypatch.setattr("geoswarm.workers.execution.worker.TROUBLE_SECONDS", 0.01)
     monkeypatch.setattr("geoswarm.solver.runner.fork_server_link.PAUSES", (0.0,))
     job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
     worker = make_worker(isolate=True)

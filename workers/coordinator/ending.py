@@ -16,12 +16,12 @@ from geoswarm.solver.calibration import Progress, stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.stopping import StopCriterion, SwarmStatus, satisfied_reasons
-from geoswarm.workers.coordinator.machine import GoOnRequested, Transition, apply
+from geoswarm.workers.access.quotas import check_quotas
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError
-from geoswarm.workers.quotas import check_quotas
+from geoswarm.workers.queries.jobs import LockedJob, get_problem
 from geoswarm.workers.settings import Settings
+from geoswarm.workers.states.job import GoOnRequested, Transition, apply
 from geoswarm.workers.store.codec import pack_json, unpack_json, unpack_problem
-from geoswarm.workers.store.jobs import LockedJob, get_problem
 from geoswarm.workers.store.tables import jobs
 
 __all__ = ["change_stopping", "changed_criteria"]

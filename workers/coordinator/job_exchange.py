@@ -14,8 +14,16 @@ from sqlalchemy import Connection
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.runlog import RunLog
 from geoswarm.workers.coordinator.ending import changed_criteria
-from geoswarm.workers.coordinator.evaluation import Claimed, Duplicated, settle
-from geoswarm.workers.coordinator.machine import (
+from geoswarm.workers.coordinator.retry import finish_retry, open_retries
+from geoswarm.workers.coordinator.tries import give_back, record_result
+from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
+from geoswarm.workers.queries.evaluations import Cell, GenerationRows, load_generation, reuse, write_new
+from geoswarm.workers.queries.jobs import LockedJob, save_job
+from geoswarm.workers.queries.queue import note_served
+from geoswarm.workers.queries.versions import note_versions
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.states.evaluation import Claimed, Duplicated, settle
+from geoswarm.workers.states.job import (
     DispatchGeneration,
     GenerationJoined,
     Job,
@@ -24,15 +32,7 @@ from geoswarm.workers.coordinator.machine import (
     Transition,
     apply,
 )
-from geoswarm.workers.coordinator.retry import finish_retry, open_retries
-from geoswarm.workers.coordinator.tries import give_back, record_result
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
-from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.codec import unpack_array
-from geoswarm.workers.store.evaluations import Cell, GenerationRows, load_generation, reuse, write_new
-from geoswarm.workers.store.jobs import LockedJob, save_job
-from geoswarm.workers.store.queue import note_served
-from geoswarm.workers.store.versions import note_versions
 
 __all__ = ["Closed", "Due", "JobExchange"]
 

@@ -19,13 +19,13 @@ from sqlalchemy import ColumnElement, Connection, and_, func, insert, select, te
 
 from geoswarm.records.states import ENDED_STATES, UNDONE_STATES
 from geoswarm.solver.calibration import Best, Progress
-from geoswarm.solver.local import no_success_message
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runs.local import no_success_message
 from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
+from geoswarm.workers.queries.jobs import LockedJob, publish_state
+from geoswarm.workers.queries.queue import REOPENED, first_place
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
-from geoswarm.workers.store.jobs import LockedJob, publish_state
-from geoswarm.workers.store.queue import REOPENED, first_place
 from geoswarm.workers.store.tables import attempts, evaluations, generations, jobs
 
 __all__ = ["begin_retry", "finish_retry", "open_retries"]

@@ -23,7 +23,22 @@ from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.runlog import RunKey, RunLog
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
-from geoswarm.workers.coordinator.machine import (
+from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
+from geoswarm.workers.coordinator.tries import expire_cell, give_back
+from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
+from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.queries.evaluations import (
+    GenerationRows,
+    count_failed,
+    list_positions,
+    list_responses,
+    load_generation,
+    renew_leases,
+)
+from geoswarm.workers.queries.jobs import LockedJob, get_problem, lock_job, save_job
+from geoswarm.workers.queries.workers import live_workers
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.states.job import (
     CancelRequested,
     DispatchGeneration,
     JobBroken,
@@ -33,24 +48,9 @@ from geoswarm.workers.coordinator.machine import (
     Transition,
     apply,
 )
-from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
-from geoswarm.workers.coordinator.tries import expire_cell, give_back
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
-from geoswarm.workers.errors import JobNotFoundError
-from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import pack_json, unpack_problem
-from geoswarm.workers.store.evaluations import (
-    GenerationRows,
-    count_failed,
-    list_positions,
-    list_responses,
-    load_generation,
-    renew_leases,
-)
 from geoswarm.workers.store.event_bell import insert_events
-from geoswarm.workers.store.jobs import LockedJob, get_problem, lock_job, save_job
-from geoswarm.workers.store.workers import live_workers
 
 __all__ = ["Runtime"]
 

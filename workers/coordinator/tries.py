@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from sqlalchemy import Connection
 
 from geoswarm.solver.problem.running import Failures, fatal_message
-from geoswarm.workers.coordinator.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
 from geoswarm.workers.coordinator.work import Result
+from geoswarm.workers.queries.evaluations import Cell, GenerationRows
+from geoswarm.workers.states.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
 from geoswarm.workers.store.codec import clean_text, pack_json, pack_responses
 from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.evaluations import Cell, GenerationRows
 
 __all__ = ["expire_cell", "give_back", "record_result"]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
-from geoswarm.workers.coordinator.machine import Job, Joined, Transition
+from geoswarm.workers.states.job import Job, Joined, Transition
 
 __all__ = ["Claim", "Exchange", "HandIn", "WholeGeneration", "Result", "Sizing", "joined"]
 

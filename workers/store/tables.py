@@ -106,7 +106,7 @@ jobs = Table(
         "retry_to", String(16)
     ),  # its failures are run again; what it is then: see geoswarm.workers.coordinator.retry
     Column("stopping", Text),  # the stop criteria, where they were changed; null: those of the problem
-    Column("versions", Text),  # what it was calculated under: see geoswarm.workers.store.versions
+    Column("versions", Text),  # what it was calculated under: see geoswarm.workers.queries.versions
     Column("forward_hash", String(64)),  # of the forward model's section; null: not looked at since the last upgrade
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     # what it takes of the disk: the job itself, and each evaluation, about [bytes]

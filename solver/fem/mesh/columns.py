@@ -16,7 +16,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import MeshError
-from geoswarm.solver.fem.mesh.section import Cut, Profile, SectionGeometry
+from geoswarm.solver.fem.mesh.cross_section import Cut, Profile, SectionGeometry
 
 __all__ = ["MAX_ELEMENTS", "ColumnPlan", "Mark", "boundary_heights", "cut_positions", "mark_positions", "plan_columns"]
 

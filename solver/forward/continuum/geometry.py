@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.fem.mesh.section import Cut, Extent, Layer, Profile, SectionGeometry, SurfacePoint
+from geoswarm.solver.fem.mesh.cross_section import Cut, Extent, Layer, Profile, SectionGeometry, SurfacePoint
 from geoswarm.solver.forward.continuum.quantity import Length, LineValueRange, Positive, value_of
 
 __all__ = [

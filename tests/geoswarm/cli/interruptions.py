@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.cli import main, run
+from geoswarm.cli import main
+from geoswarm.cli.local import run
 from tests.solver.problems import decay_document
 
 CUTS = ("interrupt", "kill", "full disk")

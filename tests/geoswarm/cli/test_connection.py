@@ -7,10 +7,10 @@ from typing import Any, cast
 
 import pytest
 
-from geoswarm.cli.connection import find_calibration, find_job
-from geoswarm.cli.error_messages import BadInputError
-from geoswarm.cli.proposals import proposals_by_key
-from geoswarm.cli.statistics import _follow_up
+from geoswarm.cli.local.proposals import proposals_by_key
+from geoswarm.cli.local.statistics import _follow_up
+from geoswarm.cli.service.connection import find_calibration, find_job
+from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.client import Client, NotFoundError
 from tests.solver.problems import decay_document
 

@@ -8,7 +8,7 @@ import click
 import pytest
 
 from geoswarm.cli import main
-from geoswarm.cli.error_messages import BadInputError, CommandContext, FailedRunError, report
+from geoswarm.cli.words.error_messages import BadInputError, CommandContext, FailedRunError, report
 from geoswarm.solver.errors import DivergedError, InfeasibleSpaceError, Issue, ProblemError
 from geoswarm.workers.errors import StoreUnavailableError
 

@@ -12,7 +12,7 @@ import click
 import pytest
 
 from geoswarm.cli.commands import COMMANDS, cli
-from geoswarm.cli.error_messages import CommandContext, report
+from geoswarm.cli.words.error_messages import CommandContext, report
 from geoswarm.solver.extras import extra_of, needs_extra
 from tests.contracts.repository import project
 from tests.installation import Installation, install

@@ -11,8 +11,9 @@ from typing import Any, cast
 
 import pytest
 
-from geoswarm.cli import main, submit
-from geoswarm.cli.connection import SLOW_ANSWER
+from geoswarm.cli import main
+from geoswarm.cli.service import submit
+from geoswarm.cli.service.connection import SLOW_ANSWER
 from geoswarm.client import Client, GeoswarmError
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.workers.settings import Settings
@@ -20,7 +21,7 @@ from geoswarm.workers.store import Store
 from tests.solver.problems import decay_document
 
 SCRIPT = """
-from geoswarm.solver.local import calibrate
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.problem import load_problem
 calibrate(load_problem("problem.json"), workers=2)
 """
@@ -112,7 +113,7 @@ def test_the_root_mean_square_is_in_the_unit_of_the_data(tmp_path: Path, capsys:
 
 
 def test_a_cost_estimate_counts_the_search() -> None:
-    from geoswarm.solver.check import check_problem
+    from geoswarm.solver.runs.check import check_problem
 
     plain = check_problem(parse_problem(decay_document(stopping={"max_evaluations": 400})))
     method = {"kind": "particle_swarm", "particles": 8}
@@ -166,7 +167,7 @@ def test_a_posterior_sample_may_take_its_time() -> None:
 
 
 def test_starters_can_be_checked_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from geoswarm.cli.starters import STARTERS
+    from geoswarm.cli.start.starters import STARTERS
 
     for kind in STARTERS:
         folder = tmp_path / kind

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from geoswarm.cli import kernels
-from geoswarm.cli.kernels import COMPILING, ready
-from geoswarm.cli.submit import follow
+from geoswarm.cli.service.submit import follow
+from geoswarm.cli.words import kernels
+from geoswarm.cli.words.kernels import COMPILING, ready
 from geoswarm.client import Event
 from geoswarm.solver import warm
 from tests.solver.problems import decay_problem

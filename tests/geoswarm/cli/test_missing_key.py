@@ -9,7 +9,7 @@ import pytest
 from geoswarm.api import ApiSettings
 from geoswarm.cli import main
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import live_server

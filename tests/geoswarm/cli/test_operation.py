@@ -11,12 +11,12 @@ import pytest
 
 from geoswarm.api import ApiSettings
 from geoswarm.cli import main
-from geoswarm.cli.error_messages import BadInputError
 from geoswarm.cli.serve import refuse_open_door
+from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import line_problem

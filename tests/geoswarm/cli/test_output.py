@@ -7,8 +7,8 @@ from collections import Counter
 
 import pytest
 
-from geoswarm.cli.failures import show_failures
-from geoswarm.cli.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
+from geoswarm.cli.service.failures import show_failures
+from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from tests.geoswarm.records.made import evaluation
 
 

@@ -21,7 +21,7 @@ from tests.solver.problems import decay_document
 
 @pytest.fixture(autouse=True)
 def tables_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("geoswarm.cli.run.figures_missing", lambda _what: "figures are not wanted here")
+    monkeypatch.setattr("geoswarm.cli.local.run.figures_missing", lambda _what: "figures are not wanted here")
 
 
 def write(folder: Path, **changes: Any) -> str:
@@ -147,7 +147,7 @@ def test_results_are_printed_before_anything_is_written(
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("geoswarm.solver.report.run_folder.write_responses", full)
+        patch.setattr("geoswarm.solver.report.folder.run_folder.write_responses", full)
         assert main(["run", problem, "--output", str(output), *(["--json"] if as_json else [])]) == 1
     captured = capsys.readouterr()
     assert "amplitude" in captured.out
@@ -184,8 +184,8 @@ def test_worker_processes_end_with_the_run_and_their_runs_are_kept(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("geoswarm.solver.local.generation_record", stop)
-        patch.setattr("geoswarm.solver.report.run_folder.generation_record", stop)
+        patch.setattr("geoswarm.solver.runs.local.generation_record", stop)
+        patch.setattr("geoswarm.solver.report.folder.run_folder.generation_record", stop)
         assert main(["run", problem, "--output", str(output), "--workers", "2"]) == 130
     assert "8 finished runs are kept" in capsys.readouterr().err
     assert main(["run", problem, "--output", str(output), "--resume"]) == 0

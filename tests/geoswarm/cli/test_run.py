@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from geoswarm.cli import main
-from geoswarm.solver import evaluators
+from geoswarm.solver.runs import evaluators
 from geoswarm.solver.versions import versions
 from tests.solver.problems import decay_document
 
@@ -149,7 +149,7 @@ def test_output_that_cannot_be_made_is_refused_before_the_run(
 def test_interrupted_run_tells_the_best_so_far(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from geoswarm.cli import run as run_module
+    from geoswarm.cli.local import run as run_module
 
     class Interrupting:
         def __init__(self, *_arguments: object) -> None:

@@ -15,9 +15,9 @@ import httpx
 import pytest
 
 from geoswarm.cli import main
-from geoswarm.cli.demo import LABORATORY, PUBLISHED
-from geoswarm.cli.error_messages import BadInputError
-from geoswarm.cli.examples import example_problem
+from geoswarm.cli.start.demo import LABORATORY, PUBLISHED
+from geoswarm.cli.start.examples import example_problem
+from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.solver.problem import load_problem
 
 
@@ -49,7 +49,7 @@ def test_other_machines_need_a_long_key(capsys: pytest.CaptureFixture[str]) -> N
 
 BUSY = """
 import sys, threading, time
-from geoswarm.workers.service import JobService
+from geoswarm.workers.service.job_service import JobService
 
 def list_jobs(self, *_, **__):  # as a request that takes for ever
     print("busy", flush=True)

@@ -17,8 +17,8 @@ from typing import Any
 import pytest
 
 from geoswarm.cli import main
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.problems import decay_document
 
 

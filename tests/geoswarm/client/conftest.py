@@ -8,7 +8,7 @@ import pytest
 
 from geoswarm import Client
 from geoswarm.api import ApiSettings
-from geoswarm.workers.engine import Engine, open_engine
+from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.settings import Settings
 from tests.api.conftest import LiveServer, live_server
 

@@ -9,8 +9,8 @@ import pytest
 
 from geoswarm import AsyncClient, Client, InvalidProblemError, NotFoundError, UnauthorizedError
 from geoswarm.api import ApiSettings
-from geoswarm.workers.engine import Engine
-from geoswarm.workers.keys import KEY_PATTERN, ApiKeys
+from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
+from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import LiveServer, line_problem, live_server
 
 

@@ -22,9 +22,9 @@ from geoswarm import (
     WaitTimeoutError,
 )
 from geoswarm.client import Event
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.engine import Engine
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import LiveServer, line_problem, live_server
 
 

@@ -31,11 +31,11 @@ from geoswarm import (
 from geoswarm.api import ApiSettings
 from geoswarm.client import Event, Job
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.engine import Engine
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import Engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import LiveServer, line_problem, live_server, wait_until

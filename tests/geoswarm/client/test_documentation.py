@@ -11,7 +11,7 @@ import pytest
 
 from geoswarm.api.settings import VARIABLES
 from geoswarm.client import errors
-from geoswarm.workers.engine import Engine
+from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import App, LiveServer, line_problem
 
 DOCS = Path(__file__).parents[3] / "docs"

@@ -17,7 +17,7 @@ from geoswarm.api.parquet import parquet_pieces
 from geoswarm.api.routes.results import csv_header, csv_lines, parquet_columns
 from geoswarm.client import Evaluation as ClientEvaluation
 from geoswarm.records.evaluation import COLUMNS, Evaluation
-from geoswarm.workers.engine import Engine
+from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.store.tables import evaluations as table
 from tests.api.conftest import API, App, line_problem, live_server, wait_for_end
 from tests.geoswarm.records.made import evaluation

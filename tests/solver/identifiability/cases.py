@@ -9,8 +9,8 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Linearisation, Samples, design, from_evaluations
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 
 __all__ = ["X", "free", "linearised", "problem_of", "sampled"]
 

@@ -7,13 +7,13 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, analyse, linearise
-from geoswarm.solver.identifiability.differences import evaluate_differences
-from geoswarm.solver.identifiability.polish import polish
-from geoswarm.solver.identifiability.sensitivity import from_evaluations
-from geoswarm.solver.identifiability.stored import jacobian_from_samples
-from geoswarm.solver.local import calibrate
+from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
+from geoswarm.solver.identifiability.optimum.polish import polish
+from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations
+from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.report.build import linearise_stored, report_of_result
+from geoswarm.solver.report.document.build import linearise_stored, report_of_result
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import X, free, problem_of
 
 NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)

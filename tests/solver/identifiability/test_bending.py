@@ -10,17 +10,17 @@ from scipy.stats import t
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Linearisation, Samples, analyse, from_evaluations
-from geoswarm.solver.identifiability.bending import likelihood_intervals
-from geoswarm.solver.identifiability.differences import evaluate_differences
-from geoswarm.solver.identifiability.follow_ups import (
+from geoswarm.solver.identifiability.optimum.bending import likelihood_intervals
+from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
+from geoswarm.solver.identifiability.optimum.polish import polish
+from geoswarm.solver.identifiability.stored.findings import (
     findings_of,
     join_findings,
     profile_problem,
     sensitivity_problem,
 )
-from geoswarm.solver.identifiability.polish import polish
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import free, problem_of
 
 X = np.linspace(0.0, 3.0, 12)

@@ -11,9 +11,9 @@ from scipy.stats import t
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import from_evaluations
-from geoswarm.solver.identifiability.dependence import Dependence, allowed_deviations, dependence_of
-from geoswarm.solver.identifiability.differences import evaluate_differences
-from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
+from geoswarm.solver.identifiability.optimum.polish import polish
+from geoswarm.solver.identifiability.residuals.dependence import Dependence, allowed_deviations, dependence_of
 from tests.solver.identifiability.cases import free, problem_of
 
 COUNT = 30

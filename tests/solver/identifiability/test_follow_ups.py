@@ -11,7 +11,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Progress
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import StatisticsError
-from geoswarm.solver.identifiability.follow_ups import (
+from geoswarm.solver.identifiability.stored.findings import (
     findings_of,
     global_problem,
     join_findings,
@@ -19,9 +19,9 @@ from geoswarm.solver.identifiability.follow_ups import (
     same_question,
     sensitivity_problem,
 )
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runlog import RunLog
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)

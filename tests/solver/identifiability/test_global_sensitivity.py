@@ -8,7 +8,7 @@ import pytest
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.identifiability import StatisticsError
-from geoswarm.solver.identifiability.global_sensitivity import analyse_design, outputs_of
+from geoswarm.solver.identifiability.stored.global_sensitivity import analyse_design, outputs_of
 from geoswarm.solver.methods.global_designs import MorrisMethod, SobolMethod
 from tests.solver.identifiability.cases import X, free, problem_of
 

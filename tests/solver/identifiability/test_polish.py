@@ -7,7 +7,7 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import StatisticsError
-from geoswarm.solver.identifiability.polish import polish
+from geoswarm.solver.identifiability.optimum.polish import polish
 from tests.solver.identifiability.cases import X, free, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)

@@ -9,8 +9,8 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import StatisticsError
-from geoswarm.solver.identifiability.posterior import sample_posterior
-from geoswarm.solver.identifiability.surface import fit_surface
+from geoswarm.solver.identifiability.stored.posterior import sample_posterior
+from geoswarm.solver.identifiability.stored.surface import fit_surface
 from tests.solver.identifiability.cases import X, free, linearised, problem_of, sampled
 
 Y = 3.0 * X + 2.0 + np.random.default_rng(1).normal(0.0, 0.3, X.size)

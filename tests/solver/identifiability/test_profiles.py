@@ -9,10 +9,10 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import StatisticsError
-from geoswarm.solver.identifiability.polish import polish
-from geoswarm.solver.identifiability.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.identifiability.optimum.polish import polish
+from geoswarm.solver.identifiability.optimum.profiles import Profile, profile_settings, profiles_of
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.search.follow_ups import ProfileSearch
+from geoswarm.solver.search.descent.planned import ProfileSearch
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)

@@ -8,7 +8,7 @@ from scipy.special import ndtr
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import SeriesResiduals, examine_residuals, known_noise, noise_objective
-from geoswarm.solver.identifiability.residuals import durbin_watson, runs_test
+from geoswarm.solver.identifiability.residuals.independence import durbin_watson, runs_test
 from tests.solver.identifiability.cases import free, problem_of
 
 

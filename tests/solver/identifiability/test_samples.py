@@ -7,8 +7,8 @@ import pytest
 
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.identifiability import Samples, StatisticsError
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import X, free, problem_of, sampled
 
 

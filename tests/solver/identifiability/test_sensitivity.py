@@ -18,8 +18,8 @@ from geoswarm.solver.identifiability import (
     from_evaluations,
     linearise,
 )
-from geoswarm.solver.identifiability.stored import jacobian_from_samples
-from geoswarm.solver.local import calibrate
+from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)

@@ -7,12 +7,12 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Linearisation, Samples, analyse, from_evaluations
-from geoswarm.solver.identifiability.differences import evaluate_differences
-from geoswarm.solver.identifiability.follow_ups import findings_of, sensitivity_problem
-from geoswarm.solver.local import calibrate
+from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
+from geoswarm.solver.identifiability.stored.findings import findings_of, sensitivity_problem
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.search import SearchSpace
-from geoswarm.solver.search.steps import StepSearch
+from geoswarm.solver.search.descent.steps import StepSearch
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 T = np.linspace(0.0, 16.0, 81)

@@ -8,8 +8,8 @@ import numpy as np
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, analyse, apply_changes, fit_line
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import X, free, linearised, problem_of, sampled
 
 NOISE = np.random.default_rng(4).normal(0.0, 0.05, X.size)

@@ -19,8 +19,8 @@ from geoswarm.solver.identifiability import (
     scheme_weights,
     shares,
 )
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 
 X = np.linspace(0.0, 4.0, 9)
 

@@ -7,11 +7,11 @@ import pytest
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.study import analyse
-from geoswarm.solver.local import calibrate
+from geoswarm.solver.identifiability.stored.study import analyse
 from geoswarm.solver.methods.registry import UnknownMethodError, find_method, kinds, kinds_of
 from geoswarm.solver.problem import parse_problem, problem_schema
 from geoswarm.solver.report.record import method_in_words
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.problems import decay_document
 
 

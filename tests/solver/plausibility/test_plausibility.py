@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.check import check_problem
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.runs.check import check_problem
 
 STRESSES = (25.0, 50.0, 100.0, 200.0, 400.0, 100.0)
 SOIL = {"lambda_star": 0.09, "kappa_star": 0.015, "mu_star": 0.004, "c": 5.0, "phi": 24.0}

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 
 X, T = [1.0, 2.0, 3.0, 3.0, 1.0], [10.0, 0.0, 20.0, 5.0, -5.0]
 

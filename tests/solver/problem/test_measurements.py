@@ -9,8 +9,8 @@ import zipfile
 import pytest
 
 from geoswarm.solver.problem import TableError, read_measurements
-from geoswarm.solver.problem.headings import guess_unit
-from geoswarm.solver.problem.workbooks import read_workbook
+from geoswarm.solver.problem.tables.headings import guess_unit
+from geoswarm.solver.problem.tables.workbooks import read_workbook
 
 SHEET = "xl/worksheets/sheet{}.xml"
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"

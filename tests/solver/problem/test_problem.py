@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.forward.registry import kinds
 from geoswarm.solver.problem import Problem, parse_problem, problem_schema
-from geoswarm.solver.problem.feasibility import TRIED_POINTS
+from geoswarm.solver.problem.checks.feasibility import TRIED_POINTS
 
 
 def _document(**changes: Any) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import MAX_BYTES, load_problem, read_document
-from geoswarm.solver.problem.reading import Form, plain_document
+from geoswarm.solver.problem.text.reading import Form, plain_document
 
 
 def test_numbers_are_those_of_yaml_1_2() -> None:

@@ -11,7 +11,7 @@ import pytest
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.examples import example_file
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.problem.reading import read_problem_file
+from geoswarm.solver.problem.text.reading import read_problem_file
 
 PARAMETERS = {f"p{i}": {"lower": 0.0, "upper": 1.0} for i in range(30)}
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.problem.columns import Columns, Table, read_table
-from geoswarm.solver.problem.tables import MAX_TABLE_BYTES, TableError
+from geoswarm.solver.problem.tables.columns import Columns, Table, read_table
+from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError
 
 
 def _write(folder: Path, content: str | bytes) -> Path:

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
-from geoswarm.solver.report.build import Report, report_of_result
+from geoswarm.solver.report.document.build import Report, report_of_result
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "oedometer" / "problem.yaml"
 

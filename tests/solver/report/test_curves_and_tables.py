@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.curves import objective_unit, series_curves, series_shares
-from geoswarm.solver.report.tables import write_evaluations, write_result
+from geoswarm.solver.report.folder.tables import write_evaluations, write_result
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoswarm.solver.report.build import report_of_result
-from geoswarm.solver.report.folder import FolderError, report_of_folder, run_of_folder
-from geoswarm.solver.report.jsonable import jsonable
-from geoswarm.solver.report.tables import (
+from geoswarm.solver.report.document.build import report_of_result
+from geoswarm.solver.report.folder.jsonable import jsonable
+from geoswarm.solver.report.folder.reading import FolderError, report_of_folder, run_of_folder
+from geoswarm.solver.report.folder.tables import (
     write_evaluations,
     write_generations,
     write_problem,

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.report.build import report_of_result
-from geoswarm.solver.report.extent import drawable
+from geoswarm.solver.report.document.build import report_of_result
+from geoswarm.solver.report.figures.extent import drawable
+from geoswarm.solver.runs.local import calibrate
 
 NUMBERS = (-math.inf, -1e308, -1.0, -5e-324, 0.0, 5e-324, 1e-300, 1e-150, 1.0, 1.0 + 1e-16, 1e300, math.inf, math.nan)
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.identifiability import Samples, correlate, filter_samples, project
-from geoswarm.solver.report.labels import ParameterLabel, parameter_labels
-from geoswarm.solver.report.matrix_plot import MatrixData, matrix_figure
-from geoswarm.solver.report.progress_plots import convergence_figure
-from geoswarm.solver.report.style import figures_available, inline_svg, png_of, svg_of, tick_text
+from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
+from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure
+from geoswarm.solver.report.figures.progress_plots import convergence_figure
+from geoswarm.solver.report.figures.style import figures_available, inline_svg, png_of, svg_of, tick_text
 from tests.solver.report.conftest import Run
 
 

@@ -10,9 +10,9 @@ import pytest
 from geoswarm.solver.errors import MeshError
 from geoswarm.solver.fem.mesh.layered import LayeredMesh
 from geoswarm.solver.fem.mesh.mesh import Mesh
-from geoswarm.solver.report.profile_plot import depth_profile, profile_figure, profile_rows
-from geoswarm.solver.report.section_plot import deformed_figure, mesh_figure, vectors_figure, vectors_rows
-from geoswarm.solver.report.style import svg_of
+from geoswarm.solver.report.figures.cross_section_plot import deformed_figure, mesh_figure, vectors_figure, vectors_rows
+from geoswarm.solver.report.figures.profile_plot import depth_profile, profile_figure, profile_rows
+from geoswarm.solver.report.figures.style import svg_of
 from tests.solver.fem.mesh.sections import creeping_slope, profile
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.local import CalibrationResult, calibrate
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.runlog import RunLog
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
 from tests.solver.problems import decay_problem
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

@@ -12,8 +12,8 @@ from scipy import optimize
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.search import SearchSpace
 from geoswarm.solver.search.differential_evolution import DifferentialEvolution, EvolutionSettings
 from tests.solver.problems import decay_document

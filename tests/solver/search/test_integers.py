@@ -10,8 +10,8 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 
 X = np.linspace(0.0, 2.0, 9)
 METHODS: dict[str, dict[str, Any]] = {

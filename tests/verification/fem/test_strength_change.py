@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.errors import DivergedError
-from geoswarm.solver.forward.section import SectionModel, SectionSpec
+from geoswarm.solver.forward.cross_section import SectionModel, SectionSpec
 from tests.verification.fem.infinite_slopes import LENGTH, WEIGHT, InfiniteSlope
 
 

@@ -10,4 +10,4 @@ __all__ = ["independent_noise"]
 @pytest.fixture
 def independent_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     """Noise is independent and even, whatever residuals show: those of Misra1a or Thurber follow each other."""
-    monkeypatch.setattr("geoswarm.solver.identifiability.sensitivity.dependence_of", lambda *_: None)
+    monkeypatch.setattr("geoswarm.solver.identifiability.optimum.sensitivity.dependence_of", lambda *_: None)

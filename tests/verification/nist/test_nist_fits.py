@@ -7,9 +7,9 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Linearisation, design, from_evaluations
-from geoswarm.solver.identifiability.polish import Polished, polish
-from geoswarm.solver.local import calibrate
+from geoswarm.solver.identifiability.optimum.polish import Polished, polish
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.local import calibrate
 from tests.verification.nist.data import MGH09, PROBLEMS, THURBER, Certified
 
 pytestmark = pytest.mark.usefixtures("independent_noise")

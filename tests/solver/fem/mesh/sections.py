@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from geoswarm.solver.fem.mesh.cross_section import Cut, Extent, Layer, Profile, SectionGeometry, SurfacePoint
 from geoswarm.solver.fem.mesh.mesh import Mesh
-from geoswarm.solver.fem.mesh.section import Cut, Extent, Layer, Profile, SectionGeometry, SurfacePoint
 
 
 def profile(*points: tuple[float, float]) -> Profile:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from geoswarm.solver.forward.section import SectionSpec
+from geoswarm.solver.forward.cross_section import SectionSpec
 
 ELASTIC = {"law": "elastic", "E": 1.0e4, "nu": 0.3, "unit_weight": 20.0}
 OEDOMETER = 1.0e4 * (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 
 TRUTH = {"depth": 12.0, "mu_star": 0.006}
 NOISE = 5.0e-5

@@ -8,8 +8,8 @@ from scipy.optimize import least_squares
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.local import calibrate
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.search.acceleration.arms import PROBE, Local, polish_pattern
 from geoswarm.solver.search.acceleration.polishing import Polishing
 from tests.solver.problems import decay_document

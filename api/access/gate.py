@@ -1,0 +1,160 @@
+"""The door of the service: host and origin checks, who asks and what they may, security headers on every answer."""
+
+from __future__ import annotations
+
+import sys
+from urllib.parse import quote, urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import RedirectResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from geoswarm.api.access.authentication import Authenticator, Identity, given_key
+from geoswarm.api.access.headers import add_security_headers
+from geoswarm.api.access.limits import Shares
+from geoswarm.api.errors import DetailError, detail_response, translate
+from geoswarm.api.settings import LOOPBACK_HOSTS, ApiSettings
+from geoswarm.workers.errors import StoreUnavailableError
+
+__all__ = ["SIGN_IN", "Gate"]
+
+OPEN_PREFIXES = ("/health/", "/static/")
+OPEN_PATHS = frozenset({"/openapi.json", "/sign-in"})
+SIGN_IN = ("POST", "/api/v1/session")
+FOR_PROGRAMS = ("/api/", "/metrics", "//")  # answered with 401, not sent to the page for signing in
+OWN_HEADER = "x-requested-with"
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+class Gate:
+    """ASGI middleware that lets only admissible requests in, and tells the application who asks.
+
+    - Without API keys the ``Host`` header must be a loopback name (or an allowed one): a page on the internet cannot
+      make the user's browser talk to the service under its own name.
+    - A changing request that a browser sends from another origin is refused: passwords that the browser remembers
+      and a service without a key must not be usable from foreign pages.
+    - With API keys, everything except health, static files and /openapi.json asks for one: ``Authorization: Bearer
+      KEY``, ``X-API-Key: KEY``, or, for browsers, HTTP Basic with the key as the password.
+    - Pages send a browser that has not signed in to ``/sign-in``. Its session is a cookie, so what changes something
+      needs a header of our own beside it, which foreign pages cannot set.
+    - What changes something, or makes the service calculate, needs the role ``submit``.
+
+    The principal is in ``request.state.principal``, who it is more fully in ``request.state.identity``.
+    """
+
+    def __init__(self, app: ASGIApp, settings: ApiSettings, authenticator: Authenticator) -> None:
+        self._app = app
+        self._hosts = LOOPBACK_HOSTS | settings.allowed_hosts
+        self._authenticator = authenticator
+        self._unanswered = Shares(sys.maxsize, settings.requests_at_once)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                add_security_headers(MutableHeaders(scope=message))
+            await send(message)
+
+        try:
+            identity = await self._admit(scope, Headers(scope=scope))
+        except (DetailError, StoreUnavailableError) as refusal:
+            response: Response = detail_response(translate(refusal))
+            if _sends_to_sign_in(scope, refusal):
+                response = RedirectResponse(f"/sign-in?next={quote(_asked(scope), safe='/')}", status_code=303)
+            await response(scope, receive, send_with_headers)
+            return
+        if identity is None:
+            await self._app(scope, receive, send_with_headers)
+            return
+        scope.setdefault("state", {}).update(principal=identity.principal, identity=identity)
+        key = identity.principal.key_id or ""
+        if self._unanswered.take(key) is not None:
+            await detail_response(_too_many(self._unanswered.each))(scope, receive, send_with_headers)
+            return
+        try:
+            await self._app(scope, receive, send_with_headers)
+        finally:
+            self._unanswered.give_back(key)
+
+    async def _admit(self, scope: Scope, headers: Headers) -> Identity | None:
+        """Return who asks, None for what everybody may see; raise DetailError for what is refused."""
+        method, path = scope["method"], scope["path"]
+        host = headers.get("host", "")
+        if not self._authenticator.needed and _host_name(host) not in self._hosts:
+            raise DetailError(
+                403,
+                f"Host {host!r} is not answered without an API key; accepted: {', '.join(sorted(self._hosts))}.",
+                kind="host-refused",
+                title="Host refused",
+            )
+        origin = headers.get("origin")
+        if method not in SAFE_METHODS and origin is not None and not _same_origin(origin, host):
+            raise DetailError(
+                403,
+                f"A page of {origin!r} may not change anything here; only pages of this service may.",
+                kind="origin-refused",
+                title="Origin refused",
+            )
+        if path in OPEN_PATHS or path.startswith(OPEN_PREFIXES) or (method, path) == SIGN_IN:
+            return None
+        challenge = 'Bearer realm="geoswarm"' if path.startswith("/api/") else 'Basic realm="geoswarm", charset="UTF-8"'
+        client = scope.get("client")
+        identity = await self._authenticator.identify(headers, client[0] if client else "", challenge)
+        if method in SAFE_METHODS:
+            return identity
+        if identity.session is not None and not headers.get(OWN_HEADER):
+            raise DetailError(
+                403,
+                f"{method} with a session needs the header X-Requested-With (any value); only own pages can send it.",
+                kind="origin-refused",
+                title="Origin refused",
+            )
+        if path != SIGN_IN[1] and not identity.principal.may("submit"):  # whoever signed in may sign out
+            raise DetailError(
+                403,
+                f"This API key has the role {identity.principal.role!r}; {method} needs 'submit' or 'admin'.",
+                kind="role-refused",
+                title="Role refused",
+            )
+        return identity
+
+
+def _sends_to_sign_in(scope: Scope, refusal: Exception) -> bool:
+    """Whether a browser that wants a page has to sign in first."""
+    return (
+        isinstance(refusal, DetailError)
+        and refusal.status == 401
+        and scope["method"] in ("GET", "HEAD")
+        and not scope["path"].startswith(FOR_PROGRAMS)
+        and given_key(Headers(scope=scope)) is None
+    )
+
+
+def _too_many(most: int) -> DetailError:
+    return DetailError(
+        429,
+        f"{most} requests of this API key are not answered yet, which is the most at once.",
+        kind="rate-limited",
+        headers={"Retry-After": "1"},
+    )
+
+
+def _asked(scope: Scope) -> str:
+    query = scope.get("query_string", b"").decode("latin-1")
+    return f"{scope['path']}?{query}" if query else str(scope["path"])
+
+
+def _host_name(host: str) -> str:
+    """Host header without its port, lower case."""
+    name, colon, port = host.rpartition(":")
+    return (name if colon and port.isdigit() else host).lower()
+
+
+def _same_origin(origin: str, host: str) -> bool:
+    try:
+        return urlsplit(origin).netloc.lower() == host.lower()
+    except ValueError:  # brackets that do not match
+        return False

@@ -1,0 +1,1 @@
+"""Events of jobs as they happen."""

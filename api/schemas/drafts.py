@@ -1,0 +1,99 @@
+"""Models of what is answered about problems in the making: drafts, files of measurements, examples."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, Field
+
+from geoswarm.api.schemas.jobs import Model, Number, Parameter, Series
+
+__all__ = [
+    "DraftIssue",
+    "DraftObservation",
+    "Example",
+    "ExampleList",
+    "ExampleSummary",
+    "MeasurementColumn",
+    "MeasurementFile",
+    "ProblemDraft",
+]
+
+
+class DraftIssue(Model):
+    """One mistake in a draft."""
+
+    path: str = Field(description="where it is, for example parameters.c.lower; empty for the whole")
+    message: str
+    line: int | None = Field(description="in yaml, counted from 1")
+
+
+class DraftObservation(BaseModel):
+    """What becomes of the measured points of a series; ``x_factor`` and ``y_factor`` lead to base units."""
+
+    series: str
+    points: int
+    weight: float = Field(description="w_g in the objective, with the weighting scheme")
+    share: float = Field(description="part of this weight in the sum of all")
+    x_unit: str
+    y_unit: str
+    x_factor: Number
+    y_factor: Number
+
+
+class ProblemDraft(BaseModel):
+    """A problem that may still have mistakes; the forward model's parameters and series are told meanwhile."""
+
+    valid: bool = Field(description="whether it could be submitted as it is")
+    document: dict[str, Any] | None = Field(description="the problem as given; null when the text cannot be read")
+    yaml: str | None = Field(description="the problem as YAML; null when it is too long to be edited as text")
+    issues: list[DraftIssue]
+    parameters: list[Parameter] | None = Field(description="of the forward model; null while its section has mistakes")
+    series: list[Series] | None
+    open_parameters: bool = Field(description="the problem may name parameters of its own (a formula)")
+    observations: list[DraftObservation] = Field(description="empty while there are mistakes")
+    free_parameters: list[str]
+    planned_evaluations: int | None = Field(description="null with mistakes, or when no number limits the search")
+
+
+class MeasurementColumn(Model):
+    """A column of a file."""
+
+    name: str = Field(description="heading as it stands")
+    label: str = Field(description="heading without its unit")
+    unit: str | None = Field(description="unit that the heading or a comment names")
+    base: str | None = Field(description="base unit of its dimension: day, m, kPa, degree or dimensionless")
+    kind: Literal["number", "time", "text"] = Field(description="time: dates, given as days since the first")
+    values: list[float | None] = Field(description="one a row; null where there is no number; empty for text")
+    bad: int = Field(description="cells that hold something else")
+
+
+class MeasurementFile(Model):
+    """What a file of measurements holds."""
+
+    name: str
+    sheets: list[str] = Field(description="of a workbook; empty for CSV")
+    sheet: str | None = Field(description="the one that was read")
+    rows: int
+    columns: list[MeasurementColumn]
+
+
+class ExampleSummary(BaseModel):
+    """An example that comes with the program."""
+
+    name: str
+    title: str = Field(description="name of its problem")
+    forward_model: str
+    description: str = Field(description="what the first comment of its file says")
+
+
+class ExampleList(BaseModel):
+    """Examples in alphabetical order."""
+
+    items: list[ExampleSummary]
+
+
+class Example(ExampleSummary):
+    """An example with its problem, which can be submitted as it is."""
+
+    problem: dict[str, Any]

@@ -1,0 +1,1 @@
+"""Commands that calculate here, or read what was calculated here."""

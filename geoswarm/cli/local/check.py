@@ -1,0 +1,82 @@
+"""``geoswarm check``: validate a problem, run it once and estimate its cost."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.words.error_messages import FailedRunError
+from geoswarm.cli.words.kernels import ready
+from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.words.warnings import warn_of_many_points
+
+if TYPE_CHECKING:
+    from geoswarm.solver.problem import Problem
+    from geoswarm.solver.runs.check import CheckReport
+
+__all__ = ["check_command"]
+
+
+@click.command("check")
+@problem_argument
+@json_option
+def check_command(problem: Path, as_json: bool) -> None:
+    """Validate a problem, run it once and estimate its cost.
+
+    Every mistake in the file is listed with its path. The test run uses the 'initial' values of the free parameters
+    and the middle of the bounds of those without. Exit code 1 when the test run fails, 2 when the problem has mistakes.
+    """
+    from geoswarm.solver.problem import load_problem
+
+    loaded = load_problem(problem)
+    from geoswarm.solver.runs.check import check_problem  # a mistake in the problem is told before all this is imported
+
+    compile_seconds = ready(loaded)
+    warn_of_many_points(loaded)
+    check = check_problem(loaded)
+    if as_json:
+        echo_json({"valid": True, **asdict(check), "compile_seconds": compile_seconds})
+    else:
+        _show(loaded, check)
+    if check.test_run.reason is not None:
+        raise FailedRunError(f"the test run failed ({check.test_run.reason}): {check.test_run.message}")
+
+
+def _show(problem: Problem, check: CheckReport) -> None:
+    from geoswarm.cli.words.labels import parameter_rows, root_mean_square, with_unit
+    from geoswarm.solver.report.curves import objective_unit, series_shares
+
+    run = check.test_run
+    shares = series_shares(problem, run.misfits) if run.misfits else []
+    rms = [f"{share.series} {root_mean_square(share)}" for share in shares]
+    planned = check.planned_evaluations
+    cost = "not limited by a number of evaluations"
+    if planned is not None:
+        cost = f"at most {planned} evaluations"
+        if check.estimated_seconds is not None:
+            cost += f", about {duration(check.estimated_seconds)} on one worker, the search's own time included"
+    echo_facts(
+        f"{check.name}: valid",
+        {
+            "forward model": check.forward_model,
+            "method": check.method.replace("_", " "),
+            "free parameters": ", ".join(check.free_parameters),
+            "measured points": f"{check.data_points}{_left_out(problem)}",
+            "test run": f"{run.state} in {duration(run.seconds)}",
+            "objective there": with_unit(number(run.objective), objective_unit(problem)),
+            **({"root mean square": ", ".join(rms)} if rms else {}),
+            "cost": cost,
+        },
+    )
+    for warning in check.warnings:
+        note(f"Warning: {warning}")
+    echo_table("Test run", ("parameter", "", "value", "unit"), parameter_rows(problem, run.parameters), right=(2,))
+
+
+def _left_out(problem: Problem) -> str:
+    count = sum(observation.left_out for observation in problem.observations)
+    return f" ({count} more take no part)" if count else ""

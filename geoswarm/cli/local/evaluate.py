@@ -1,0 +1,176 @@
+"""``geoswarm evaluate``: one forward calculation with given parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
+from geoswarm.cli.words.kernels import ready
+from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
+
+if TYPE_CHECKING:
+    from geoswarm.solver.calibration import Evaluation
+    from geoswarm.solver.problem import Problem
+
+__all__ = ["evaluate_command"]
+
+
+@click.command("evaluate")
+@problem_argument
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Value of a free or fixed parameter, in base units (kN, m, day, degree); may be repeated.",
+)
+@json_option
+def evaluate_command(problem: Path, settings: tuple[str, ...], as_json: bool) -> None:
+    """Run one forward calculation with given parameters.
+
+    A free parameter without --set takes its 'initial' value from the problem file. Linked parameters follow from the
+    others. Values outside the bounds, or against a constraint, are calculated all the same, with a warning: the
+    bounds belong to the search. With --json all numbers are in base units (m, day, kPa), the tables without it are in
+    the units of the observations.
+    """
+    from geoswarm.solver.calibration import Calibration
+    from geoswarm.solver.problem import load_problem
+
+    loaded = load_problem(problem)
+    values = parameter_values(loaded, parse_settings(loaded, settings))
+    for warning in _doubts(loaded, values):
+        note(f"Warning: {warning}")
+    ready(loaded)
+    evaluation = Calibration(loaded, loaded.seed or 0).evaluate_values(values)
+    if as_json:
+        echo_json(_document(loaded, values, evaluation))
+    if evaluation.reason is not None:
+        raise FailedRunError(f"the forward run failed ({evaluation.reason}): {evaluation.message}")
+    if not as_json:
+        _show(loaded, values, evaluation)
+
+
+def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float]:
+    """Read ``name=value`` texts.
+
+    Raises
+    ------
+    BadInputError
+        For a text of another form, an unknown or linked name, a name given twice, or a value that is no finite number.
+    """
+    from geoswarm.solver.problem import LinkedParameter
+    from geoswarm.solver.words import did_you_mean
+
+    given: dict[str, float] = {}
+    for text in settings:
+        name, equals, value_text = (part.strip() for part in text.partition("="))
+        if not equals or not name:
+            raise BadInputError(f"--set {text!r}: give NAME=VALUE, for example --set lambda_star=0.1")
+        parameter = problem.parameters.get(name)
+        if parameter is None:
+            hint = did_you_mean(name, problem.parameters)
+            raise BadInputError(f"--set {name}: unknown parameter{hint}; known: {', '.join(problem.parameters)}")
+        if isinstance(parameter, LinkedParameter):
+            raise BadInputError(
+                f"--set {name}: it is linked ('{parameter.expression.text}') and follows from the others"
+            )
+        if name in given:
+            raise BadInputError(f"--set {name}: given twice")
+        try:
+            value = float(value_text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise BadInputError(f"--set {name}: {value_text!r} is not a finite number")
+        given[name] = value
+    return given
+
+
+def parameter_values(problem: Problem, given: Mapping[str, float]) -> dict[str, float]:
+    """Return the value of every parameter: given ones, else ``initial`` or fixed ones, and linked ones from those.
+
+    Raises
+    ------
+    BadInputError
+        When a free parameter has neither a given nor an initial value.
+    """
+    from geoswarm.solver.problem import FixedParameter, LinkedParameter
+
+    missing = [p.name for p in problem.free if p.name not in given and p.initial is None]
+    if missing:
+        options = " ".join(f"--set {name}=..." for name in missing)
+        raise BadInputError(f"free parameters without a value (they have no 'initial' either): {options}")
+    parameters = problem.parameters.values()
+    values = {p.name: p.initial for p in problem.free if p.initial is not None}
+    values |= {p.name: p.value for p in parameters if isinstance(p, FixedParameter)} | dict(given)
+    pending = [p for p in parameters if isinstance(p, LinkedParameter)]
+    while pending:  # ends: a problem with linked parameters in a circle is refused
+        ready = [p for p in pending if p.expression.names <= values.keys()]
+        values |= {p.name: float(p.expression.value(values)) for p in ready}
+        pending = [p for p in pending if p.name not in values]
+    return {name: values[name] for name in problem.parameters}
+
+
+def _doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
+    doubts = [
+        f"{p.name} = {number(values[p.name])} is outside its bounds {number(p.lower)} to {number(p.upper)}"
+        for p in problem.free
+        if not p.lower <= values[p.name] <= p.upper
+    ]
+    return doubts + [f"the constraint '{c.text}' does not hold" for c in problem.constraints if not c.value(values)]
+
+
+def _document(problem: Problem, values: Mapping[str, float], evaluation: Evaluation) -> dict[str, Any]:
+    document: dict[str, Any] = {
+        "objective": evaluation.objective,
+        "misfits": evaluation.misfits,
+        "responses": {},
+        "parameters": dict(values),
+    }
+    if evaluation.reason is not None:
+        return document | {"reason": evaluation.reason, "message": evaluation.message}
+    known = {info.name: info for info in problem.model.series}
+    for o in problem.observations:
+        document["responses"][o.series] = {
+            "x": o.x.tolist(),
+            "y": evaluation.responses[o.series].tolist(),
+            "x_unit": known[o.series].x_unit,
+            "y_unit": known[o.series].y_unit,
+        }
+    return document
+
+
+def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation) -> None:
+    from geoswarm.cli.words.labels import parameter_rows, root_mean_square, with_unit
+    from geoswarm.solver.report.curves import objective_unit, series_curves, series_shares
+
+    echo_facts(problem.name, {"objective": with_unit(number(evaluation.objective), objective_unit(problem))})
+    echo_table(None, ("parameter", "", "value", "unit"), parameter_rows(problem, values), right=(2,))
+    shares = {share.series: share for share in series_shares(problem, evaluation.misfits)}
+    rows = []
+    for curve in series_curves(problem, evaluation.responses, values):
+        share = shares[curve.series]
+        rows.append(
+            (
+                curve.series,
+                str(len(curve.measured_x)),
+                with_unit(number(curve.measured_x[-1]), curve.x_unit),
+                with_unit(number(curve.measured_y[-1]), curve.y_unit),
+                with_unit(number(curve.at_points[-1]), curve.y_unit),
+                root_mean_square(share),
+                number(share.misfit),
+                f"{share.share:.0%}",
+            )
+        )
+    echo_table(
+        None,
+        ("series", "points", "last x", "measured", "calculated", "root mean square", "misfit", "share"),
+        rows,
+        right=range(1, 8),
+    )

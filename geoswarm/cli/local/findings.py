@@ -1,0 +1,153 @@
+"""``geoswarm posterior``, and how findings about uncertainty are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import click
+
+from geoswarm.cli.local.fit import interval_heading, show_fit
+from geoswarm.cli.local.source import as_folder, known_noise, noise_option
+from geoswarm.cli.options import connection_options, json_option
+from geoswarm.cli.service.connection import SLOW_ANSWER, connect, find_calibration
+from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, ends, note, number
+
+__all__ = ["posterior_command", "show_findings"]
+
+
+@click.command("posterior")
+@click.argument("source", metavar="ID|DIR")
+@noise_option
+@json_option
+@connection_options
+def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: str, api_key: str | None) -> None:
+    """Sample the posterior of the parameters from stored evaluations; no forward run.
+
+    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. The sample is drawn through a
+    response surface whose error is told. Needs emcee: pip install 'geoswarm[statistics]'.
+    """
+    known = known_noise(noise)
+    folder = as_folder(source)
+    if folder is not None:
+        from geoswarm.solver.calibration import Calibration
+        from geoswarm.solver.identifiability.stored.posterior import sample_posterior
+        from geoswarm.solver.report.folder.jsonable import jsonable
+        from geoswarm.solver.report.folder.reading import run_of_folder
+
+        stored = run_of_folder(folder)
+        name, calibration = stored.problem.name, Calibration(stored.problem, stored.record.seed)
+        found = jsonable(sample_posterior(calibration, stored.samples, noise=known).to_json())
+    else:
+        with connect(url, api_key, SLOW_ANSWER) as client:
+            job = find_calibration(client, source)
+            name, found = job.name, asdict(client.posterior(job.id, noise=known))
+    if as_json:
+        echo_json(found)
+        return
+    rows = [
+        (parameter, number(found["medians"][parameter]), *_ends(interval))
+        for parameter, interval in found["intervals"].items()
+    ]
+    echo_table(name, ("parameter", "median", f"{found['level']:.0%} from", "to"), rows, right=(1, 2, 3))
+    facts = {
+        "samples": f"{found['samples']}, worth {found['effective']} independent ones",
+        "surface": f"error of the log-likelihood {number(found['surface_error'], 2)}, "
+        + ("trusted" if found["trusted"] else "NOT trusted"),
+    }
+    echo_facts(None, facts)
+    for warning in found["warnings"]:
+        note(f"Warning: {warning}")
+
+
+def show_findings(name: str, found: Mapping[str, Any]) -> None:
+    """Write the tables of what follow-ups found."""
+    click.secho(name, bold=True)
+    show_fit(found["fit"])
+    if found["linearisation"] is not None:
+        _show_linearisation(found)
+    if found["profiles"]:
+        _show_profiles(found["profiles"], found["fit"])
+    for indices in found["global_sensitivities"]:
+        _show_indices(indices)
+    for remark in found["notes"]:
+        note(f"Note: {remark}")
+
+
+def _show_linearisation(found: Mapping[str, Any]) -> None:
+    linearisation = found["linearisation"]
+    rows, reasons = [], []
+    for parameter, row in linearisation["parameters"].items():
+        rows.append((parameter, number(row["value"], 6), number(row["standard_error"], 3), *_ends(row["interval"])))
+        if row["why_no_interval"] is not None:
+            reasons.append(f"{parameter} has no interval: {row['why_no_interval']}")
+    columns = ("parameter", "optimum", "standard error", *interval_heading(linearisation["level"], found["fit"]))
+    echo_table(None, columns, rows, right=(1, 2, 3, 4))
+    for combination in linearisation["combinations"]:
+        if combination["open"]:
+            parts = ", ".join(f"{parameter} {part:+.2f}" for parameter, part in combination["components"].items())
+            reasons.append(f"left open by the data: {parts} (moves in parts of the search ranges)")
+    noise = linearisation["noise"]
+    deviations = (
+        "unknown" if noise is None else ", ".join(f"{s} {number(v, 3)}" for s, v in noise["deviations"].items())
+    )
+    facts = {
+        "objective": f"{number(found['objective'])} (began at {number(found['start_objective'])})",
+        "noise": deviations if noise is None else f"{deviations} ({noise['origin']})",
+    }
+    echo_facts(None, facts)
+    for reason in reasons:
+        note(f"Note: {reason}")
+    bent = [parameter for parameter, row in linearisation["parameters"].items() if row["bent"]]
+    if bent:
+        note(
+            f"Warning: the model bends within the interval of {' and '.join(bent)}, so it is only approximate; "
+            f"'geoswarm profile' calculates the one by likelihood"
+        )
+    by_profile = [p for p, row in linearisation["parameters"].items() if row["interval_basis"] == "profile"]
+    if by_profile:
+        note(f"Note: the model bends there, so the interval of {' and '.join(by_profile)} is the one by likelihood")
+    for one in linearisation["dependence"]:
+        note(f"Note: {one['sentence']}")
+    for parameter, side in linearisation["held"].items():
+        note(f"Note: the best fit lies on the {side} bound of {parameter}, and the data pull beyond it")
+    if all(distance is None for distance in linearisation["distance"]):
+        note("Warning: whether this is a minimum cannot be told, because no parameter has a standard error")
+    elif not linearisation["at_optimum"]:
+        note("Warning: this is not the minimum yet, so the intervals are off; let it be polished (--polish)")
+
+
+def _show_profiles(profiles: list[dict[str, Any]], fit: Mapping[str, Any] | None) -> None:
+    rows = []
+    for profile in profiles:
+        missing = "open" if profile["complete"] else "not reached yet"
+        ends = [missing if end is None else number(end) for end in (profile["lower"], profile["upper"])]
+        rows.append((profile["parameter"], *ends, str(len(profile["values"]))))
+        if profile["better"] is not None:
+            note(f"Warning: the profile of {profile['parameter']} found a lower objective, {number(profile['better'])}")
+    echo_table(None, ("parameter", *interval_heading(0.95, fit), "points"), rows, right=(1, 2, 3))
+
+
+def _show_indices(found: Mapping[str, Any]) -> None:
+    sobol = found["kind"] == "sobol"
+    columns = (
+        ("parameter", "first order", "+-", "total", "+-") if sobol else ("parameter", "mean |effect|", "+-", "spread")
+    )
+    rows = [
+        (
+            i["parameter"],
+            number(i["main"], 3),
+            number(i["main_half_width"], 2),
+            number(i["total"], 3),
+            *((number(i["total_half_width"], 2),) if sobol else ()),
+        )
+        for i in found["indices"]
+    ]
+    output = "log10 of the objective" if found["output"] == "objective" else found["output"]
+    dropped = f", {found['dropped']} blocks dropped" if found["dropped"] else ""
+    echo_table(f"{output} ({found['blocks']} blocks{dropped})", columns, rows, right=(1, 2, 3, 4)[: len(columns) - 1])
+
+
+def _ends(interval: Sequence[float] | None) -> tuple[str, str]:
+    return ("-", "-") if interval is None else ends(*interval)

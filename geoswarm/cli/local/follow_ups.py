@@ -1,0 +1,309 @@
+"""``geoswarm sensitivity``, ``profile`` and ``influence``: further evaluations that tell how sure parameters are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
+
+import click
+
+from geoswarm.cli.local.findings import show_findings
+from geoswarm.cli.local.source import as_folder, known_noise, named_numbers, noise_option
+from geoswarm.cli.options import connection_options, json_option
+from geoswarm.cli.service.connection import connect, find_job
+from geoswarm.cli.service.progress import progress_bar
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
+from geoswarm.cli.words.kernels import ready
+from geoswarm.cli.words.output import echo_json, note
+
+if TYPE_CHECKING:
+    from geoswarm.client import Client, Job
+    from geoswarm.solver.arrays import FloatArray
+    from geoswarm.solver.identifiability.stored.findings import Findings
+    from geoswarm.solver.problem import Problem
+
+__all__ = ["influence_command", "profile_command", "sensitivity_command"]
+
+Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+Noise = dict[str, float] | float | None
+
+
+def _common(function: Decorated) -> Decorated:
+    """Add what the three commands share."""
+    options = [
+        click.argument("source", metavar="ID|DIR|PROBLEM"),
+        click.option(
+            "--workers",
+            type=click.IntRange(min=1),
+            default=1,
+            show_default=True,
+            help="Processes, for DIR and PROBLEM.",
+        ),
+        json_option,
+        connection_options,
+    ]
+    decorated: Any = function
+    for option in reversed(options):
+        decorated = option(decorated)
+    result: Decorated = decorated
+    return result
+
+
+_at_option = click.option(
+    "--at",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Optimum to examine, base units; the best evaluation of a run, the initial values of a PROBLEM.",
+)
+
+
+@click.command("sensitivity")
+@_common
+@click.option("--polish/--no-polish", default=True, show_default=True, help="Go to the minimum first.")
+@click.option("--step", type=click.FloatRange(0.0, 0.1, min_open=True), help="Largest difference, parts of the range.")
+@_at_option
+@noise_option
+def sensitivity_command(
+    source: str,
+    workers: int,
+    as_json: bool,
+    url: str,
+    api_key: str | None,
+    polish: bool,
+    step: float | None,
+    at: tuple[str, ...],
+    noise: tuple[str, ...],
+) -> None:
+    """Evaluate the sensitivities at the optimum: standard errors, intervals, open combinations.
+
+    SOURCE is a job of a service, the folder of 'geoswarm run PROBLEM --output DIR', or a problem file. For a job, a
+    follow-up job is submitted and watched; for a folder, the evaluations are kept in it. The report then has them.
+    """
+    known, place = known_noise(noise), named_numbers("--at", at)
+    run = _local(source, workers)
+    if run is not None:
+        _tell(run.name, run.sensitivity(place, step, polish, known), as_json)
+        return
+    with connect(url, api_key) as client:
+        job = find_job(client, source)
+        submitted = client.sensitivity(job.id, polish=polish, step=step, at=place)
+        _follow(client, submitted, as_json, known)
+
+
+@click.command("profile")
+@_common
+@click.option("--parameter", "parameters", multiple=True, metavar="NAME", help="Parameter to profile; all free ones.")
+@_at_option
+@noise_option
+def profile_command(
+    source: str,
+    workers: int,
+    as_json: bool,
+    url: str,
+    api_key: str | None,
+    parameters: tuple[str, ...],
+    at: tuple[str, ...],
+    noise: tuple[str, ...],
+) -> None:
+    """Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.
+
+    SOURCE as in 'geoswarm sensitivity', whose evaluations are made first where they are missing.
+    """
+    known, place, names = known_noise(noise), named_numbers("--at", at), list(parameters) or None
+    run = _local(source, workers)
+    if run is not None:
+        _tell(run.name, run.profile(place, names, known), as_json)
+        return
+    from geoswarm.client import ConflictError
+
+    if place is not None:
+        raise BadInputError(
+            "--at: profiles of a job begin at the optimum of its sensitivities; give it to 'sensitivity'"
+        )
+    with connect(url, api_key) as client:
+        job = find_job(client, source)
+        try:
+            submitted = client.profile(job.id, parameters=names, noise=known)
+        except ConflictError:
+            note("The sensitivities at the optimum come first.")
+            _wait(client, client.sensitivity(job.id))
+            submitted = client.profile(job.id, parameters=names, noise=known)
+        _follow(client, submitted, as_json, known)
+
+
+@click.command("influence")
+@_common
+@click.option(
+    "--kind",
+    type=click.Choice(("sobol", "morris")),
+    default="sobol",
+    show_default=True,
+    help="Sobol indices or Morris.",
+)
+@click.option(
+    "--samples", type=click.IntRange(8, 2**17), help="Base points (a power of two; 256) or trajectories (20)."
+)
+def influence_command(
+    source: str,
+    workers: int,
+    as_json: bool,
+    url: str,
+    api_key: str | None,
+    kind: Literal["sobol", "morris"],
+    samples: int | None,
+) -> None:
+    """Evaluate how much each parameter matters over the whole search range (Sobol, Morris).
+
+    SOURCE as in 'geoswarm sensitivity'. Needs SALib: pip install 'geoswarm[statistics]'.
+    """
+    run = _local(source, workers)
+    if run is not None:
+        _tell(run.name, run.influence(kind, samples), as_json)
+        return
+    with connect(url, api_key) as client:
+        job = find_job(client, source)
+        _follow(client, client.global_sensitivity(job.id, kind=kind, samples=samples), as_json, None)
+
+
+def _wait(client: Client, job: Job) -> Job:
+    from geoswarm.cli.service.submit import follow
+
+    note(f"Follow-up {job.id}; Ctrl-C stops watching, the job goes on.")
+    ended = follow(client, job)
+    if ended.state != "finished":
+        why = f": {ended.error}" if ended.error else ""
+        raise FailedRunError(f"follow-up {ended.id} {ended.state}{why}")
+    return ended
+
+
+def _follow(client: Client, job: Job, as_json: bool, noise: Noise) -> None:
+    ended = _wait(client, job)
+    found = asdict(client.uncertainty(ended.id, noise=noise))
+    if as_json:
+        echo_json({"job": ended.id} | found)
+    else:
+        show_findings(ended.name, found)
+
+
+def _tell(name: str, found: Findings, as_json: bool) -> None:
+    from geoswarm.solver.report.folder.jsonable import jsonable
+
+    document = jsonable(found.to_json())
+    if as_json:
+        echo_json(document)
+    else:
+        show_findings(name, document)
+
+
+def _local(source: str, workers: int) -> _LocalRun | None:
+    """What to do here: a folder of a run, or a problem file; None when it must be the id of a job."""
+    path = Path(source)
+    if path.is_file():
+        from geoswarm.solver.problem import load_problem
+
+        return _LocalRun(load_problem(path), None, workers)
+    folder = as_folder(source)
+    if folder is None:
+        return None
+    from geoswarm.solver.report.folder.reading import run_of_folder
+
+    return _LocalRun(run_of_folder(folder).problem, folder, workers)
+
+
+@dataclass(frozen=True, slots=True)
+class _LocalRun:
+    """Follow-ups in this process; kept in the folder of the run, if there is one."""
+
+    problem: Problem
+    folder: Path | None
+    workers: int
+
+    @property
+    def name(self) -> str:
+        return self.problem.name
+
+    @property
+    def seed(self) -> int:
+        return self.problem.seed or 0
+
+    def sensitivity(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:
+        from geoswarm.solver.identifiability.stored.findings import join_findings, profile_problem
+
+        found = self._sensitivities(at, step, polish, noise)
+        at_optimum = found.linearisation
+        bent = [name for name in self.problem.free_names if at_optimum is not None and at_optimum.bent(name)]
+        kept = self.folder is not None and (self.folder / "profile").exists()
+        if at_optimum is None or not bent or kept or not self.problem.forward_model.quick:
+            return found
+        note(f"The model bends within the interval of {' and '.join(bent)}: profiles follow.")
+        profiles = self._run(profile_problem(self.problem, at_optimum, seed=self.seed, parameters=bent), noise)
+        return join_findings([found, profiles])
+
+    def _sensitivities(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:
+        from geoswarm.solver.identifiability.stored.findings import sensitivity_problem
+
+        problem = sensitivity_problem(self.problem, self._optimum(at), seed=self.seed, step=step, polish=polish)
+        return self._run(problem, noise)
+
+    def profile(self, at: dict[str, float] | None, parameters: list[str] | None, noise: Noise) -> Findings:
+        from geoswarm.solver.identifiability.stored.findings import profile_problem
+        from geoswarm.solver.report.folder.folder_findings import findings_of_folder
+
+        found = None
+        if self.folder is not None and at is None:
+            found = findings_of_folder(self.folder, self.problem, noise=noise).linearisation
+        if found is None:
+            examined = self._sensitivities(at, None, True, noise)
+            if examined.linearisation is None:
+                raise FailedRunError(f"sensitivities at the optimum cannot be had: {'; '.join(examined.notes)}")
+            found = examined.linearisation
+        return self._run(profile_problem(self.problem, found, seed=self.seed, parameters=parameters), noise)
+
+    def influence(self, kind: Literal["sobol", "morris"], samples: int | None) -> Findings:
+        from geoswarm.solver.identifiability.stored.findings import global_problem
+
+        return self._run(global_problem(self.problem, seed=self.seed, kind=kind, samples=samples), None)
+
+    def _optimum(self, at: dict[str, float] | None) -> FloatArray:
+        import numpy as np
+
+        if at is None and self.folder is not None:
+            from geoswarm.solver.report.folder.reading import run_of_folder
+
+            samples = run_of_folder(self.folder).samples
+            return np.asarray(samples.parameters[samples.best], dtype=np.float64)
+        values = {p.name: p.initial for p in self.problem.free if p.initial is not None} | (at or {})
+        names = self.problem.free_names
+        missing = [name for name in names if name not in values]
+        unknown = [name for name in at or {} if name not in names]
+        if missing or unknown:
+            wrong = f"{', '.join(unknown)}: no free parameter" if unknown else f"{', '.join(missing)}: no value"
+            raise BadInputError(
+                f"--at {wrong}; give --at NAME=VALUE, or 'initial' in the problem, for {', '.join(names)}"
+            )
+        return np.array([values[name] for name in names], dtype=np.float64)
+
+    def _run(self, problem: Problem, noise: Noise) -> Findings:
+        from geoswarm.solver.identifiability.stored.findings import findings_of
+        from geoswarm.solver.report.folder import tables
+        from geoswarm.solver.runs.local import calibrate
+
+        ready(problem)
+        with progress_bar(problem.name, problem.planned_evaluations) as update:
+            result = calibrate(
+                problem,
+                workers=self.workers,
+                on_generation=lambda record: update(record.evaluations, record.number, record.objective),
+            )
+        if self.folder is not None:
+            place = self.folder / problem.method.kind
+            place.mkdir(exist_ok=True)
+            tables.write_result(place / "result.json", problem, result)
+            tables.write_problem(place / "problem.json", problem, result.seed)
+            tables.write_evaluations(place / "evaluations.csv", problem, result)
+            tables.write_generations(place / "generations.csv", problem, result)
+            tables.write_responses(place / "responses.npz", problem, result)
+            note(f"Evaluations kept in {place}; 'geoswarm report {self.folder}' has what they tell.")
+        return findings_of(problem, result.seed, [record.evaluation for record in result.history], noise=noise)

@@ -1,0 +1,222 @@
+"""``geoswarm run``: a calibration in this process, with figures and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from geoswarm.cli.local.figures import figures_missing
+from geoswarm.cli.local.fit import fit_of_run, show_fit
+from geoswarm.cli.local.run_folder import kept, open_folder, show_finished, summary, write_output
+from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.service.progress import progress_bar
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
+from geoswarm.cli.words.kernels import ready
+from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
+from geoswarm.cli.words.warnings import warn_of_many_points
+
+if TYPE_CHECKING:
+    from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.problem import Problem
+    from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
+
+__all__ = ["run_command"]
+
+
+@click.command("run")
+@problem_argument
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes to use.")
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Folder for the report (html, pdf), figures (png, svg, csv) and tables.",
+)
+@click.option(
+    "--seed", type=click.IntRange(0, 2**53 - 1), help="Seed in place of the problem's; the same seed, the same result."
+)
+@click.option(
+    "--warm-start",
+    "earlier",
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    multiple=True,
+    metavar="DIR",
+    help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
+)
+@click.option("--resume", is_flag=True, help="Go on with the run that was cut off in the folder of --output.")
+@json_option
+def run_command(
+    problem: Path,
+    workers: int,
+    output: Path | None,
+    seed: int | None,
+    earlier: tuple[Path, ...],
+    resume: bool,
+    as_json: bool,
+) -> None:
+    """Calibrate a problem to its end, with figures and tables.
+
+    The number of workers changes the time, never the result. With --output every forward run is kept as it finishes:
+    after Ctrl-C, a full disk or a crash the same command with --resume goes on to the same result. Exit code 1 when no
+    forward run succeeded.
+    """
+    from geoswarm.solver.problem import load_problem
+    from geoswarm.solver.problem.running import Limits
+    from geoswarm.solver.runs.evaluators import WATCHED
+    from geoswarm.solver.runs.local import calibrate
+
+    loaded = load_problem(problem)
+    warn_of_many_points(loaded)
+    if loaded.limits != Limits() and not WATCHED:
+        note("note: on this system limits hold in the service only; a run that hangs must be ended by hand")
+    if resume and output is None:
+        raise BadInputError("--resume needs --output DIR, the folder of the run that was cut off")
+    if loaded.warm_start and not earlier:
+        raise BadInputError(
+            "warm_start.jobs: only the service knows its jobs. 'geoswarm submit' runs this problem there; here, give "
+            "--warm-start DIR, the folder of an earlier run, or leave warm_start out"
+        )
+    without_figures = None if output is None else figures_missing("geoswarm run --output")
+    if without_figures:
+        note(f"Note: tables only, no report and no figures: {without_figures}")
+    offer = _offer(loaded, earlier) if earlier else None
+    folder = None if output is None else open_folder(output, loaded, seed, offer, resume)
+    if output is not None and folder is None:
+        show_finished(output, loaded, as_json)
+        return
+    compile_seconds = ready(loaded)
+    seed = seed if folder is None else folder.run.seed
+    with kept(folder, problem), _reporting(loaded) as on_generation:
+        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer, keeper=folder)
+    report = None
+    if folder is not None and not without_figures:
+        from geoswarm.solver.report.document.build import report_of_result
+
+        with kept(folder, problem):
+            report = report_of_result(loaded, result)
+    fit = fit_of_run(loaded, result, report)
+    if as_json:
+        echo_json(summary(result) | {"fit": fit, "compile_seconds": compile_seconds})
+    elif result.state == "finished":
+        show_fit(fit)
+        show_result(loaded, result)
+    if folder is not None:
+        with kept(folder, problem):
+            written = write_output(loaded, result, folder, report)
+        if not as_json:
+            echo_facts(None, {"written to": str(output), "files": _listed(written)})
+    if result.state == "failed":
+        raise FailedRunError(result.error or "no forward run succeeded")
+
+
+def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
+    """What earlier runs offer; a folder that offers nothing is an error."""
+    from geoswarm.solver.report.folder.reading import FolderError, run_of_folder
+    from geoswarm.solver.warm_start import EarlierRuns, best_of, offer_of
+
+    offers = []
+    for folder in folders:
+        try:
+            stored = run_of_folder(folder)
+        except FolderError as error:
+            raise BadInputError(f"--warm-start: {error}") from error
+        samples = stored.samples
+        if not samples.responses:
+            raise BadInputError(f"--warm-start: {folder} lacks responses.npz")
+        curves = [{name: values[i] for name, values in samples.responses.items()} for i in range(samples.size)]
+        offer = offer_of(problem, EarlierRuns(stored.problem, samples.parameters, curves))
+        if isinstance(offer, str):
+            raise BadInputError(f"--warm-start: {folder} {offer}")
+        offers.append(offer)
+    return best_of(problem, offers)
+
+
+def _listed(files: list[Path]) -> str:
+    """File names, the forms of one figure together: fit.png/svg/csv."""
+    forms: dict[str, list[str]] = {}
+    for file in files:
+        forms.setdefault(file.stem, []).append(file.suffix[1:])
+    return ", ".join(f"{stem}.{'/'.join(suffixes)}" for stem, suffixes in forms.items())
+
+
+@contextmanager
+def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]:
+    """Show progress; when the user interrupts, tell the best found so far."""
+
+    last: list[GenerationRecord] = []
+    with progress_bar(problem.name, problem.planned_evaluations) as update:
+
+        def on_generation(record: GenerationRecord) -> None:
+            last[:] = [record]
+            update(record.evaluations, record.number, record.objective)
+
+        try:
+            yield on_generation
+        except KeyboardInterrupt:
+            if last and last[0].parameters is not None:
+                best = ", ".join(f"{name} = {number(value, 5)}" for name, value in last[0].parameters.items())
+                note(f"Best after {last[0].evaluations} evaluations: objective {number(last[0].objective)} at {best}")
+            raise
+
+
+def show_result(problem: Problem, result: CalibrationResult) -> None:
+    """Write the tables of a finished calibration."""
+    from geoswarm.cli.words.labels import root_mean_square, with_unit
+    from geoswarm.solver.report.curves import objective_unit, series_shares
+
+    if result.parameters is None or result.best is None:
+        return
+    unit = objective_unit(problem)
+    echo_table(
+        problem.name,
+        ("parameter", "", "best fit", "lower", "upper", "initial", "scale", "unit"),
+        _parameter_rows(problem, result.parameters),
+        right=(2, 3, 4, 5),
+    )
+    rows = [
+        (
+            s.series,
+            number(s.weight),
+            number(s.misfit),
+            root_mean_square(s),
+            f"{s.share:.0%}",
+        )
+        for s in series_shares(problem, result.best.misfits)
+    ]
+    echo_table(
+        None, ("series", "weight", "misfit", "root mean square", "share of the objective"), rows, right=(1, 2, 3, 4)
+    )
+    failed = f", {result.failed_evaluations} failed" if result.failed_evaluations else ""
+    echo_facts(
+        None,
+        {
+            "objective": with_unit(number(result.objective), unit),
+            "stopped": reasons_in_words(result.stop_reasons),
+            "evaluations": f"{result.evaluations} in {result.generations} generations{failed}",
+            "time": duration(result.seconds),
+            "seed": str(result.seed),
+        },
+    )
+
+
+def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[str, ...]]:
+    from geoswarm.cli.words.labels import symbol_and_unit
+    from geoswarm.solver.problem import FreeParameter, LinkedParameter
+
+    rows: list[tuple[str, ...]] = []
+    for name, parameter in problem.parameters.items():
+        symbol, unit = symbol_and_unit(problem, name)
+        value = number(values[name], 5)
+        bounds: tuple[str, str, str, str]
+        if isinstance(parameter, FreeParameter):
+            scale = f"{parameter.scale}, integer" if parameter.integer else parameter.scale
+            bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), scale)
+        else:
+            kind = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"
+            bounds = ("", "", "", kind)
+        rows.append((name, symbol, value, *bounds, unit))
+    return rows

@@ -1,0 +1,149 @@
+"""The folder of ``geoswarm run --output``: what is there, what is kept, how to go on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
+from geoswarm.cli.words.output import duration, echo_facts, echo_json, note, number, reasons_in_words
+
+if TYPE_CHECKING:
+    from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.identifiability.optimum.polish import Polished
+    from geoswarm.solver.problem import Problem
+    from geoswarm.solver.report.document.build import Report
+    from geoswarm.solver.report.folder.run_folder import RunFolder
+    from geoswarm.solver.runs.local import CalibrationResult
+
+__all__ = ["kept", "open_folder", "show_finished", "summary", "write_output"]
+
+_SUMMARY = ("state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed")
+_WORTH = 1e-3  # a relative decrease of the objective that is told
+
+
+def summary(result: CalibrationResult) -> dict[str, Any]:
+    """Return what ``geoswarm run --json`` prints."""
+    return {name: getattr(result, name) for name in _SUMMARY} | {"stop_reasons": list(result.stop_reasons)}
+
+
+def open_folder(
+    folder: Path, problem: Problem, seed: int | None, offer: Offer | None, resume: bool
+) -> RunFolder | None:
+    """Make the folder of a run ready; None when a run to go on with is finished already.
+
+    Raises
+    ------
+    BadInputError
+        When the folder holds another run, or cannot be written.
+    """
+    from geoswarm.solver.report.folder.run_folder import OtherRunError, OutputError, open_run_folder
+
+    try:
+        opened = open_run_folder(folder, problem, seed=seed, offer=offer, resume=resume)
+    except (OtherRunError, OutputError) as error:
+        raise BadInputError(f"--output {folder}: {error}") from error
+    if resume and opened is not None:
+        note(f"going on after {opened.kept} runs" if opened.kept else "nothing to go on from: the run begins")
+    return opened
+
+
+def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
+    """Show the result of a run that is finished.
+
+    Raises
+    ------
+    BadInputError
+        When it is the run of another problem.
+    FailedRunError
+        When it had failed.
+    """
+    try:
+        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        stored = json.loads((folder / "problem.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise BadInputError(f"--resume: {folder} cannot be read as a run: {error}") from error
+    wanted = problem.document()
+    different = [name for name in wanted if name != "seed" and stored.get(name) != wanted[name]]
+    if different or wanted.get("seed") not in (None, stored.get("seed")):
+        raise BadInputError(
+            f"--resume: {folder} holds a finished run with another {', '.join(different) or 'seed'}; "
+            "give another folder, or leave out --resume to overwrite it"
+        )
+    note(f"the run in {folder} is finished: nothing to go on with")
+    if as_json:
+        echo_json({name: result[name] for name in _SUMMARY})
+    elif result["parameters"] is not None:
+        echo_facts(
+            problem.name,
+            {name: number(value, 5) for name, value in result["parameters"].items()}
+            | {
+                "objective": number(result["objective"]),
+                "stopped": reasons_in_words(result["stop_reasons"]),
+                "evaluations": str(result["evaluations"]),
+                "time": duration(result["seconds"]),
+            },
+        )
+    if result["state"] == "failed":
+        raise FailedRunError(result["error"] or "no forward run succeeded")
+
+
+@contextmanager
+def kept(folder: RunFolder | None, problem: Path) -> Iterator[None]:
+    """When a run is cut off, tell what is kept of it and how to go on.
+
+    Raises
+    ------
+    FailedRunError
+        When a file cannot be written.
+    """
+    from geoswarm.solver.report.folder.run_folder import OutputError
+
+    if folder is None:
+        yield
+        return
+    remedy = f"'geoswarm run {problem} --output {folder.folder} --resume' goes on"
+    try:
+        yield
+    except KeyboardInterrupt:
+        note(f"{folder.kept} finished runs are kept in {folder.path}: {remedy}")
+        raise
+    except OutputError as error:
+        raise FailedRunError(
+            f"{error}\n{folder.kept} finished runs are kept in {folder.path}: once it can be written, {remedy}"
+        ) from error
+    except OSError as error:
+        where = error.filename or folder.folder
+        raise FailedRunError(
+            f"{where}: {error.strerror or error}\n"
+            f"{folder.kept} finished runs are kept in {folder.path}: once it can be written, {remedy}"
+        ) from error
+    finally:
+        folder.close()
+
+
+def write_output(problem: Problem, result: CalibrationResult, folder: RunFolder, report: Report | None) -> list[Path]:
+    """Write all files of a result; without a report the tables only."""
+    optimum = None if report is None else report.optimum
+    written = folder.finish(result, optimum)
+    if report is not None:
+        written += report.save(folder.folder)
+    if optimum is not None:
+        _tell_polished(problem, optimum.polished)
+    folder.complete()
+    return written
+
+
+def _tell_polished(problem: Problem, polished: Polished) -> None:
+    """Say that further runs for the report found a better fit than the search, where it is worth a word."""
+    if polished.objective >= polished.start_objective * (1.0 - _WORTH):
+        return
+    values = problem.values(polished.parameters.tolist())
+    better = ", ".join(f"{name} = {number(values[name], 5)}" for name in problem.free_names)
+    note(
+        f"Note: the search had not reached the minimum. Polished with {polished.evaluations} further runs: objective "
+        f"{number(polished.start_objective)} to {number(polished.objective)} at {better} (polished in result.json)"
+    )

@@ -1,0 +1,111 @@
+"""``geoswarm keys``: API keys, in the database itself, so that the first one needs none."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from geoswarm.cli.options import database_option, json_option
+from geoswarm.cli.service.databases import existing_store
+from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, jsonable, note
+from geoswarm.cli.words.spans import SPAN
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from geoswarm.records.key import Role
+
+__all__ = ["keys_command"]
+
+
+@click.group("keys")
+def keys_command() -> None:
+    """Create, list and revoke API keys.
+
+    Works on the database of a service, which may run meanwhile. Roles: 'read' sees the owner's jobs, 'submit' also
+    submits and steers them, 'admin' sees and steers all jobs.
+    """
+
+
+@keys_command.command("create")
+@click.option("--owner", required=True, help="Whose jobs the key opens; several keys may have one owner.")
+@click.option(
+    "--role", type=click.Choice(("read", "submit", "admin")), default="submit", show_default=True, help="What it may."
+)
+@click.option("--label", default="", help="What it is for, to recognise it in the list.")
+@click.option(
+    "--expires", type=SPAN, metavar="SPAN", help="How long it is valid, e.g. 90d or 12h; for ever if not given."
+)
+@json_option
+@database_option
+def create_command(
+    owner: str, role: Role, label: str, expires: float | None, as_json: bool, database: str | None
+) -> None:
+    """Make a key and print it, once: only its hash is kept."""
+    from geoswarm.workers.access.keys import ApiKeys
+    from geoswarm.workers.settings import Settings, mask_url
+    from geoswarm.workers.store import Store
+
+    settings = Settings.from_environment(database_url=database)
+    store = Store(settings)
+    try:
+        key, view = ApiKeys(store).create(owner, role, label=label, valid_seconds=expires)
+    finally:
+        store.close()
+    if as_json:
+        echo_json({"key": key} | jsonable(view))
+        return
+    click.echo(key)
+    note(f"Made in {mask_url(settings.database_url)}.")
+    note("Keep it now: it is not shown again. A service on this database asks for a key from now on.")
+
+
+@keys_command.command("list")
+@json_option
+@database_option
+def list_keys_command(as_json: bool, database: str | None) -> None:
+    """List the keys: everything but the keys themselves."""
+    from geoswarm.workers.access.keys import ApiKeys
+    from geoswarm.workers.settings import mask_url
+
+    store = existing_store(database)
+    try:
+        views = ApiKeys(store).list()
+    finally:
+        store.close()
+    if as_json:
+        echo_json({"items": [jsonable(view) for view in views]})
+        return
+    if not views:
+        click.echo(f"No keys in {mask_url(store.url)}. Make one with 'geoswarm keys create --owner NAME --role admin'.")
+        return
+    rows = [
+        (v.id, v.owner, v.role, v.state, _day(v.created_at), _day(v.expires_at), _day(v.used_at), v.label)
+        for v in views
+    ]
+    echo_table(None, ("id", "owner", "role", "state", "created", "expires", "last used", "label"), rows)
+
+
+@keys_command.command("revoke")
+@click.argument("key_id", metavar="ID")
+@json_option
+@database_option
+def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
+    """Make a key invalid, at once and for ever."""
+    from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
+
+    whole = KEY_PATTERN.fullmatch(key_id)
+    store = existing_store(database)
+    try:
+        view = ApiKeys(store).revoke(whole["id"] if whole else key_id)
+    finally:
+        store.close()
+    if as_json:
+        echo_json(jsonable(view))
+        return
+    echo_facts(None, {"id": view.id, "owner": view.owner, "state": view.state})
+
+
+def _day(moment: datetime | None) -> str:
+    return "-" if moment is None else f"{moment:%Y-%m-%d %H:%M}"

@@ -1,0 +1,133 @@
+"""``geoswarm submit`` and ``watch``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geoswarm.cli.options import connection_options, job_argument, json_option, problem_argument
+from geoswarm.cli.service.connection import connect, find_job
+from geoswarm.cli.service.jobs import show_job
+from geoswarm.cli.service.progress import progress_bar
+from geoswarm.cli.words.error_messages import FailedRunError
+from geoswarm.cli.words.kernels import COMPILING, compiled_in
+from geoswarm.cli.words.output import echo_json, jsonable, note
+
+if TYPE_CHECKING:
+    from geoswarm.client import Client, Event, Job
+
+__all__ = ["follow", "submit_command", "watch_command"]
+
+_NAMED = 3
+
+
+@click.command("submit")
+@problem_argument
+@click.option("--watch", is_flag=True, help="Follow the job until it ends, as 'geoswarm watch' does.")
+@click.option(
+    "--idempotency-key",
+    metavar="KEY",
+    help="Submitting again with the same key and problem gives the same job instead of a second one.",
+)
+@click.option(
+    "--warm-start",
+    "earlier",
+    multiple=True,
+    metavar="ID",
+    help="Earlier job with the same forward model, whose runs the search learns from; may be repeated.",
+)
+@json_option
+@connection_options
+def submit_command(
+    problem: Path,
+    watch: bool,
+    idempotency_key: str | None,
+    earlier: tuple[str, ...],
+    as_json: bool,
+    url: str,
+    api_key: str | None,
+) -> None:
+    """Submit a problem as a job.
+
+    Data files that the problem names are read here and sent along. Prints the job's id. Earlier jobs with the same
+    forward model, whose stored evaluations the search could have learnt from, are named.
+    """
+    with connect(url, api_key) as client:
+        if earlier:
+            given: Path | dict[str, Any] = _learning_from([find_job(client, one).id for one in earlier], problem)
+        else:
+            given = problem
+            _tell_of_earlier(client, problem)
+        job = client.submit(given, idempotency_key=idempotency_key)
+        if watch:
+            note(f"Job {job.id}; Ctrl-C stops watching, the job goes on.")
+            _end(follow(client, job), as_json)
+        elif as_json:
+            echo_json(jsonable(job))
+        else:
+            click.echo(job.id)
+
+
+def _learning_from(jobs: list[str], problem: Path) -> dict[str, Any]:
+    from geoswarm.solver.problem import load_problem
+
+    return load_problem(problem).document() | {"warm_start": {"jobs": jobs}}
+
+
+def _tell_of_earlier(client: Client, problem: Path) -> None:
+    """Name, in one remark, the jobs that the search could learn from."""
+    found = client.warm_starts(problem)
+    if not found:
+        return
+    named = ", ".join(f"{one.job} ({one.name}, {one.evaluations} evaluations)" for one in found[:_NAMED])
+    more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    note(
+        f"The search could learn from stored evaluations of the same forward model: {named}{more}. "
+        f"To do so: geoswarm submit {problem} --warm-start {found[0].job}"
+    )
+
+
+@click.command("watch")
+@job_argument
+@json_option
+@connection_options
+def watch_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+    """Follow a job until it ends.
+
+    Exit code 0 when it finished, 1 when it failed or was cancelled. Ctrl-C stops watching, the job goes on.
+    """
+    with connect(url, api_key) as client:
+        _end(follow(client, find_job(client, job)), as_json)
+
+
+def follow(client: Client, job: Job) -> Job:
+    """Show the progress of a job until it ends; return how it ended."""
+    from geoswarm.client import JobFailedError
+
+    with progress_bar(job.name, job.max_evaluations) as update:
+        update(job.evaluations, job.generations, job.objective)
+
+        def on_event(event: Event) -> None:
+            if event.kind == "generation":
+                update(event.data["evaluations"], event.data["number"], event.data["objective"])
+            elif event.kind == "versions":
+                note(f"Warning: {event.data['message']}")
+            elif event.kind == "kernels":
+                seconds = event.data["seconds"]
+                note(COMPILING if seconds is None else compiled_in(seconds))
+
+        try:
+            return client.wait(job.id, on_event=on_event)
+        except JobFailedError as error:
+            return error.job
+
+
+def _end(job: Job, as_json: bool) -> None:
+    if as_json:
+        echo_json(jsonable(job))
+    else:
+        show_job(job)
+    if job.state != "finished":
+        raise FailedRunError(f"job {job.id} {job.state}: {job.error}" if job.error else f"job {job.id} was {job.state}")

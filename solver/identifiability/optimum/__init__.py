@@ -1,0 +1,1 @@
+"""Uncertainty at the optimum: standard errors, intervals, profiles, other basins."""

@@ -1,0 +1,111 @@
+"""Whether the model bends within the intervals at an optimum, and intervals by likelihood where it does.
+
+A linearised interval of a parameter ends where the objective of the *linearised* model, the others fitted anew, has
+risen by a limit. One forward run at each end tells how much that of the model itself rises there: what the linearised
+effects of the other parameters can take off its residuals is taken off. With tau^2 the ratio of the two rises, the
+interval by likelihood is about 1 / tau as long on that side (the profile t plot of Bates and Watts 1988, section 6.1,
+at one place). Where that differs by more than a tenth, the profile objective gives the interval.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability.optimum.differences import residual_rows
+from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
+from geoswarm.solver.identifiability.optimum.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_ends
+from geoswarm.solver.search.descent.planned import ProfileSearch
+
+__all__ = ["likelihood_intervals", "measure_bending", "with_profiles"]
+
+_LARGEST = 10.0
+_SAME_LIMIT = 0.02  # of the rise of a profile up to the end of the interval
+_NEAREST, _FARTHEST = 0.25, 3.0  # of the half width: places from which nothing is concluded about the end
+
+
+def measure_bending(
+    calibration: Calibration, linearisation: Linearisation, ends: IntervalEnds, evaluations: Sequence[Evaluation]
+) -> Linearisation:
+    """Take in the evaluations at the ends of the intervals: the same linearisation with its ``bending``."""
+    rows = residual_rows(calibration, evaluations)
+    lowest = float(np.sum(linearisation.model.residuals**2))
+    bending = np.full(len(linearisation.names), np.nan)
+    for index in range(len(bending)):
+        others = np.delete(linearisation.model.weighted, index, axis=1)
+        left, singular, _ = np.linalg.svd(others, full_matrices=False)
+        basis = left[:, singular > 1e-10 * max(float(singular.max(initial=0.0)), 1e-300)]
+        found = []
+        own = ends.parameter == index
+        for row, moved in zip(rows[own], ends.moved[own], strict=True):
+            part = float(moved / linearisation.linear_half_widths[index])
+            if not np.isfinite(row).all() or not _NEAREST <= part <= _FARTHEST:
+                continue
+            remaining = row - basis @ (basis.T @ row)
+            rise = float(np.sum(remaining**2)) - lowest
+            expected = part**2 * float(linearisation.profile_increase[index])
+            tau = float(np.sqrt(max(rise, 0.0) / expected)) if expected > 0.0 else 1.0
+            # what it would be at the end itself: the departure from a parabola grows with the distance
+            tau = max(1.0 + (tau - 1.0) / part, 1.0 / _LARGEST)
+            found.append(max(tau, 1.0 / tau) - 1.0)
+        if found:
+            bending[index] = max(found)
+    return replace(linearisation, bending=bending)
+
+
+def likelihood_intervals(calibration: Calibration, linearisation: Linearisation) -> Linearisation:
+    """See whether the model bends, and where it does take the intervals by likelihood, with runs in this process.
+
+    Two runs for each parameter that has an interval, and a profile of those within whose intervals the model bends.
+    """
+    half = linearisation.linear_half_widths
+    ends = plan_ends(calibration.space, linearisation.optimum, linearisation.model.inverse, half)
+    checked = measure_bending(
+        calibration, linearisation, ends, [calibration.evaluate(position) for position in ends.positions]
+    )
+    return with_profiles(checked, _profiles(calibration, checked))
+
+
+def with_profiles(linearisation: Linearisation, profiles: Sequence[Profile]) -> Linearisation:
+    """Put the intervals of complete profiles in the place of the linearised ones.
+
+    An end that the data leave open lies on the bound; open on both sides, there is no interval. Profiles of another
+    optimum or noise, such that found a better fit than the optimum, and parameters without a linearised interval are
+    left aside.
+    """
+    lowest = float(np.sum(linearisation.model.residuals**2))
+    intervals, widths = linearisation.intervals.copy(), linearisation.unit_widths.copy()
+    bases = list(linearisation.bases)
+    for profile in profiles:
+        index = linearisation.names.index(profile.parameter)
+        if not profile.complete or profile.better is not None or not np.isfinite(widths[index]):
+            continue
+        rise = float(linearisation.profile_increase[index])
+        if abs(profile.limit - lowest - rise) > _SAME_LIMIT * rise:
+            continue
+        low = float(profile.values[0]) if profile.lower is None else profile.lower
+        high = float(profile.values[-1]) if profile.upper is None else profile.upper
+        ends = np.array([low, high])
+        if linearisation.scales[index] == "log":
+            ratio = float(np.diff(np.log(ends))[0] / np.diff(np.log(intervals[index]))[0])
+        else:
+            ratio = float(np.diff(ends)[0] / np.diff(intervals[index])[0])
+        bases[index] = "profile"
+        is_open = profile.lower is None and profile.upper is None
+        intervals[index] = np.nan if is_open else ends
+        widths[index] = np.nan if is_open else widths[index] * ratio
+    return replace(linearisation, intervals=intervals, unit_widths=widths, bases=tuple(bases))
+
+
+def _profiles(calibration: Calibration, linearisation: Linearisation) -> tuple[Profile, ...]:
+    bent = [name for name in linearisation.names if linearisation.bent(name)]
+    if not bent:
+        return ()
+    search = ProfileSearch(calibration.space, profile_settings(calibration, linearisation, parameters=bent))
+    while (due := search.ask()) is not None:
+        search.take(residual_rows(calibration, [calibration.evaluate(position) for position in due]))
+    return profiles_of(search)

@@ -1,0 +1,264 @@
+"""What the data determine at an optimum: the result of a linearisation, and what its intervals rest on."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.identifiability.noise import Noise
+from geoswarm.solver.identifiability.optimum.combinations import Combination
+from geoswarm.solver.identifiability.residuals.dependence import Dependence
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+
+__all__ = ["BENDS", "IntervalBasis", "LinearModel", "Linearisation"]
+
+IntervalBasis: TypeAlias = Literal["linearised", "correlated", "uneven", "profile"]
+"""What an interval rests on: the usual covariance, or with an allowance for correlated residuals or such of uneven
+size, or the profile objective."""
+
+BENDS = 0.1
+"""Part by which an end of an interval by likelihood differs from the linearised one, from which the model bends."""
+
+_FAR, _MISPLACED = 0.2, 1.0  # standard errors
+_BASES: dict[IntervalBasis, str] = {
+    "linearised": "",
+    "correlated": "widened for correlated residuals",
+    "uneven": "widened for residuals of uneven size",
+    "profile": "by likelihood",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class LinearModel:
+    """The linearised model.
+
+    Parameters
+    ----------
+    weighted, residuals
+        Weighted derivatives per range, shape (n, d), and residuals, shape (n,).
+    inverse
+        What estimates take from weighted readings, shape (d, n).
+    """
+
+    weighted: FloatArray
+    residuals: FloatArray
+    inverse: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Linearisation:
+    """What the data determine at the optimum, linearised.
+
+    Parameters
+    ----------
+    names, scales
+        Of the d free parameters.
+    optimum
+        Shape (d,), natural values.
+    combinations
+        All d directions, the best determined first.
+    without_influence
+        Parameters on which no measured value depends there, or less than its noise through the whole range.
+    unclear
+        Parameters whose derivatives are too uncertain to tell whether and how they act; with any of these, no parameter
+        has an interval.
+    held
+        Parameters at a bound beyond which the data pull, with ``lower`` or ``upper``: there the minimum lies on it.
+    influences
+        Length of the weighted derivative of each parameter over the longest one, shape (d,).
+    noise
+        Known or estimated; None when it is neither (no more points than parameters).
+    degrees_of_freedom
+        n - d, n measured points.
+    covariance
+        Of search coordinates under independent noise, shape (d, d); nan in rows and columns of parameters without a
+        standard error. None without noise.
+    standard_errors
+        Square roots of its diagonal, shape (d,), natural values (delta method on a log scale); nan where the data do
+        not limit the parameter.
+    intervals
+        Shape (d, 2), natural values, nan where there is none; ``bases`` says what each rests on. By linearisation:
+        Student's t, normal with known noise; on a log scale symmetric in the logarithm.
+    unit_widths
+        Width of the intervals in parts of the range, shape (d,).
+    level
+        Of the intervals.
+    derivative_error
+        Largest estimated relative error of a derivative column.
+    distance
+        How far, in standard errors, a Gauss-Newton step inside the bounds would move each parameter, shape (d,); nan
+        where there is no standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
+    profile_increase
+        How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
+        without one, by the mean noise variance of the weighted points. nan without noise.
+    fit
+        Whether the model describes the data; where it does not, no interval holds.
+    model
+        The linearised model itself.
+    linear_half_widths
+        Of the intervals by linearisation, parts of the range, shape (d,); nan where there is none.
+    bases
+        What each interval rests on.
+    bending
+        Relative difference of an end of each interval by likelihood from the linearised one, the larger of both, shape
+        (d,); nan where nobody looked (:mod:`geoswarm.solver.identifiability.optimum.bending`).
+    dependence
+        Series whose residuals are correlated, or of uneven size; intervals allow for it, standard errors do not.
+    """
+
+    names: tuple[str, ...]
+    scales: tuple[str, ...]
+    optimum: FloatArray
+    combinations: tuple[Combination, ...]
+    without_influence: tuple[str, ...]
+    unclear: tuple[str, ...]
+    held: tuple[tuple[str, str], ...]
+    influences: FloatArray
+    noise: Noise | None
+    degrees_of_freedom: int
+    covariance: FloatArray | None
+    standard_errors: FloatArray
+    intervals: FloatArray
+    unit_widths: FloatArray
+    level: float
+    derivative_error: float
+    distance: FloatArray
+    profile_increase: FloatArray
+    fit: FitVerdict
+    model: LinearModel
+    linear_half_widths: FloatArray
+    bases: tuple[IntervalBasis, ...]
+    bending: FloatArray
+    dependence: tuple[Dependence, ...] = ()
+
+    @property
+    def at_optimum(self) -> bool:
+        """Whether no parameter is more than a fifth of its standard error away from the nearest minimum.
+
+        False where no distance is known.
+        """
+        return bool(np.isfinite(self.distance).any()) and not bool((self.distance > _FAR).any())
+
+    @property
+    def far(self) -> float | None:
+        """The largest distance from the minimum in standard errors; None where none is known."""
+        known = self.distance[np.isfinite(self.distance)]
+        return float(known.max()) if known.size else None
+
+    @property
+    def misplaced(self) -> bool:
+        """Whether the minimum is more than a standard error away: then nothing can be decided here."""
+        return self.far is not None and self.far > _MISPLACED
+
+    def influence(self, name: str) -> float:
+        """Length of the parameter's weighted derivative over the longest one, 0 to 1."""
+        return float(self.influences[self.names.index(name)])
+
+    def tied_to(self, name: str) -> tuple[str, ...]:
+        """Parameters with which it forms combinations that the data leave open."""
+        found = {
+            partner: None
+            for combination in self.combinations
+            if combination.open and name in combination.components and len(combination.components) > 1
+            for partner in combination.components
+            if partner != name
+        }
+        return tuple(found)
+
+    def interval(self, name: str) -> tuple[float, float] | None:
+        """Confidence interval, natural values, or None."""
+        low, high = self.intervals[self.names.index(name)]
+        return (float(low), float(high)) if np.isfinite(low) and np.isfinite(high) else None
+
+    def unit_width(self, name: str) -> float:
+        """Width of the interval in parts of the searched range; nan without one."""
+        return float(self.unit_widths[self.names.index(name)])
+
+    def basis(self, name: str) -> IntervalBasis:
+        """What its interval rests on."""
+        return self.bases[self.names.index(name)]
+
+    def bent(self, name: str) -> bool:
+        """Whether the model bends within its interval, which is by linearisation all the same."""
+        index = self.names.index(name)
+        return self.bases[index] != "profile" and bool(self.bending[index] > BENDS)
+
+    def bending_of(self, name: str) -> float:
+        """How far an end of its interval by likelihood lies from the linearised one, relatively; nan if unknown."""
+        return float(self.bending[self.names.index(name)])
+
+    def basis_in_words(self, name: str) -> str:
+        """What its interval rests on, in a few words; empty for linearisation where that is enough."""
+        return "approximate: the model bends there" if self.bent(name) else _BASES[self.basis(name)]
+
+    def interval_in_words(self, name: str) -> str:
+        """Which interval it has: "its 95% interval by linearisation"."""
+        looked = bool(np.isfinite(self.bending_of(name)))
+        how = {"linearised": " at the optimum" if looked else " by linearisation", "profile": " by likelihood"}
+        return f"its {self.level:.0%} interval{how.get(self.basis(name), f', {self.basis_in_words(name)},')}"
+
+    def correlation(self) -> FloatArray:
+        """Correlations of the estimates in search coordinates, shape (d, d), nan where there is none."""
+        if self.covariance is None:
+            return np.full((len(self.names), len(self.names)), np.nan)
+        deviation = np.sqrt(np.diag(self.covariance))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(self.covariance / np.outer(deviation, deviation))
+
+    def why_no_interval(self, name: str) -> str:
+        """Say why a parameter has no interval."""
+        if name in self.unclear:
+            return "its sensitivities are too uncertain to tell how it acts; the forward model is rough there"
+        if name in self.without_influence:
+            return "no measured value depends on it"
+        tied = self.tied_to(name)
+        if tied:
+            return f"it acts only in combination with {' and '.join(tied)}"
+        if self.noise is None:
+            return "there are no more measured points than free parameters, so the noise cannot be estimated; give it"
+        if self.basis(name) == "profile":
+            return "other values fit nearly as well up to both bounds, as the model bends"
+        if self.unclear:
+            return f"the sensitivities to {' and '.join(self.unclear)} are too uncertain"
+        return "its interval would be wider than the searched range"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values; None for nan."""
+        rows = {
+            name: {
+                "value": float(self.optimum[i]),
+                "standard_error": _number(self.standard_errors[i]),
+                "interval": None if self.interval(name) is None else list(self.interval(name) or ()),
+                "interval_basis": None if self.interval(name) is None else self.bases[i],
+                "bending": _number(self.bending[i]),
+                "bent": self.bent(name),
+                "influence": float(self.influences[i]),
+                "why_no_interval": None if self.interval(name) else self.why_no_interval(name),
+            }
+            for i, name in enumerate(self.names)
+        }
+        return {
+            "parameters": rows,
+            "level": self.level,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "noise": None if self.noise is None else {"origin": self.noise.origin, "deviations": self.noise.deviations},
+            "combinations": [
+                {"singular_value": c.singular_value, "components": c.components, "open": c.open}
+                for c in self.combinations
+            ],
+            "correlation": [[_number(v) for v in row] for row in self.correlation().tolist()],
+            "unclear": list(self.unclear),
+            "derivative_error": self.derivative_error,
+            "distance": [_number(v) for v in self.distance],
+            "at_optimum": self.at_optimum,
+            "held": dict(self.held),
+            "fit": self.fit.to_json(),
+            "dependence": [asdict(one) | {"sentence": one.sentence} for one in self.dependence],
+        }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,220 @@
+"""Linearised uncertainty at the optimum: combinations that the data leave open, covariance, errors and intervals.
+
+With J the derivatives of all responses, W the diagonal of the weights w_g w_h / m_g that the objective gives the points
+and S the diagonal of their noise variances, the estimate that minimises the objective has the covariance
+
+    C = (J' W J)^-1  J' W S W J  (J' W J)^-1                         (Seber and Wild 2003, section 2.8)
+
+which is the usual s^2 (J' J)^-1 for one series. Standard errors and covariance are these; intervals are wider where the
+residuals show that the noise is not independent and even (:mod:`geoswarm.solver.identifiability.residuals.dependence`), and
+follow the likelihood where the model bends (:mod:`geoswarm.solver.identifiability.optimum.bending`). Parameters are taken in
+parts of their range in search coordinates, so that singular values compare what a move through the whole searched range
+would change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.optimum.combinations import Directions, find_directions
+from geoswarm.solver.identifiability.optimum.differences import (
+    DifferenceDesign,
+    Jacobian,
+    check_points,
+    design,
+    differentiate,
+)
+from geoswarm.solver.identifiability.optimum.linearisation import IntervalBasis, Linearisation, LinearModel
+from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep, minimising_step
+from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance
+from geoswarm.solver.identifiability.residuals.dependence import Dependence, dependence_of
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, is_exact
+
+__all__ = ["design", "from_evaluations", "linearise"]
+
+_AT_BOUND = 1e-9
+
+
+def from_evaluations(
+    calibration: Calibration,
+    plan: DifferenceDesign,
+    evaluations: Sequence[Evaluation],
+    *,
+    noise: Mapping[str, float] | float | None = None,
+    level: float = 0.95,
+) -> Linearisation:
+    """Linearise from the evaluations of :func:`design`'s positions, in their order.
+
+    Parameters
+    ----------
+    noise
+        Known standard deviation of a reading, base units, one for all series or one each; that of the problem file
+        when absent, and estimated where it states none.
+
+    Raises
+    ------
+    TooFewPointsError
+        When there are fewer measured points than free parameters.
+    StatisticsError
+        When too few evaluations succeeded, or ``noise`` is wrong.
+    """
+    return linearise(calibration, differentiate(calibration, plan, evaluations), noise=noise, level=level)
+
+
+def linearise(
+    calibration: Calibration,
+    jacobian: Jacobian,
+    *,
+    noise: Mapping[str, float] | float | None = None,
+    level: float = 0.95,
+) -> Linearisation:
+    """Linearise from derivatives, wherever they come from; arguments and errors as :func:`from_evaluations`."""
+    check_points(calibration)
+    observed = calibration.objective.observed
+    series = [o.series for o in observed]
+    weights = np.concatenate([o.weight * o.point_weights / o.y.size for o in observed])
+    root = np.sqrt(weights)
+    weighted = np.concatenate([jacobian.derivatives[s] for s in series]) * root[:, None]
+    errors = np.concatenate([jacobian.error[s] for s in series]) * root[:, None]
+    residuals = np.concatenate([jacobian.responses[o.series] - o.y for o in observed]) * root
+    found = find_directions(calibration.free_names, weighted, errors, np.concatenate([o.y for o in observed]) * root)
+    stated = known_noise(calibration.problem, noise) if noise is not None else problem_noise(calibration.problem)
+    estimate = (
+        stated
+        if stated is not None
+        else estimate_noise(
+            calibration.problem,
+            {o.series: jacobian.responses[o.series] - o.y for o in observed},
+            dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True)),
+        )
+    )
+    noise_level = 0.0 if estimate is None else float(np.sqrt(mean_variance(calibration, weights, estimate)))
+    unclear = found.unclear(calibration.free_names, noise_level)
+    step = minimising_step(weighted, residuals, found, calibration.space.to_unit(jacobian.optimum))
+    inner = _inner(calibration, jacobian.optimum)
+    fit = examine_fit(
+        calibration,
+        jacobian.responses,
+        {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
+        None if stated is None else stated.deviations,
+    )
+    dependence = _dependence(calibration, jacobian, residuals, weights, found, fit)
+    spread = Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence)
+    if unclear:
+        spread = spread.without_intervals()
+    return _assemble(
+        calibration,
+        jacobian,
+        found,
+        estimate,
+        level,
+        spread,
+        step,
+        unclear,
+        int((weights > 0).sum()),
+        fit,
+        tuple(one for one, _ in dependence),
+        LinearModel(weighted, residuals, found.inverse(weighted)),
+    )
+
+
+def _dependence(
+    calibration: Calibration,
+    jacobian: Jacobian,
+    residuals: FloatArray,
+    weights: FloatArray,
+    found: Directions,
+    fit: FitVerdict,
+) -> list[tuple[Dependence, IntArray]]:
+    """Series whose residuals are correlated or of uneven size, and their readings in the order of x."""
+    departing = []
+    start = 0
+    patterned = {m.series for m in fit.misfits if m.reason == "pattern"}
+    for o in calibration.objective.observed:
+        places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
+        places = places[np.argsort(o.x[places - start], kind="stable")]
+        start += o.y.size
+        if is_exact(o, jacobian.responses[o.series] - o.y):
+            continue
+        one = dependence_of(o.series, residuals[places], found.basis[places], o.series in patterned)
+        if one is not None:
+            departing.append((one, places))
+    return departing
+
+
+def _inner(calibration: Calibration, optimum: FloatArray) -> BoolArray:
+    """Parameters that do not lie at a bound, shape (d,): only they were fitted."""
+    unit = calibration.space.to_unit(optimum)
+    return np.asarray((unit > _AT_BOUND) & (unit < 1.0 - _AT_BOUND))
+
+
+def _blocks(leverage: FloatArray, sizes: Sequence[int]) -> list[float]:
+    """Trace of each series' block of the hat matrix; their sum is the rank."""
+    return [float(part.sum()) for part in np.split(leverage, np.cumsum(sizes)[:-1])]
+
+
+def _assemble(
+    calibration: Calibration,
+    jacobian: Jacobian,
+    found: Directions,
+    noise: Noise | None,
+    level: float,
+    spread: Spread,
+    step: MinimisingStep,
+    unclear: tuple[str, ...],
+    points: int,
+    fit: FitVerdict,
+    dependence: tuple[Dependence, ...],
+    model: LinearModel,
+) -> Linearisation:
+    space = calibration.space
+    span = space.search_upper - space.search_lower
+    centre = space.to_search(jacobian.optimum)
+    ends = np.column_stack([centre - spread.half * span, centre + spread.half * span])
+    log = space.log[:, None]
+    return Linearisation(
+        names=calibration.free_names,
+        scales=tuple("log" if is_log else "linear" for is_log in space.log),
+        optimum=jacobian.optimum,
+        combinations=found.combinations,
+        without_influence=tuple(
+            name
+            for name, is_active in zip(calibration.free_names, found.active, strict=True)
+            if not is_active and name not in unclear
+        ),
+        unclear=unclear,
+        held=tuple(
+            (name, "lower" if side < 0 else "upper")
+            for name, side in zip(calibration.free_names, step.held, strict=True)
+            if side
+        ),
+        influences=found.influences,
+        noise=noise,
+        degrees_of_freedom=points - space.dimension,
+        covariance=None if noise is None else spread.covariance * np.outer(span, span),
+        standard_errors=spread.deviations * span * np.where(space.log, jacobian.optimum, 1.0),
+        intervals=np.where(log, np.exp(np.where(log, ends, 0.0)), ends),
+        unit_widths=2.0 * spread.half,
+        level=level,
+        derivative_error=found.derivative_error,
+        distance=spread.distance,
+        profile_increase=spread.profile_increase,
+        fit=fit,
+        model=model,
+        linear_half_widths=spread.half,
+        bases=_bases(spread, dependence),
+        bending=np.full(space.dimension, np.nan),
+        dependence=dependence,
+    )
+
+
+def _bases(spread: Spread, dependence: tuple[Dependence, ...]) -> tuple[IntervalBasis, ...]:
+    """What the interval of each parameter rests on: correlation goes before unevenness where both widen it."""
+    kinds = {one.kind for one in dependence}
+    wider: IntervalBasis = "correlated" if "correlated" in kinds else "uneven"
+    return tuple(wider if is_wider else "linearised" for is_wider in spread.widened)

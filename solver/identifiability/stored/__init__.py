@@ -1,0 +1,1 @@
+"""Statistics of stored evaluations, and what follows from them."""

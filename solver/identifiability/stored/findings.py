@@ -1,0 +1,360 @@
+"""Follow-up jobs: the problems that ask for more evaluations, and what these evaluations tell.
+
+A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``sobol`` or ``morris``. Any
+engine runs it, and its stored evaluations alone give the answer: the plan follows from the problem again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import singledispatch
+from typing import Any, Literal
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.optimum.bending import measure_bending, with_profiles
+from geoswarm.solver.identifiability.optimum.differences import residual_rows
+from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
+from geoswarm.solver.identifiability.optimum.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.stored.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
+from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
+from geoswarm.solver.methods.base import FollowUpMethod, Method
+from geoswarm.solver.methods.global_designs import GlobalMethod
+from geoswarm.solver.methods.profile import ProfileMethod
+from geoswarm.solver.methods.sensitivity import SensitivityMethod
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.search import Runs
+
+__all__ = [
+    "NO_FINDINGS",
+    "Findings",
+    "findings_of",
+    "follow_up_of",
+    "global_problem",
+    "join_findings",
+    "profile_problem",
+    "same_question",
+    "sensitivity_problem",
+]
+
+_LONGEST_NAME = 200
+_INCOMPLETE = "the sensitivities are not complete yet"
+_OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What follow-ups have found.
+
+    Parameters
+    ----------
+    linearisation
+        At the optimum, with standard errors and intervals.
+    objective, start_objective
+        f there, and where the descent began (the same without one).
+    profiles
+        As far as they have got.
+    global_sensitivities
+        One an output: the objective, and each series.
+    notes
+        Why something could not be had, in sentences.
+    responses
+        Calculated values there, by series, base units; empty without a linearisation.
+    fit
+        Whether the model describes the data; None where nothing was evaluated at an optimum.
+    """
+
+    linearisation: Linearisation | None = None
+    objective: float | None = None
+    start_objective: float | None = None
+    profiles: tuple[Profile, ...] = ()
+    global_sensitivities: tuple[GlobalSensitivity, ...] = ()
+    notes: tuple[str, ...] = ()
+    responses: Mapping[str, FloatArray] = field(default_factory=dict)
+    fit: FitVerdict | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "fit": None if self.fit is None else self.fit.to_json(),
+            "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
+            "objective": self.objective,
+            "start_objective": self.start_objective,
+            "profiles": [profile.to_json() for profile in self.profiles],
+            "global_sensitivities": [found.to_json() for found in self.global_sensitivities],
+            "notes": list(self.notes),
+        }
+
+
+NO_FINDINGS = Findings()
+
+
+def follow_up_of(problem: Problem) -> FollowUpMethod | None:
+    """The method of a follow-up; None for a search or a sampling."""
+    method = problem.method
+    return method if isinstance(method, FollowUpMethod) else None
+
+
+def same_question(problem: Problem, other: Problem) -> bool:
+    """Whether two problems differ at most in name, method, stop criteria and seed, so that results can be joined."""
+    documents = [{k: v for k, v in p.document().items() if k not in _OWN_KEYS} for p in (problem, other)]
+    return documents[0] == documents[1]
+
+
+def sensitivity_problem(
+    problem: Problem,
+    optimum: FloatArray,
+    *,
+    seed: int,
+    step: float | None = None,
+    polish: bool = False,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates the sensitivities at an optimum.
+
+    Parameters
+    ----------
+    optimum
+        Shape (d,), natural values.
+    seed
+        Of the job.
+    step
+        Largest difference in parts of the range; the default of the method when None.
+    polish
+        Go to the minimum first.
+    of
+        Id of the job.
+
+    Raises
+    ------
+    ProblemError
+        When there are fewer measured points than free parameters, or the optimum is not admissible.
+    """
+    method = {"kind": "sensitivity", "at": _at(problem, optimum), "step": step, "polish": polish, "of": of}
+    return _changed(problem, method, seed)
+
+
+def profile_problem(
+    problem: Problem,
+    linearisation: Linearisation,
+    *,
+    seed: int,
+    parameters: Sequence[str] | None = None,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates profiles around the optimum of a linearisation, of all parameters unless named.
+
+    Raises
+    ------
+    StatisticsError
+        When the noise is neither known nor could be estimated, or a name is unknown.
+    """
+    settings = profile_settings(Calibration(problem, seed), linearisation, parameters=parameters)
+    names = problem.free_names
+    rise = {name: float(r) for name, r in zip(names, settings.rise, strict=True) if np.isfinite(r)}
+    step = {name: float(s) for name, s in zip(names, settings.step, strict=True) if name in rise}
+    method = {"kind": "profile", "at": _at(problem, settings.optimum), "rise": rise, "step": step, "of": of}
+    return _changed(problem, method, seed)
+
+
+def global_problem(
+    problem: Problem,
+    *,
+    seed: int,
+    kind: Literal["sobol", "morris"] = "sobol",
+    samples: int | None = None,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates the design of Sobol or Morris.
+
+    Raises
+    ------
+    ProblemError
+        When SALib is not installed, or ``samples`` is wrong.
+    """
+    return _changed(problem, {"kind": kind, "samples": samples, "of": of}, seed)
+
+
+def _at(problem: Problem, optimum: FloatArray) -> dict[str, float]:
+    return dict(zip(problem.free_names, np.asarray(optimum, dtype=np.float64).tolist(), strict=True))
+
+
+def _changed(problem: Problem, method: Mapping[str, Any], seed: int) -> Problem:
+    given = {key: value for key, value in method.items() if value is not None}
+    name = f"{problem.name}, {method['kind']}"[:_LONGEST_NAME]
+    return parse_problem(problem.document() | {"name": name, "method": given, "stopping": {}, "seed": seed})
+
+
+def findings_of(
+    problem: Problem,
+    seed: int,
+    evaluations: Sequence[Evaluation],
+    *,
+    noise: Mapping[str, float] | float | None = None,
+    level: float = 0.95,
+) -> Findings:
+    """Read the evaluations of a follow-up, finished or not.
+
+    Parameters
+    ----------
+    evaluations
+        All of finished generations, in the order of generation and particle, failed ones too.
+    noise
+        Known standard deviation of a reading, base units; that of the problem file when absent. Profiles end where the
+        noise that was known when they were asked for says.
+
+    Raises
+    ------
+    StatisticsError
+        When the problem is no follow-up, or the noise is wrong.
+    """
+    calibration = Calibration(problem, seed)
+    method = problem.method
+    if method.role != "follow_up":
+        raise StatisticsError(f"a job with method {method.kind} is no follow-up")
+    return examine(method, calibration, evaluations, noise, level)
+
+
+@singledispatch
+def examine(
+    method: Method,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+    level: float,
+) -> Findings:
+    """Say what the evaluations of a follow-up tell; each method registers a function of its own.
+
+    Raises
+    ------
+    StatisticsError
+        When the method has none.
+    """
+    del calibration, evaluations, noise, level
+    raise StatisticsError(f"nobody has said what the evaluations of method {method.kind} tell")
+
+
+@examine.register
+def _sensitivity(
+    method: SensitivityMethod,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+    level: float,
+) -> Findings:
+    search = method.search(calibration.space)
+    start = evaluations[0].objective if evaluations else None
+    position = first = last_difference = 0
+    while (due := search.ask()) is not None:
+        if search.descending:
+            first = position + len(due)  # of the differences
+        if search.ends is None:
+            last_difference = position + len(due)
+        elif position + len(due) > len(evaluations):
+            break  # nobody has looked yet whether the model bends
+        if position + len(due) > len(evaluations):
+            going_on = "the descent to the minimum has not ended" if search.descending else _INCOMPLETE
+            return Findings(start_objective=start, notes=(going_on,))
+        position += len(due)
+        _tell(calibration, search, evaluations[:position], len(due))
+    plan, last = search.plan, evaluations[first:last_difference]
+    if search.steps is not None:
+        plan, rows = search.steps.chosen(residual_rows(calibration, last))
+        last = [last[row] for row in rows]
+    try:
+        found = from_evaluations(calibration, plan, last, noise=noise, level=level)
+    except StatisticsError as error:
+        if noise is not None:
+            raise
+        return Findings(start_objective=start, notes=(str(error),))
+    if search.ends is not None and position > last_difference:
+        found = measure_bending(calibration, found, search.ends, evaluations[last_difference:position])
+    return Findings(found, last[0].objective, start, responses=dict(last[0].responses), fit=found.fit)
+
+
+@examine.register
+def _profiles(
+    method: ProfileMethod,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+    level: float,  # noqa: ARG001  the form of all
+) -> Findings:
+    search = method.search(calibration.space)
+    position = 0
+    while (due := search.ask()) is not None and position + len(due) <= len(evaluations):
+        _tell(calibration, search, evaluations[position : position + len(due)], len(due))
+        position += len(due)
+    notes = []
+    if search.failed:
+        notes.append(f"the evaluation of the optimum failed ({evaluations[0].reason}): {evaluations[0].message}")
+    elif not search.finished:
+        notes.append("the profiles are not complete yet")
+    samples = Samples.from_evaluations(calibration.problem, evaluations)
+    fit = None if search.objective is None else fit_of_samples(calibration, samples, noise=noise)
+    return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes), fit=fit)
+
+
+@examine.register
+def _indices(
+    method: GlobalMethod,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,  # noqa: ARG001
+    level: float,  # noqa: ARG001
+) -> Findings:
+    plan = method.points(calibration.space, calibration.seed)
+    if len(evaluations) < len(plan.positions):
+        return Findings(notes=(f"{len(evaluations)} of {len(plan.positions)} evaluations of the design are done",))
+    found, notes = [], []
+    for output in ("objective", *(o.series for o in calibration.objective.observed)):
+        outputs = outputs_of(calibration, evaluations, output)
+        try:
+            found.append(analyse_design(calibration, plan, outputs, output=output, seed=calibration.seed % 2**32))
+        except SolverError as error:
+            notes.append(f"{output}: {error}")
+    return Findings(global_sensitivities=tuple(found), notes=tuple(dict.fromkeys(notes)))
+
+
+def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluation], count: int) -> None:
+    """Tell a search the last ``count`` of these evaluations; it may look back at the others."""
+    runs = Runs.of(np.array([e.parameters for e in evaluations]), residual_rows(calibration, evaluations))
+    search.tell(runs.objectives[-count:], runs)
+
+
+def join_findings(parts: Sequence[Findings]) -> Findings:
+    """Join what several follow-ups of one job have found; of two of a kind the first counts.
+
+    Where the model bends within an interval, a complete profile gives it.
+    """
+    with_optimum = next((part for part in parts if part.linearisation is not None), NO_FINDINGS)
+    profiles: dict[str, Profile] = {}
+    indices: dict[tuple[str, str], GlobalSensitivity] = {}
+    for part in parts:
+        for profile in part.profiles:
+            profiles.setdefault(profile.parameter, profile)
+        for index in part.global_sensitivities:
+            indices.setdefault((index.kind, index.output), index)
+    notes = dict.fromkeys(note for part in parts for note in part.notes)
+    linearisation = with_optimum.linearisation
+    if linearisation is not None:
+        bent = [profile for name, profile in profiles.items() if linearisation.bent(name)]
+        linearisation = with_profiles(linearisation, bent)
+    return Findings(
+        linearisation,
+        with_optimum.objective,
+        with_optimum.start_objective,
+        tuple(profiles.values()),
+        tuple(indices.values()),
+        tuple(notes),
+        with_optimum.responses,
+        with_optimum.fit or next((part.fit for part in parts if part.fit is not None), None),
+    )

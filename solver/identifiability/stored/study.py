@@ -1,0 +1,250 @@
+"""Everything that stored evaluations tell, in one go: what a report and the HTTP interface show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.noise import known_noise, noise_objective, problem_noise
+from geoswarm.solver.identifiability.optimum.basins import OtherFit, equivalent_objective, other_fits
+from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
+from geoswarm.solver.identifiability.residuals.independence import SeriesResiduals, examine_residuals
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.stored.correlations import Correlations, correlate
+from geoswarm.solver.identifiability.stored.filtering import Filtered, filter_samples, propose_threshold
+from geoswarm.solver.identifiability.stored.projections import Projection, project
+from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
+from geoswarm.solver.identifiability.stored.verdicts import Verdict, judge
+from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
+from geoswarm.solver.methods.registry import find_method
+
+__all__ = ["NOT_AT_OPTIMUM", "TOO_FEW_POINTS", "Statistics", "analyse"]
+
+NOT_AT_OPTIMUM = (
+    "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
+    "first."
+)
+
+UNKNOWN_OPTIMUM = "Whether the best point is a minimum cannot be told, because no parameter has a standard error there."
+
+OTHER_FITS = (
+    "Another set of parameters fits as well as the optimum (objective {objective:.4g} against {best:.4g}): {values}. "
+    "Search around both, or add a measurement that tells them apart."
+)
+
+ON_BOUND = (
+    "The best fit lies on the {side} bound of {name}, and the data pull beyond it: widen the bound, unless what lies "
+    "beyond is impossible. Intervals of the other parameters hold for {name} on its bound or inside."
+)
+
+
+SELECTED = (
+    "The history is long: {read} of its {total} successful evaluations were read, {rule}. "
+    "Counts, correlations and widths are of these."
+)
+
+TOO_FEW_POINTS = (
+    "Too few measurements: {points} of them cannot determine {free} free parameters, so each value is one of many "
+    "that fit. Fix or link some parameters, or add measurements."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """What stored evaluations tell.
+
+    Parameters
+    ----------
+    samples, filtered
+        All successful evaluations, and the good fits among them.
+    pearson
+        Over natural values, as in the published study.
+    pearson_search, spearman
+        Over search coordinates, and of ranks.
+    projections, verdicts
+        One a free parameter.
+    linearisation
+        At the optimum, when it was made.
+    residuals
+        At the best sample or the optimum, one a series; empty when responses are not stored.
+    weights
+        Share of each series in the objective of the best sample.
+    warnings
+        What to be careful about, in sentences.
+    fit
+        Whether the model describes the data at all: it stands before the verdicts.
+    residuals_at_optimum
+        The residuals are those of a polished optimum, not of the best sample.
+    """
+
+    samples: Samples
+    filtered: Filtered
+    pearson: Correlations
+    pearson_search: Correlations
+    spearman: Correlations
+    projections: tuple[Projection, ...]
+    verdicts: tuple[Verdict, ...]
+    linearisation: Linearisation | None
+    residuals: tuple[SeriesResiduals, ...]
+    weights: tuple[SeriesWeight, ...]
+    warnings: tuple[str, ...]
+    fit: FitVerdict
+    residuals_at_optimum: bool = False
+
+    def verdict(self, parameter: str) -> Verdict:
+        """The verdict about one parameter."""
+        return next(verdict for verdict in self.verdicts if verdict.parameter == parameter)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values, without the samples themselves; None for what is not known."""
+        filtered = self.filtered
+        return {
+            "samples": {
+                "total": filtered.total,
+                "failed": self.samples.failed,
+                "left_out": self.samples.left_out,
+                "source": self.samples.source,
+                "kept": filtered.kept,
+                "kept_unbiased": filtered.kept_unbiased,
+            },
+            "fit": self.fit.to_json(),
+            "threshold": asdict(filtered.threshold),
+            "correlations": [_correlation_json(c) for c in (self.pearson, self.pearson_search, self.spearman)],
+            "projections": [_projection_json(projection) for projection in self.projections],
+            "verdicts": [verdict.to_json() for verdict in self.verdicts],
+            "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
+            "residuals_at_optimum": self.residuals_at_optimum,
+            "residuals": [residuals.to_json() for residuals in self.residuals],
+            "weights": [asdict(weight) for weight in self.weights],
+            "warnings": list(self.warnings),
+        }
+
+
+def analyse(
+    calibration: Calibration,
+    samples: Samples,
+    *,
+    threshold: float | None = None,
+    noise: Mapping[str, float] | float | None = None,
+    linearisation: Linearisation | None = None,
+    at_optimum: Mapping[str, FloatArray] | None = None,
+    elsewhere: Sequence[tuple[FloatArray, float]] = (),
+    bins: int = 30,
+) -> Statistics:
+    """Analyse stored evaluations; runs no forward calculation.
+
+    Parameters
+    ----------
+    threshold
+        Of the objective; proposed when absent.
+    noise
+        Known standard deviation of a reading, base units, one for all series or one each; that of the problem file when
+        absent.
+    linearisation
+        At the optimum, from :func:`geoswarm.solver.identifiability.from_evaluations`.
+    at_optimum
+        Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
+    elsewhere
+        Parameters, natural values, and objectives of minima in other basins, beyond the samples.
+    bins
+        Of the projections.
+
+    Raises
+    ------
+    StatisticsError
+        When no evaluation succeeded, or threshold or noise are wrong.
+    """
+    known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
+    points = sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
+    limit = (
+        propose_threshold(
+            samples, points, noise_objective=None if known is None else noise_objective(calibration.problem, known)
+        )
+        if threshold is None
+        else threshold
+    )
+    filtered = filter_samples(samples, limit)
+    pearson = correlate(filtered.samples)
+    pearson_search = correlate(filtered.samples, coordinates="search")
+    projections = project(samples, filtered.threshold.value, bins=bins)
+    best = samples.best
+    at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
+    residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
+    misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
+    fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
+    warnings = [] if fit.kind in ("describes", "lack_of_fit") else [w for r in residuals for w in r.warnings]
+    if linearisation is not None:
+        warnings = [*(one.sentence for one in linearisation.dependence), *warnings]
+    if fit.kind != "describes":
+        warnings.insert(0, " ".join((fit.sentence, *fit.remedies)))
+    if linearisation is not None and not linearisation.at_optimum:
+        far = linearisation.far
+        warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
+    others: tuple[OtherFit, ...] = ()
+    if linearisation is not None and not linearisation.misplaced:
+        lowest = _objective_at(calibration, samples, at_optimum)
+        equal = equivalent_objective(calibration, lowest, known)
+        others = other_fits(samples, linearisation, equal, lowest, elsewhere)
+        warnings[:0] = [_other_fit(samples, other, lowest) for other in others]
+        warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
+    if points < samples.dimension:
+        warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
+    if samples.size and samples.source != "mixed" and (bias := find_method(samples.method).bias):
+        warnings.insert(0, bias)
+    if samples.left_out:
+        evenly = "spread evenly"
+        rule = evenly if samples.unbiased.all() else f"half with the lowest objectives, half {evenly}"
+        warnings.insert(0, SELECTED.format(read=samples.size, total=samples.size + samples.left_out, rule=rule))
+    return Statistics(
+        samples=samples,
+        filtered=filtered,
+        pearson=pearson,
+        pearson_search=pearson_search,
+        spearman=correlate(filtered.samples, method="spearman"),
+        projections=projections,
+        verdicts=judge(samples, filtered, projections, linearisation, others, fit),
+        linearisation=linearisation,
+        residuals=residuals,
+        weights=shares(calibration.problem, misfits) if misfits else (),
+        warnings=tuple(warnings),
+        fit=fit,
+        residuals_at_optimum=bool(at_optimum),
+    )
+
+
+def _objective_at(calibration: Calibration, samples: Samples, responses: Mapping[str, FloatArray] | None) -> float:
+    """The objective at the optimum: of its responses where they are given, of the best sample otherwise."""
+    best = float(samples.objectives[samples.best])
+    if not responses:
+        return best
+    return calibration.objective.value(calibration.objective.misfits(dict(responses)))
+
+
+def _other_fit(samples: Samples, other: OtherFit, best: float) -> str:
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in zip(samples.names, other.parameters, strict=True))
+    return OTHER_FITS.format(objective=other.objective, best=best, values=values)
+
+
+def _correlation_json(correlations: Correlations) -> dict[str, Any]:
+    return {
+        "method": correlations.method,
+        "coordinates": correlations.coordinates,
+        "level": correlations.level,
+        "biased": correlations.biased,
+        "pairs": [asdict(pair) | {"correlated": pair.correlated} for pair in correlations],
+    }
+
+
+def _projection_json(projection: Projection) -> dict[str, Any]:
+    envelope = [float(v) if np.isfinite(v) else None for v in projection.envelope]
+    return asdict(projection) | {
+        "edges": projection.edges.tolist(),
+        "envelope": envelope,
+        "counts": projection.counts.tolist(),
+    }

@@ -1,0 +1,1 @@
+"""Measurements from tables: CSV, workbooks, pasted cells."""

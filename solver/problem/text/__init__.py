@@ -1,0 +1,1 @@
+"""The text of a problem: YAML and JSON, read and written."""

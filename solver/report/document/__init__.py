@@ -1,0 +1,1 @@
+"""The report: what stands in it, as HTML and PDF."""

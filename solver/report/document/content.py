@@ -1,0 +1,397 @@
+"""What stands in a report, in order: verdicts, pictures, tables, provenance. HTML and PDF only differ in form."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from geoswarm.solver.identifiability import Statistics
+from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.stored.findings import follow_up_of
+from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
+from geoswarm.solver.report.curves import objective_unit, series_shares
+from geoswarm.solver.report.document.captions import CAPTIONS
+from geoswarm.solver.report.document.laboratory import laboratory_values
+from geoswarm.solver.report.document.laboratory_table import laboratory_table
+from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
+from geoswarm.solver.report.document.scope import not_modelled
+from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
+from geoswarm.solver.report.figures.figure_set import FigureSet
+from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
+from geoswarm.solver.report.record import Optimum, RunRecord, method_in_words
+from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset, verdict_in_words
+
+__all__ = ["Content", "report_content"]
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """Everything that a report says, as text; the figures are drawn from ``figures`` by the name of a picture."""
+
+    title: str
+    state: str
+    facts: tuple[tuple[str, str], ...]
+    summary: str
+    alarm: Alarm | None
+    cards: tuple[Card, ...]
+    notes: tuple[str, ...]
+    pictures: tuple[Picture, ...]
+    tables: tuple[Table, ...]
+    provenance: tuple[tuple[str, str], ...]
+    problem: str
+    figures: FigureSet
+
+
+def report_content(
+    problem: Problem,
+    record: RunRecord,
+    statistics: Statistics | None,
+    figures: FigureSet,
+    optimum: Optimum | None = None,
+    uncertainty: Uncertainty = NOTHING_FURTHER,
+) -> Content:
+    """Put together what a report says.
+
+    Parameters
+    ----------
+    problem, record
+        What was asked for and how it went.
+    statistics
+        The statistics; None when there are none, because no evaluation has succeeded for example.
+    figures
+        Those that can be drawn.
+    optimum
+        Polished and linearised, where somebody made it.
+    uncertainty
+        What follow-ups and a posterior sample have found.
+    """
+    labels = parameter_labels(problem)
+    unit = objective_unit(problem)
+    best = record.best
+    facts = (
+        ("best objective", _quantity(None if best is None else best.objective, unit)),
+        ("evaluations", str(record.evaluations)),
+        ("failed", str(record.failed)),
+        ("generations", str(record.generations)),
+        ("running time", duration(record.seconds)),
+        ("stopped", reasons_in_words(record.stop_reasons)),
+    )
+    follow_up = follow_up_of(problem)
+    judged = follow_up is None or uncertainty.findings.linearisation is not None
+    cards = (
+        tuple(_card(statistics, name, labels, record, optimum, uncertainty) for name in problem.free_names)
+        if judged and statistics is not None
+        else ()
+    )
+    return Content(
+        title=problem.name,
+        state=record.state,
+        facts=facts,
+        alarm=_alarm(None if statistics is None else statistics.fit, uncertainty),
+        summary=_summary(cards, record) if judged else uncertainty.summary(record.evaluations),
+        cards=cards,
+        notes=tuple(
+            map(
+                typeset,
+                (*(_notes(problem, statistics) if judged and statistics is not None else ()), *uncertainty.notes),
+            )
+        ),
+        pictures=tuple(
+            Picture(name, *CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
+        ),
+        tables=tuple(_tables(problem, record, statistics, labels, optimum, uncertainty)),
+        provenance=tuple(_provenance(problem, record).items()),
+        problem=_listing(_short(problem.document())),
+        figures=figures,
+    )
+
+
+_HEADINGS = {
+    "lack_of_fit": "The model does not describe the data",
+    "error_not_met": "The stated error is not met",
+}
+
+
+def _alarm(fit: FitVerdict | None, uncertainty: Uncertainty) -> Alarm | None:
+    """What is wrong with the fit as a whole; None where nothing is."""
+    for found in (uncertainty.findings.fit, fit):
+        if found is not None and found.wrong:
+            remedies = tuple(map(typeset, found.remedies))
+            return Alarm(found.kind, _HEADINGS[found.kind], typeset(found.sentence), remedies)
+    return None
+
+
+def _card(
+    statistics: Statistics,
+    name: str,
+    labels: dict[str, ParameterLabel],
+    record: RunRecord,
+    optimum: Optimum | None,
+    uncertainty: Uncertainty,
+) -> Card:
+    verdict = statistics.verdict(name)
+    value = None if record.best is None else record.best.parameters[name]
+    label = labels[name]
+    remark = ""
+    polished = _polished(optimum, uncertainty)
+    if polished is not None:
+        remark = f"polished; best evaluation {_quantity(value, label.unit)}"
+        value = polished[name]
+    proposals = tuple(typeset(proposal.sentence) for proposal in verdict.proposals)
+    return Card(
+        name,
+        label.symbol,
+        _quantity(value, label.unit),
+        remark,
+        verdict.kind,
+        verdict_in_words(verdict.kind),
+        typeset(verdict.sentence),
+        proposals,
+    )
+
+
+def _polished(optimum: Optimum | None, uncertainty: Uncertainty) -> dict[str, float] | None:
+    """Free parameters at the polished optimum; None where nobody went there."""
+    findings = uncertainty.findings
+    if optimum is not None:
+        return dict(zip(optimum.linearisation.names, optimum.polished.parameters.tolist(), strict=True))
+    if findings.linearisation is None or findings.objective is None or findings.objective == findings.start_objective:
+        return None
+    return dict(zip(findings.linearisation.names, findings.linearisation.optimum.tolist(), strict=True))
+
+
+def _summary(cards: Sequence[Card], record: RunRecord) -> str:
+    if record.best is None:
+        return record.error or "No evaluation has succeeded yet: there is nothing to judge."
+    if not cards:
+        return "There are too few evaluations for a judgement of the parameters."
+    kinds = dict.fromkeys(card.words for card in cards)
+    parts = [f"{words}: {', '.join(c.symbol for c in cards if c.words == words)}" for words in kinds]
+    text = "; ".join(parts) + "."
+    return text[:1].upper() + text[1:]
+
+
+def _tables(
+    problem: Problem,
+    record: RunRecord,
+    statistics: Statistics | None,
+    labels: dict[str, ParameterLabel],
+    optimum: Optimum | None,
+    uncertainty: Uncertainty,
+) -> list[Table]:
+    tables = []
+    best = record.best
+    if best is not None:
+        tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum, uncertainty))
+        tables += _laboratory_tables(problem, best.parameters, statistics, _polished(optimum, uncertainty))
+        unit = objective_unit(problem)
+        rows = [
+            (
+                s.series,
+                number(s.weight),
+                number(s.misfit),
+                f"{s.share:.1%}".replace("%", " %"),
+                f"{number(s.root_mean_square, 3)} {s.unit}".rstrip(),
+            )
+            for s in series_shares(problem, best.misfits)
+        ]
+        misfit = f"misfit f′ [{unit}]" if unit else "misfit f′ [(unit of the series)²]"
+        columns = ("series", "weight w", misfit, "share of the objective", "root mean square")
+        tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3, 4)))
+    if statistics is not None and len(statistics.pearson.names) > 1 and follow_up_of(problem) is None:
+        tables.append(_correlation_table(statistics, labels))
+    if statistics is not None:
+        tables += _optimum_tables(statistics, labels)
+    tables += uncertainty_tables(problem, uncertainty, labels)
+    if record.failures:
+        rows_of_failures = tuple((reason.replace("_", " "), str(count)) for reason, count in record.failures.items())
+        tables.append(Table("Failed evaluations", ("reason", "number"), rows_of_failures, (1,)))
+    return tables
+
+
+def _parameter_table(
+    problem: Problem,
+    values: dict[str, float],
+    statistics: Statistics | None,
+    labels: dict[str, ParameterLabel],
+    optimum: Optimum | None,
+    uncertainty: Uncertainty,
+) -> Table:
+    rows = []
+    doubt = _doubt(statistics)
+    free = _polished(optimum, uncertainty)
+    polished = None if free is None else problem.values([free[name] for name in problem.free_names])
+    for name, parameter in problem.parameters.items():
+        label = labels[name]
+        shown = name if label.symbol == name else f"{label.symbol} ({name})"
+        cells = [shown, number(values[name]), *([] if polished is None else [number(polished[name])]), label.unit]
+        if isinstance(parameter, FreeParameter):
+            sure = _interval(statistics, name, doubt)
+            cells += [f"{number(parameter.lower)} … {number(parameter.upper)}", parameter.scale, sure]
+        elif isinstance(parameter, LinkedParameter):
+            cells += [f"= {parameter.expression.text}", "linked", ""]
+        else:
+            cells += ["", "fixed", ""]
+        rows.append(tuple(cells))
+    more = () if polished is None else ("polished",)
+    columns = ("parameter", "best value", *more, "unit", "search range", "scale", "95 % interval")
+    note = "A dash: no interval can be given, because the data do not determine the parameter or nobody asked for it."
+    if polished is not None:
+        p = uncertainty.findings if optimum is None else optimum.polished
+        unit = objective_unit(problem)
+        how = "in a follow-up job" if optimum is None else f"with {optimum.polished.evaluations} further forward runs"
+        note += (
+            f" Polished by least squares from the best evaluation, objective {_quantity(p.start_objective, unit)} to "
+            f"{_quantity(p.objective, unit)}, {how}; intervals belong there."
+        )
+    return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)
+
+
+def _doubt(statistics: Statistics | None) -> str:
+    """What follows every interval where the model does not describe the data."""
+    fit = None if statistics is None else statistics.fit
+    return f" ({DOES_NOT_HOLD[fit.kind]})" if fit is not None and fit.wrong else ""
+
+
+def _laboratory_tables(
+    problem: Problem, best: Mapping[str, float], statistics: Statistics | None, polished: Mapping[str, float] | None
+) -> list[Table]:
+    """The parameters of laboratory tests as laboratories know them: polished where somebody went there."""
+    values = best if polished is None else problem.values([polished[name] for name in problem.free_names])
+    found = laboratory_values(problem, values, None if statistics is None else statistics.linearisation)
+    return [laboratory_table(found, _doubt(statistics))] if found else []
+
+
+def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]) -> Table:
+    rows = []
+    for pair in statistics.pearson:
+        rank = statistics.spearman.get(pair.first, pair.second).coefficient
+        search = statistics.pearson_search.get(pair.first, pair.second).coefficient
+        known = pair.lower is not None and pair.upper is not None
+        interval = f"{pair.lower:.2f} … {pair.upper:.2f}".replace("-", "−") if known else "–"
+        cells = [f"{labels[pair.first].symbol}, {labels[pair.second].symbol}", _r(pair.coefficient), interval]
+        rows.append((*cells, _r(search), _r(rank), str(pair.count)))
+    columns = ("pair", "Pearson r", "95 % interval", "r in search coordinates", "Spearman ρ", "good fits")
+    note = (
+        f"Good fits: {typeset(statistics.filtered.statement)}. Below |r| = 0.5 two parameters count as not correlated."
+    )
+    return Table("Correlations of the good fits", columns, tuple(rows), (1, 2, 3, 4, 5), note)
+
+
+def _interval(statistics: Statistics | None, name: str, doubt: str) -> str:
+    """The interval of a parameter, what it rests on, and why it may not hold; a dash without one."""
+    linearisation = None if statistics is None else statistics.linearisation
+    interval = None if linearisation is None else linearisation.interval(name)
+    if linearisation is None or interval is None:
+        return "–"
+    rests = linearisation.basis_in_words(name)
+    return f"{' … '.join(ends(*interval))}{rests and f', {rests}'}{doubt}"
+
+
+def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -> list[Table]:
+    """Directions that the data determine or leave open, and the residuals, as far as they are known."""
+    tables = []
+    linearisation = statistics.linearisation
+    if linearisation is not None:
+        rows = []
+        for c in linearisation.combinations:
+            parts = ", ".join(f"{labels[name].symbol}: {_r(part)}" for name, part in c.components.items())
+            rows.append((number(c.singular_value, 3), parts, "left open" if c.open else "determined"))
+        note = (
+            "Directions at the optimum, the best determined first; parts are moves of each parameter in units of its "
+            f"search range. Relative error of the derivatives: {number(linearisation.derivative_error, 2)}."
+        )
+        columns = ("singular value", "combination", "the data")
+        tables.append(Table("Combinations of parameters at the optimum", columns, tuple(rows), (0,), note))
+    if statistics.residuals:
+        examined = [
+            (
+                r.series,
+                str(r.residuals.size),
+                number(r.deviation, 3),
+                number(r.bias, 2),
+                "–" if r.runs is None else f"{r.runs} of {number(r.expected_runs, 3)}",
+                number(r.durbin_watson, 3),
+            )
+            for r in statistics.residuals
+        ]
+        headings = ("series", "points", "deviation", "bias", "runs of expected", "Durbin-Watson")
+        where = "polished optimum" if statistics.residuals_at_optimum else "best evaluation"
+        note = f"Residuals of the {where} in base units; Durbin-Watson is 2 for independent residuals."
+        tables.append(Table("Residuals", headings, tuple(examined), (1, 2, 3, 4, 5), note))
+    return tables
+
+
+def _notes(problem: Problem, statistics: Statistics) -> tuple[str, ...]:
+    threshold = statistics.filtered.threshold
+    how = "given" if threshold.origin == "given" else f"proposed, {threshold.explanation}"
+    notes = [f"Good fits: {statistics.filtered.statement}. The threshold was {how}."]
+    if statistics.samples.source == "mixed":
+        notes.append("Widths and correlations come from the Monte Carlo samples alone; the swarm's are biased.")
+    if statistics.samples.failed:
+        notes.append(f"{statistics.samples.failed} evaluations failed and take no part.")
+    fit = statistics.fit  # stands at the head
+    told = {" ".join((fit.sentence, *fit.remedies))} if fit.wrong else set()
+    notes += not_modelled(problem)
+    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings if warning not in told))
+
+
+def _r(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2f}".replace("-", "−")
+
+
+def _provenance(problem: Problem, record: RunRecord) -> dict[str, str]:
+    run = record.versions
+    found = {
+        "problem": problem.name,
+        "job": record.id or "run in process",
+        "forward model": problem.forward_model.kind.replace("_", " "),
+        "method": method_in_words(problem),
+        "seed": str(record.seed),
+        "evaluations": f"{record.evaluations} in {record.generations} generations, {record.failed} failed",
+        "state": record.state,
+        "calculated with": "not recorded" if run is None else _listed(run),
+        "report made with": _listed(record.environment),
+    }
+    if record.warnings:
+        found["warning"] = "; ".join(record.warnings)
+    if record.finished_at is not None:
+        found["finished"] = f"{record.finished_at:%Y-%m-%d %H:%M:%S} UTC"
+    if record.best is not None:
+        found["best evaluation"] = f"generation {record.best.generation}, particle {record.best.particle}"
+    return found
+
+
+def _listed(versions: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} {number}" for name, number in versions.items())
+
+
+def _quantity(value: float | None, unit: str) -> str:
+    text = number(value)
+    return text if value is None or unit in ("", "-") else f"{text} {unit}"
+
+
+def _listing(document: dict[str, Any]) -> str:
+    """JSON with one line an item of each section."""
+    lines = []
+    for key, value in document.items():
+        if isinstance(value, dict) and value:
+            inner = (f"  {json.dumps(name)}: {json.dumps(item, ensure_ascii=False)}" for name, item in value.items())
+            lines.append(f"{json.dumps(key)}: {{\n" + ",\n".join(inner) + "\n}")
+        else:
+            lines.append(f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}")
+    return "{\n" + ",\n".join(lines) + "\n}"
+
+
+def _short(document: dict[str, Any]) -> dict[str, Any]:
+    """The problem without the measured points, which the tables and the problem file have."""
+    observations = document["observations"]
+    kept = [
+        {key: value for key, value in o.items() if key != "points"} | {"points": f"{len(o['points']['x'])} points"}
+        for o in observations
+    ]
+    return document | {"observations": kept}

@@ -1,0 +1,47 @@
+"""Table and JSON of the parameters in the laboratory's terms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from geoswarm.solver.report.document.laboratory import LaboratoryValue
+from geoswarm.solver.report.document.parts import Table
+from geoswarm.solver.words import number
+
+__all__ = ["laboratory_document", "laboratory_table"]
+
+_NOTE = (
+    "λ*, κ* and μ* are slopes over the natural logarithm, ln 10 = 2.303; e₀ is the void ratio before the test. Cc and "
+    "Cα hold for small strain and stresses that are large against c cot φ. {swelling}σ′p is the stress whose "
+    "equivalent pressure, in normally consolidated compression, is the initial p_p; OCR is a ratio of equivalent "
+    "pressures, which hold c cot φ. Intervals come from those of the free parameters, a dash: no interval.{missing}"
+)
+_SWELLING = (
+    "Cs of an oedometer is an approximation for an unloading with σ′h = σ′v on average: (1 + ν)/(3 (1 − ν)) is 0.45 "
+    "for ν = 0.15, 0.5 in common rules. "
+)
+_MISSING = " Give initial_void_ratio in the forward model for Cc, Cs and Cα themselves."
+
+
+def laboratory_table(values: Sequence[LaboratoryValue], doubt: str) -> Table:
+    """Return the table; ``doubt`` follows every interval where the model does not describe the data."""
+    several = any(value.part for value in values)
+    rows = []
+    for value in values:
+        low, high = value.interval or (None, None)
+        sure = "–" if low is None else f"{number(low, 3)} … {number(high, 3)}{doubt}"
+        name = f"{value.part}: {value.name}" if several else value.name
+        rows.append((value.symbol, name, number(value.value), value.unit or "-", sure, value.relation))
+    columns = ("symbol", "quantity", "value", "unit", "95 % interval", "from")
+    note = _NOTE.format(
+        swelling=_SWELLING if any("about" in value.relation for value in values) else "",
+        missing=_MISSING if any("(1 + e₀)" not in v.relation for v in values if v.symbol.startswith("Cc")) else "",
+    )
+    return Table("In the laboratory's terms", columns, tuple(rows), (2,), note)
+
+
+def laboratory_document(values: Sequence[LaboratoryValue]) -> list[dict[str, Any]]:
+    """Return the values as plain JSON."""
+    return [asdict(value) for value in values]

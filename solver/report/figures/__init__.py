@@ -1,0 +1,1 @@
+"""The figures of a run (matplotlib, without a display and its global state)."""

@@ -1,0 +1,1 @@
+"""The files of ``geoswarm run --output``: written as a run goes, and read again."""

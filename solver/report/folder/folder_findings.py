@@ -1,0 +1,75 @@
+"""What the follow-ups of a run in a folder have found: each lies in a folder of its kind inside it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.identifiability.stored.findings import (
+    Findings,
+    findings_of,
+    follow_up_of,
+    join_findings,
+    same_question,
+)
+from geoswarm.solver.methods.registry import kinds_of
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.report.folder.folder_tables import column, read_table
+from geoswarm.solver.report.folder.tables import parameter_column
+
+__all__ = ["evaluations_of_folder", "findings_of_folder"]
+
+
+def evaluations_of_folder(folder: Path, problem: Problem) -> list[Evaluation]:
+    """Read all evaluations of a run in their order, failed ones too; without responses.npz they have no responses."""
+    rows = read_table(folder / "evaluations.csv")
+    good = [row for row in rows if row["state"] == "finished"]
+    archive = folder / "responses.npz"
+    responses = {}
+    if archive.is_file():
+        with np.load(archive, allow_pickle=False) as stored:
+            responses = {o.series: stored[f"response.{o.series}"] for o in problem.observations}
+    names = [parameter_column(name) for name in problem.free_names]
+    misfits = {o.series: column(good, f"misfit.{o.series}") for o in problem.observations}
+    place = 0
+    found = []
+    for row in rows:
+        parameters = np.array([float(row[name]) for name in names])
+        if row["state"] != "finished":
+            found.append(Evaluation(parameters, None, {}, {}, row["reason"], row.get("message"), 0.0))
+            continue
+        found.append(
+            Evaluation(
+                parameters,
+                float(row["objective"]),
+                {series: float(values[place]) for series, values in misfits.items()},
+                {series: np.asarray(values[place]) for series, values in responses.items()},
+                None,
+                None,
+                0.0,
+            )
+        )
+        place += 1
+    return found
+
+
+def findings_of_folder(folder: Path, problem: Problem, *, noise: Mapping[str, float] | float | None = None) -> Findings:
+    """Read what follow-ups found: those inside the folder of a run, or the run itself when it is one."""
+    if follow_up_of(problem) is not None:
+        return _read(folder, problem, noise)
+    parts = []
+    for kind in kinds_of("follow_up"):
+        file = folder / kind / "problem.json"
+        if file.is_file():
+            follow_up = parse_problem(json.loads(file.read_text(encoding="utf-8")))
+            if same_question(problem, follow_up):
+                parts.append(_read(folder / kind, follow_up, noise))
+    return join_findings(parts)
+
+
+def _read(folder: Path, problem: Problem, noise: Mapping[str, float] | float | None) -> Findings:
+    return findings_of(problem, problem.seed or 0, evaluations_of_folder(folder, problem), noise=noise)

@@ -1,0 +1,194 @@
+"""A run from the files that ``geoswarm run --output`` wrote."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.identifiability import Samples
+from geoswarm.solver.identifiability.stored.posterior import sample_posterior
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.report.document.build import Report, linearise_here, linearise_stored
+from geoswarm.solver.report.folder.folder_findings import findings_of_folder
+from geoswarm.solver.report.folder.folder_tables import column, read_table
+from geoswarm.solver.report.folder.tables import parameter_column
+from geoswarm.solver.report.record import BestFit, RunRecord
+from geoswarm.solver.report.uncertainty import Uncertainty
+from geoswarm.solver.runs.local import GenerationRecord
+
+__all__ = ["FolderError", "StoredRun", "report_of_folder", "run_of_folder"]
+
+_NEEDED = ("problem.json", "result.json", "evaluations.csv", "generations.csv")
+
+
+class FolderError(SolverError):
+    """A folder does not hold a run; the message says what is missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoredRun:
+    """Problem, record and successful evaluations of a run that was written to a folder."""
+
+    problem: Problem
+    record: RunRecord
+    samples: Samples
+
+
+def run_of_folder(folder: Path) -> StoredRun:
+    """Read a run.
+
+    Parameters
+    ----------
+    folder
+        With problem.json, result.json, evaluations.csv, generations.csv; with responses.npz the evaluations can also be
+        re-weighted point by point.
+
+    Raises
+    ------
+    FolderError
+        When a file is missing or cannot be read.
+    """
+    if (folder / "run.journal").is_file():
+        raise FolderError(
+            f"{folder} holds a run that was cut off, or is still running; 'geoswarm run {folder / 'problem.json'} "
+            f"--output {folder} --resume' goes on with it"
+        )
+    missing = [name for name in _NEEDED if not (folder / name).is_file()]
+    if missing:
+        raise FolderError(
+            f"{folder} lacks {', '.join(missing)}; a folder that 'geoswarm run PROBLEM --output DIR' wrote is accepted"
+        )
+    try:
+        problem = parse_problem(json.loads((folder / "problem.json").read_text(encoding="utf-8")))
+        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        rows = read_table(folder / "evaluations.csv")
+        record = _record(problem, result, rows, read_table(folder / "generations.csv"))
+        samples = _samples(problem, rows, folder / "responses.npz")
+    except (KeyError, ValueError, TypeError) as error:
+        raise FolderError(f"{folder} cannot be read as a run: {type(error).__name__}: {error}") from error
+    return StoredRun(problem, record, samples)
+
+
+def report_of_folder(
+    folder: Path,
+    *,
+    threshold: float | None = None,
+    noise: Mapping[str, float] | float | None = None,
+    posterior: bool = False,
+) -> Report:
+    """Make the report of a run that was written to a folder, with what its follow-ups have found.
+
+    A swarm's optimum is polished and examined anew, unless a follow-up did so.
+
+    Parameters
+    ----------
+    threshold
+        Objective up to which a fit is good; proposed when None.
+    noise
+        Known standard deviation of a reading, base units.
+    posterior
+        Sample the posterior, too.
+
+    Raises
+    ------
+    FolderError
+        When a file is missing or cannot be read.
+    StatisticsError
+        When threshold or noise are wrong, or no posterior sample can be had.
+    """
+    stored = run_of_folder(folder)
+    problem, samples, seed = stored.problem, stored.samples, stored.record.seed
+    try:
+        findings = findings_of_folder(folder, problem, noise=noise)
+    except (KeyError, ValueError, TypeError) as error:
+        raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
+    swarm = problem.method.role == "search" and samples.size > 0
+    examine = swarm and findings.linearisation is None
+    optimum = linearise_here(problem, samples, seed, noise=noise) if examine else None
+    stored_runs = examine and optimum is None
+    sample = sample_posterior(Calibration(problem, seed), samples, noise=noise) if posterior else None
+    return Report(
+        problem,
+        stored.record,
+        samples,
+        threshold=threshold,
+        optimum=optimum,
+        linearisation=linearise_stored(problem, samples, seed, noise=noise) if stored_runs else None,
+        noise=noise,
+        uncertainty=Uncertainty(findings, sample),
+    )
+
+
+def _record(
+    problem: Problem, result: Mapping[str, Any], rows: list[dict[str, str]], generations: list[dict[str, str]]
+) -> RunRecord:
+    best = result["best"]
+    return RunRecord(
+        id=None,
+        state=result["state"],
+        stop_reasons=tuple(result["stop_reasons"]),
+        error=result["error"],
+        evaluations=result["evaluations"],
+        failed=result["failed_evaluations"],
+        generations=result["generations"],
+        failures=dict(Counter(row["reason"] for row in rows if row["reason"])),
+        seconds=result["seconds"],
+        seed=result["seed"],
+        best=best
+        and BestFit(
+            best["generation"],
+            best["particle"],
+            result["objective"],
+            result["parameters"],
+            best["misfits"],
+            {series: np.array(xy["y"], dtype=np.float64) for series, xy in best["responses"].items()},
+        ),
+        records=[_generation(problem, row) for row in generations],
+        versions=result.get("versions"),  # older runs have none
+    )
+
+
+def _generation(problem: Problem, row: Mapping[str, str]) -> GenerationRecord:
+    taken = ("generation", "evaluations", "failed", "best_objective", "objective")
+    cells = {name: row[parameter_column(name, taken)] for name in problem.parameters}
+    return GenerationRecord(
+        int(row["generation"]),
+        int(row["evaluations"]),
+        int(row["failed"]),
+        _number(row["best_objective"]),
+        _number(row["objective"]),
+        {name: float(cell) for name, cell in cells.items()} if all(cells.values()) else None,
+    )
+
+
+def _samples(problem: Problem, rows: list[dict[str, str]], archive: Path) -> Samples:
+    good = [row for row in rows if row["state"] == "finished"]
+    responses: dict[str, FloatArray] = {}
+    if archive.is_file():
+        with np.load(archive, allow_pickle=False) as stored:
+            if len(stored["generation"]) == len(good):
+                responses = {o.series: stored[f"response.{o.series}"] for o in problem.observations}
+    names = [parameter_column(name) for name in problem.free_names]
+    return Samples.from_arrays(
+        problem,
+        np.array([[float(row[name]) for name in names] for row in good], dtype=np.float64),
+        np.array([float(row["objective"]) for row in good], dtype=np.float64),
+        misfits={o.series: column(good, f"misfit.{o.series}") for o in problem.observations},
+        responses=responses,
+        generations=np.array([int(row["generation"]) for row in good], dtype=np.int64),
+        particles=np.array([int(row["particle"]) for row in good], dtype=np.int64),
+        failed=len(rows) - len(good),
+    )
+
+
+def _number(text: str) -> float | None:
+    return float(text) if text else None

@@ -1,0 +1,170 @@
+"""Result, evaluations and generations as files that other programs read."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Collection, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.document.laboratory import laboratory_values
+from geoswarm.solver.report.document.laboratory_table import laboratory_document
+from geoswarm.solver.report.record import Optimum
+from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
+from geoswarm.solver.versions import versions
+from geoswarm.solver.words import visible
+
+__all__ = [
+    "evaluation_header",
+    "evaluation_row",
+    "generation_header",
+    "generation_row",
+    "parameter_column",
+    "result_document",
+    "write_evaluations",
+    "write_generations",
+    "write_problem",
+    "write_responses",
+    "write_result",
+]
+
+_TAKEN = frozenset(
+    {"generation", "particle", "state", "objective", "reason", "message", "attempts", "worker"}
+    | {"started_at", "finished_at", "seconds"}
+)
+"""Columns that a parameter of the same name must not shadow."""
+
+
+def parameter_column(name: str, taken: Collection[str] = _TAKEN) -> str:
+    """Return the column of a parameter; one that is called like another column gets the prefix ``parameter.``."""
+    return f"parameter.{name}" if name in taken else name
+
+
+def result_document(problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> dict[str, Any]:
+    """Return the whole result but its history, JSON-able; values in base units.
+
+    ``objective`` and ``parameters`` are the best of the search. Where the report polished them, ``polished`` has the
+    parameters that fit better, and how many further runs it took. ``laboratory`` has the parameters of laboratory tests
+    as Cc, Cs, C_alpha and preconsolidation stress, of the polished parameters where there are any.
+    """
+    best = result.best
+    polished = None if optimum is None else optimum.polished
+    values = result.parameters if polished is None else problem.values(polished.parameters.tolist())
+    linearisation = None if optimum is None else optimum.linearisation
+    return {
+        "name": problem.name,
+        "state": result.state,
+        "stop_reasons": list(result.stop_reasons),
+        "objective": result.objective,
+        "parameters": result.parameters,
+        "evaluations": result.evaluations,
+        "failed_evaluations": result.failed_evaluations,
+        "generations": result.generations,
+        "seconds": result.seconds,
+        "seed": result.seed,
+        "error": result.error,
+        "versions": dict(versions()),
+        "polished": polished
+        and {
+            "objective": polished.objective,
+            "parameters": problem.values(polished.parameters.tolist()),
+            "evaluations": polished.evaluations,
+        },
+        "laboratory": [] if values is None else laboratory_document(laboratory_values(problem, values, linearisation)),
+        "best": best
+        and {
+            "generation": result.best_generation,
+            "particle": result.best_particle,
+            "misfits": best.misfits,
+            "responses": {
+                o.series: {"x": o.x.tolist(), "y": best.responses[o.series].tolist()} for o in problem.observations
+            },
+        },
+    }
+
+
+def write_result(path: Path, problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> None:
+    """Write :func:`result_document` as JSON."""
+    _write_json(path, result_document(problem, result, optimum))
+
+
+def write_problem(path: Path, problem: Problem, seed: int) -> None:
+    """Write the canonical problem with the seed that was used: running it again needs no other file."""
+    _write_json(path, problem.document() | {"seed": seed})
+
+
+def evaluation_header(problem: Problem) -> list[str]:
+    """Return the columns of evaluations.csv: place, outcome, free parameters, misfit of each series, why it failed.
+
+    Same columns as the CSV export of a service, without what only a service knows (attempts, worker, times).
+    """
+    parameters = [parameter_column(name) for name in problem.free_names]
+    misfits = [f"misfit.{o.series}" for o in problem.observations]
+    return ["generation", "particle", "state", "objective", *parameters, *misfits, "reason", "message", "seconds"]
+
+
+def evaluation_row(problem: Problem, generation: int, particle: int, e: Evaluation) -> list[object]:
+    """Return one row of evaluations.csv."""
+    state = "finished" if e.reason is None else "failed"
+    misfits = [e.misfits.get(o.series) for o in problem.observations]
+    message = e.message and visible(e.message)
+    return [generation, particle, state, e.objective, *e.parameters.tolist(), *misfits, e.reason, message, e.seconds]
+
+
+def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write one row an evaluation."""
+    rows = (evaluation_row(problem, r.generation, r.particle, r.evaluation) for r in result.history)
+    _write_csv(path, evaluation_header(problem), rows)
+
+
+def write_responses(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write the responses of the successful evaluations as a NumPy archive, for statistics and other weights later.
+
+    Arrays ``generation`` and ``particle``, shape (n,), and ``response.SERIES``, shape (n, m_g), base units.
+    """
+    good = [r for r in result.history if r.evaluation.reason is None]
+    arrays = {
+        f"response.{o.series}": np.array([r.evaluation.responses[o.series] for r in good]).reshape(-1, o.x.size)
+        for o in problem.observations
+    }
+    place = {
+        "generation": np.array([r.generation for r in good], dtype=np.int64),
+        "particle": np.array([r.particle for r in good], dtype=np.int64),
+    }
+    np.savez_compressed(path, **place, **arrays)  # type: ignore[arg-type]  # the stubs take any further keyword for an option
+
+
+_OF_GENERATIONS = ("generation", "evaluations", "failed", "best_objective", "objective")
+
+
+def generation_header(problem: Problem) -> list[str]:
+    """Return the columns of generations.csv: totals so far, its best objective, the best so far with all parameters."""
+    return [*_OF_GENERATIONS, *(parameter_column(name, _OF_GENERATIONS) for name in problem.parameters)]
+
+
+def generation_row(problem: Problem, r: GenerationRecord) -> list[object]:
+    """Return one row of generations.csv."""
+    values = [None if r.parameters is None else r.parameters[name] for name in problem.parameters]
+    return [r.number, r.evaluations, r.failed, r.best_objective, r.objective, *values]
+
+
+def write_generations(path: Path, problem: Problem, result: CalibrationResult) -> None:
+    """Write one row a generation."""
+    _write_csv(path, generation_header(problem), (generation_row(problem, r) for r in result.generation_records))
+
+
+def _write_json(path: Path, data: object) -> None:
+    path.write_text(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a CSV file; None becomes an empty cell, numbers keep every digit."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)

@@ -1,0 +1,1 @@
+"""Runs in process: the loop of a calibration, its processes, its journal, and a try before."""

@@ -1,0 +1,196 @@
+"""Tries a problem before it becomes a job: one forward calculation and an estimate of the cost."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.plausibility import implausible
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.checks.consolidation import find_consolidation
+from geoswarm.solver.problem.checks.extremes import extreme_issues
+from geoswarm.solver.runlog import RunLog
+
+__all__ = ["CheckReport", "TestRunReport", "check_problem"]
+
+_TRIED_GENERATIONS, _LONGEST_TRIAL = 4, 1.0
+
+WARM_UP_LIMIT = 5.0
+"""A first calculation shorter than this [s] is repeated: it may have been loading its kernels."""
+
+
+@dataclass(frozen=True, slots=True)
+class TestRunReport:
+    """Outcome of the one forward calculation.
+
+    Parameters
+    ----------
+    state
+        ``finished`` or ``failed``.
+    parameters
+        Values of all parameters (free, fixed, linked) that it was made for.
+    objective, misfits
+        f and f'_g of every observed series, in base units squared; None and empty when failed.
+    responses
+        Every observed series, calculated at its observed points: ``x`` and ``y`` in base units, each of length m_g;
+        empty when failed.
+    seconds
+        Wall time of the calculation when warm [s].
+    reason, message
+        Kind of failure and what happened, or None.
+    """
+
+    __test__ = False
+
+    state: str
+    parameters: dict[str, float]
+    objective: float | None
+    misfits: dict[str, float]
+    responses: dict[str, dict[str, list[float]]]
+    seconds: float
+    reason: str | None
+    message: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class CheckReport:
+    """What a valid problem would do and cost.
+
+    Parameters
+    ----------
+    name, forward_model, method
+        As in the problem.
+    free_parameters
+        Names in the order of the problem.
+    data_points
+        Number of measured points in all observations.
+    planned_evaluations
+        Most evaluations that the job makes; None when only time or quality ends it.
+    test_run
+        The one forward calculation.
+    estimated_seconds
+        Time of the planned evaluations on one worker and of the search itself, at most ``max_seconds`` [s]; None
+        without a plan.
+    warnings
+        What is probably not meant, what in the measurements the model does not contain, and what to do, in sentences.
+    """
+
+    name: str
+    forward_model: str
+    method: str
+    free_parameters: tuple[str, ...]
+    data_points: int
+    planned_evaluations: int | None
+    test_run: TestRunReport
+    estimated_seconds: float | None
+    warnings: tuple[str, ...] = ()
+
+
+def check_problem(
+    problem: Problem, evaluate: Callable[[Calibration, FloatArray], Evaluation] = Calibration.evaluate
+) -> CheckReport:
+    """Make one test run of a problem and estimate its cost.
+
+    The run is made at the initial values where given and in the middle of the bounds (in search coordinates) elsewhere,
+    or at the first feasible proposal of the search when that point violates a constraint. A failed run is reported,
+    not raised.
+
+    Parameters
+    ----------
+    evaluate
+        Makes one forward calculation at natural values of the free parameters, shape (d,); here and now unless given.
+
+    Raises
+    ------
+    InfeasibleSpaceError
+        When no proposal satisfies the constraints.
+    ProblemError
+        When the forward model cannot be prepared for the observed points, or a weight or an error of readings is
+        beyond what can be calculated with.
+    """
+    if extreme := extreme_issues(problem):
+        raise ProblemError(extreme)
+    calibration = Calibration(problem, choose_seed(problem.seed))
+    proposals = calibration.start().positions
+    point = middle(calibration)
+    if not calibration.space.feasible(point):
+        point = proposals[0]
+    run = evaluate(calibration, point)
+    if run.seconds < WARM_UP_LIMIT:
+        run = evaluate(calibration, point)
+    planned = problem.planned_evaluations
+    return CheckReport(
+        name=problem.name,
+        forward_model=problem.forward_model.kind,
+        method=problem.method.kind,
+        free_parameters=problem.free_names,
+        warnings=(*implausible(problem), *(found.sentence for found in find_consolidation(problem))),
+        data_points=sum(len(observation.x) for observation in problem.observations),
+        planned_evaluations=planned,
+        test_run=_report(run, problem, problem.values(point.tolist())),
+        estimated_seconds=_estimate(
+            run.seconds + search_seconds(calibration, run), planned, problem.stopping.max_seconds
+        ),
+    )
+
+
+def middle(calibration: Calibration) -> FloatArray:
+    """Initial values where given, else the middle of the bounds in search coordinates; natural values, shape (d,)."""
+    space = calibration.space
+    centre = space.to_natural((space.search_lower + space.search_upper) / 2)
+    initial = [parameter.initial for parameter in calibration.problem.free]
+    return np.array([c if i is None else i for c, i in zip(centre, initial, strict=True)], dtype=np.float64)
+
+
+def search_seconds(calibration: Calibration, run: Evaluation) -> float:
+    """Time that the search itself takes for one evaluation [s], measured over some generations with made-up responses.
+
+    Only a search that learns from all runs takes any time that counts. Its responses are those of the ``run``, scaled
+    by what the proposals are.
+    """
+    if not calibration.accelerated or calibration.problem.method.role == "follow_up" or run.reason is not None:
+        return 0.0
+    progress, log = calibration.start(), RunLog(calibration)
+    stored: list[list[dict[str, FloatArray]]] = []
+    width = np.maximum(calibration.space.search_upper - calibration.space.search_lower, 1e-300)
+    taken, begun = 0.0, time.perf_counter()
+    for _ in range(_TRIED_GENERATIONS):
+        factors = 1.0 + (calibration.space.to_search(progress.positions) - calibration.space.search_lower) / width
+        stored.append([{s: y * float(f) for s, y in run.responses.items()} for f in factors.prod(axis=1)])
+        objectives = [calibration.objective.value(calibration.objective.misfits(r)) for r in stored[-1]]
+        log.add(list(progress.positions), objectives)
+        runs = log.runs(lambda keys: [stored[generation][particle] for generation, particle in keys])
+        began = time.perf_counter()
+        step = calibration.advance(progress, objectives, 0.0, runs, criteria=())
+        taken = (time.perf_counter() - began) / len(objectives)
+        progress = step.progress
+        if not len(progress.positions) or time.perf_counter() - begun > _LONGEST_TRIAL:
+            break
+    return taken
+
+
+def _estimate(seconds: float, planned: int | None, max_seconds: float | None) -> float | None:
+    if planned is None:
+        return max_seconds
+    whole = seconds * planned
+    return whole if max_seconds is None else min(whole, max_seconds)
+
+
+def _report(run: Evaluation, problem: Problem, parameters: dict[str, float]) -> TestRunReport:
+    observed = {observation.series: observation.x for observation in problem.observations}
+    return TestRunReport(
+        state="finished" if run.reason is None else "failed",
+        parameters=parameters,
+        objective=run.objective,
+        misfits=run.misfits,
+        responses={name: {"x": observed[name].tolist(), "y": y.tolist()} for name, y in run.responses.items()},
+        seconds=run.seconds,
+        reason=run.reason,
+        message=run.message,
+    )

@@ -1,0 +1,1 @@
+"""The way down to a minimum, and the points that its surroundings are told by."""

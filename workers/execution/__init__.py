@@ -1,0 +1,1 @@
+"""What a worker does: claims evaluations, runs them within their limits, hands them in."""

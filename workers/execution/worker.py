@@ -1,0 +1,323 @@
+"""A worker: claims evaluations of a job, runs them with no transaction open, hands them in, and goes on."""
+
+from __future__ import annotations
+
+import logging
+import time
+from functools import partial
+
+from cachetools import LRUCache
+
+from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.forward.registry import is_foreign
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, NoProcessError, RunLimits
+from geoswarm.solver.runner.kernels import make_ready
+from geoswarm.solver.runner.runner import Runner
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
+from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.errors import StoreUnavailableError, WorkersError
+from geoswarm.workers.execution.claim_runner import ClaimRunner
+from geoswarm.workers.execution.heartbeat import Heartbeat
+from geoswarm.workers.execution.slots import Slots
+from geoswarm.workers.identity import Identity
+from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.queries.jobs import current_generation, get_problem
+from geoswarm.workers.queries.offers import read_offer
+from geoswarm.workers.queries.queue import most_urgent_job
+from geoswarm.workers.queries.workers import busy_workers, count_live, forget_worker
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.codec import unpack_problem
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.tracing import span
+
+__all__ = ["Worker"]
+
+log = logging.getLogger(__name__)
+
+CACHED_CALIBRATIONS = 32
+LONGEST_WAIT_SECONDS = 2.0
+SHORTEST_LOOK, LONGEST_LOOK = 0.001, 0.02  # between two looks for the next generation [s]
+PATIENCE_SECONDS = 0.05
+TROUBLE_SECONDS = 5.0
+
+
+class Worker:
+    """One worker of this process. :meth:`serve` belongs to one thread; a heartbeat runs beside it.
+
+    Parameters
+    ----------
+    doorbell
+        Wakes the other workers.
+    slots
+        Shared with the other workers of this group; None: every kind of forward model may use them all.
+    """
+
+    def __init__(
+        self, store: Store, doorbell: Doorbell, settings: Settings, identity: Identity, slots: Slots | None = None
+    ) -> None:
+        self.store = store
+        self.doorbell = doorbell
+        self.settings = settings
+        self.identity = identity
+        self.runtime = Runtime(store, settings)
+        self.heartbeat = Heartbeat(store, self.runtime, settings, identity)
+        self.stopping = self.heartbeat.stopping
+        self.slots = Slots.none() if slots is None else slots
+        self._evaluator: Evaluator = Runner(settings.passed_environment) if settings.isolate else InlineEvaluator()
+        self._live_workers = 1
+        self._short = False  # of disk
+        self._calibrations: LRUCache[str, Calibration] = LRUCache(CACHED_CALIBRATIONS)
+
+    def start(self) -> None:
+        """Enter the list of workers, begin the heartbeat, and make ready to evaluate.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        self.heartbeat.start()
+        self._evaluator.start()
+
+    def close(self) -> None:
+        """End the heartbeat and the evaluation process, and leave the list of workers."""
+        self.heartbeat.stop()
+        self._evaluator.close()
+        try:
+            tally.flush(self.store)
+            self.store.write(lambda connection: forget_worker(connection, self.identity.id))
+        except StoreUnavailableError as error:
+            log.warning("worker %s could not sign off: %s", self.identity.id, error)
+
+    def next_job(self) -> str | None:
+        """Return the most urgent job that this worker can do something for, None when there is nothing to do.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        urgent = self.most_urgent()
+        return None if urgent is None else urgent.id
+
+    def most_urgent(self) -> Record | None:
+        """Return ``id`` and ``forward_model`` of the same job.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        shortage = self.runtime.shortage()
+        if (shortage is None) is self._short:
+            self._short = shortage is not None
+            log.warning(
+                "worker %s %s", self.identity.id, f"waits: {shortage}" if shortage else "goes on: there is room"
+            )
+        if shortage is not None:
+            return None
+        settings = self.settings
+        return self.store.read(
+            lambda connection: most_urgent_job(
+                connection,
+                kinds=settings.kinds,
+                without=self.slots.full(),
+                overdue=(settings.overdue_seconds, settings.overdue_factor),
+            )
+        )
+
+    def serve(self, job_id: str) -> None:
+        """Work on a job until nothing of it is to be had or the time slice ends; never raises.
+
+        A bug anywhere in the job's own code ends this job as failed, not the worker.
+        """
+        extra = {"job": job_id, "worker": self.identity.id}
+        try:
+            calibration = self._calibration(job_id)
+            if calibration is not None and self._make_ready(job_id, calibration):
+                with self.slots.hold(_kind(calibration)) as free:
+                    if free:
+                        self._work(job_id, calibration)
+        except StoreUnavailableError as error:
+            # Whatever was claimed comes back through its lease.
+            log.warning("worker %s: %s", self.identity.id, error, extra=extra)
+            # Jobs may be listed by a database that takes nothing in (disk full): do not ask it without a pause.
+            self.stopping.wait(self.settings.poll_seconds)
+        except NoProcessError as error:
+            self._rest(str(error))
+        except Exception as error:
+            log.exception("job %s cannot be worked on", job_id, extra=extra)
+            self._give_up(job_id, f"{type(error).__name__}: {error}")
+        finally:
+            self.heartbeat.claim = None
+
+    def _make_ready(self, job_id: str, calibration: Calibration) -> bool:
+        tell = partial(self.runtime.tell_kernels, job_id)
+        return make_ready(self._evaluator, calibration.problem, unwanted=self.stopping.is_set, tell=tell)
+
+    def _work(self, job_id: str, calibration: Calibration) -> None:
+        if self.heartbeat.late:
+            # The database is too slow for all that ask: fewer claims, so that leases are renewed in time.
+            self.stopping.wait(self.settings.lease_seconds / 4)
+        turn = _Turn(self, job_id)
+        self._count_live()
+        answer = self._exchange(job_id, calibration, HandIn(), turn)
+        if answer.queued:
+            try:
+                progress: Progress | InfeasibleSpaceError = calibration.start(self._free_slots())
+            except InfeasibleSpaceError as error:
+                progress = error
+            self.runtime.start(job_id, progress)
+            answer = self._exchange(job_id, calibration, HandIn(), turn)
+        early = partial(self._early, job_id, calibration, turn)
+        while answer.claim is not None:
+            self.heartbeat.claim = claim = answer.claim
+            claimed = ClaimRunner(claim, self._evaluator, calibration, self.settings, self.heartbeat, early)
+            with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
+                hand_in = claimed.run()
+            if claimed.trouble is not None:
+                turn.end()
+            answer = self._exchange(job_id, calibration, hand_in, turn)
+            if claimed.trouble is not None:
+                self._rest(claimed.trouble)
+            if answer.waiting is not None and self._generation_ends(claim, answer.waiting, turn):
+                answer = self._exchange(job_id, calibration, HandIn(), turn)
+            self.heartbeat.claim = answer.claim
+        if answer.left:
+            self.doorbell.ring(job_id, kind=_kind(calibration))
+
+    def _rest(self, trouble: str) -> None:
+        """Leave the work to others for a while: this worker cannot do any now, and no evaluation is to blame."""
+        log.warning("worker %s takes no evaluation for %g s: %s", self.identity.id, TROUBLE_SECONDS, trouble)
+        self.stopping.wait(TROUBLE_SECONDS)
+
+    def _generation_ends(self, claim: Claim, typical: float, turn: _Turn) -> bool:
+        """Wait for the others to end a generation, if nothing else is to be done and it cannot take long.
+
+        A ring through the broker would come later than a look at the database.
+        """
+        pause = min(max(0.03 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        now = time.monotonic()
+        patience = min(turn.until, now + max(3.0 * typical, PATIENCE_SECONDS))
+        others = now + LONGEST_LOOK  # when to look for other work
+        while now < patience and self.heartbeat.unwanted() is None:
+            if self.store.read(lambda connection: current_generation(connection, claim.job_id)) != claim.generation:
+                return True
+            if now >= others:
+                if self.most_urgent() is not None:
+                    return False
+                others = now + LONGEST_LOOK
+            self.stopping.wait(pause)
+            now = time.monotonic()
+        return False
+
+    def _exchange(self, job_id: str, calibration: Calibration, hand_in: HandIn, turn: _Turn) -> Exchange:
+        """Exchange with the runtime, again and again while the database does not answer: results are worth the wait."""
+        wait = 0.1
+        while True:
+            try:
+                answer = self._ask(job_id, calibration, hand_in, turn)
+            except StoreUnavailableError:
+                if hand_in.claim is None or self.stopping.wait(wait):
+                    raise
+                wait = min(2 * wait, LONGEST_WAIT_SECONDS)
+            else:
+                if answer.rings:
+                    self.doorbell.ring(job_id, answer.rings, kind=_kind(calibration))
+                return answer
+
+    def _ask(
+        self, job_id: str, calibration: Calibration, hand_in: HandIn, turn: _Turn, *, want: bool = True
+    ) -> Exchange:
+        """Exchange with the runtime once."""
+        want = want and turn.goes_on(soon=hand_in.partial)
+        answer = self.runtime.exchange(
+            job_id,
+            self.identity.id,
+            calibration,
+            hand_in,
+            live_workers=self._live_workers,
+            want=want,
+            taken_up=turn.begins,
+        )
+        turn.begins = turn.begins and answer.queued
+        return answer
+
+    def _early(
+        self, job_id: str, calibration: Calibration, turn: _Turn, hand_in: HandIn, want: bool
+    ) -> tuple[bool, Claim | None]:
+        """Hand in what is ready while an evaluation runs; see :data:`geoswarm.workers.execution.claim_runner.Early`."""
+        try:
+            answer = self._ask(job_id, calibration, hand_in, turn, want=want)
+            if answer.rings or (answer.left and not want):
+                self.doorbell.ring(job_id, max(answer.rings, 1), kind=_kind(calibration))
+        except StoreUnavailableError as error:
+            log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
+            return False, None
+        return True, answer.claim
+
+    def _calibration(self, job_id: str) -> Calibration | None:
+        """Return the job made ready, from the cache of this process if possible; None: there is no such job."""
+        if job_id in self._calibrations:
+            return self._calibrations[job_id]
+        row = self.store.read(lambda connection: get_problem(connection, job_id))
+        if row is None:
+            return None
+        document = unpack_problem(row.problem)
+        if is_foreign(document.get("forward_model")):
+            self._evaluator.build(job_id, document, row.seed, RunLimits(None, self.settings.build_memory_mb))
+        problem = parse_problem(document)
+        offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
+        calibration = Calibration(problem, row.seed, offer)
+        self._calibrations[job_id] = calibration
+        return calibration
+
+    def _give_up(self, job_id: str, message: str) -> None:
+        try:
+            self.runtime.give_up(job_id, message)
+        except WorkersError as error:
+            log.warning("job %s could not be ended: %s", job_id, error, extra={"job": job_id})
+
+    def _free_slots(self) -> int:
+        """Number of workers that hold no evaluation of another job."""
+        busy = self.store.read(lambda connection: len(busy_workers(connection)))
+        return max(1, self._live_workers - busy)
+
+    def _count_live(self) -> None:
+        lease = self.settings.lease_seconds
+        self._live_workers = max(1, self.store.read(lambda connection: count_live(connection, lease)))
+
+
+def _kind(calibration: Calibration) -> str:
+    return calibration.problem.forward_model.kind
+
+
+class _Turn:
+    """How long a worker stays with a job: a slice of time, and another one where nobody else waits."""
+
+    def __init__(self, worker: Worker, job_id: str) -> None:
+        self._worker = worker
+        self._job_id = job_id
+        self._ended = False
+        self.begins = True
+        """The job goes to the end of the line with the next exchange."""
+        self.until = time.monotonic() + worker.settings.slice_seconds
+
+    def end(self) -> None:
+        """Take no further claim of this job."""
+        self._ended = True
+
+    def goes_on(self, *, soon: bool) -> bool:
+        """Whether the worker takes another claim of this job.
+
+        With ``soon`` an evaluation still runs: a slice that is about to end is looked at now, while nothing waits.
+        """
+        if self._ended or self._worker.stopping.is_set() or (self._worker.heartbeat.late and not self.begins):
+            return False
+        slice_seconds = self._worker.settings.slice_seconds
+        ends = self.until - (0.5 * slice_seconds if soon else 0.0)
+        if time.monotonic() >= ends and self._worker.next_job() in (None, self._job_id):
+            self.until = time.monotonic() + slice_seconds
+            self.begins = True
+        return time.monotonic() < self.until

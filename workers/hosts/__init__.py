@@ -1,0 +1,1 @@
+"""Where workers live: embedded beside the API, or in Celery's processes."""

@@ -1,0 +1,79 @@
+"""The main program of a worker process of the embedded engine."""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import sys
+import threading
+from collections.abc import Mapping
+from typing import Any
+
+from geoswarm.solver.warm import import_models
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.execution.slots import Slots
+from geoswarm.workers.execution.worker import Worker
+from geoswarm.workers.hosts.embedded import PipeDoorbell
+from geoswarm.workers.identity import Identity, this_machine
+from geoswarm.workers.logs import start_logging
+from geoswarm.workers.operations.sweep import Sweeper, with_signals
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.tracing import start_tracing
+
+__all__ = ["main"]
+
+log = logging.getLogger(__name__)
+
+
+def main(given: Mapping[str, Any]) -> None:
+    """Work until the parent asks for the end, or dies."""
+    start_logging(given["log_level"])
+    start_tracing("worker")
+    settings = Settings(**given["settings"])
+    read_end, write_end = given["doorbell"]
+    doorbell = PipeDoorbell(settings.workers, (read_end, write_end))
+    identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")
+    try:
+        file = given["database_file"]
+        store = Store(settings, None if file is None else tuple(file))
+        worker = Worker(store, doorbell, settings, identity, Slots(settings.slots, given["slots"]))
+        worker.start()
+    except StoreUnavailableError as error:
+        log.warning("worker %s cannot start: %s", identity.id, error)
+        sys.exit(1)
+    with_signals(worker.stopping.set)
+    threading.Thread(target=_follow_parent, args=(worker, settings.grace_seconds), daemon=True).start()
+    sweeper = Sweeper(worker.runtime, doorbell)
+    sweeper.start()
+    if not settings.isolate:
+        import_models()
+    _work(worker, doorbell, settings)
+    sweeper.stop()
+    worker.close()
+    store.close()
+
+
+def _work(worker: Worker, doorbell: PipeDoorbell, settings: Settings) -> None:
+    wait = settings.poll_seconds
+    while not worker.stopping.is_set():
+        try:
+            job_id = worker.next_job()
+        except StoreUnavailableError as error:
+            log.warning("worker %s: %s", worker.identity.id, error)
+            worker.stopping.wait(wait)
+            continue
+        if job_id is None:
+            doorbell.wait(wait)
+        else:
+            worker.serve(job_id)
+
+
+def _follow_parent(worker: Worker, grace: float) -> None:
+    """Wait for the end of standard input, which comes when the parent dies, and then do not outlive it for long."""
+    while os.read(sys.stdin.fileno(), 1):
+        pass
+    worker.stopping.set()
+    threading.Event().wait(grace)
+    os._exit(1)

@@ -1,0 +1,84 @@
+"""Opens the engine: a service for the API, with embedded workers or with rings to Celery workers."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Self
+
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.hosts.embedded import PipeDoorbell, Supervisor
+from geoswarm.workers.operations.sweep import Sweeper
+from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+
+__all__ = ["Engine", "open_engine"]
+
+
+class Engine:
+    """A running engine; :meth:`close` stops everything that it started.
+
+    Raises
+    ------
+    StoreUnavailableError, BrokerUnavailableError
+        When the database or the broker does not answer.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.supervisor: Supervisor | None = None
+        with ExitStack() as started:
+            store = Store(settings)
+            started.callback(store.close)
+            doorbell = _open_doorbell(settings)
+            started.callback(doorbell.close)
+            runtime = Runtime(store, settings)
+            sweeper = Sweeper(runtime, doorbell)
+            if isinstance(doorbell, PipeDoorbell):
+                self.supervisor = Supervisor(runtime, doorbell, sweeper)
+                started.callback(self.supervisor.stop)
+                self.supervisor.start()
+            started.callback(sweeper.stop)
+            sweeper.start()
+            self.service = JobService(store, doorbell, settings)
+            started.callback(self.service.close)
+            self._started = started.pop_all()
+
+    def close(self) -> None:
+        """Stop workers and sweep, and close all connections."""
+        self._started.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _open_doorbell(settings: Settings) -> Doorbell:
+    if settings.broker_url is None:
+        return PipeDoorbell(settings.workers)
+    from geoswarm.workers.hosts.celery_app import CeleryDoorbell
+
+    doorbell = CeleryDoorbell(settings)
+    try:
+        doorbell.check()
+    except BaseException:
+        doorbell.close()
+        raise
+    return doorbell
+
+
+def open_engine(settings: Settings) -> Engine:
+    """Open an engine; use it as a context manager, or close it.
+
+    Raises
+    ------
+    StoreUnavailableError, BrokerUnavailableError
+        When the database or the broker does not answer within ``connect_seconds``.
+    """
+    return Engine(settings)

@@ -1,0 +1,167 @@
+"""The sweep: finds what was lost and rings for it. It runs in every API and worker process; any number may run."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import threading
+from collections.abc import Callable, Sequence
+from types import FrameType
+
+from sqlalchemy import Connection
+
+from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.doorbell import Doorbell, remote_doorbell
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.identity import is_dead
+from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.queries.evaluations import overdue
+from geoswarm.workers.queries.jobs import account_running_time, clocks_overdue, get_job
+from geoswarm.workers.queries.queue import claimable_jobs, mark_rung
+from geoswarm.workers.queries.workers import (
+    any_lost_before,
+    busy_workers,
+    count_live,
+    forget_workers_lost_before,
+    mark_lost,
+    overdue_workers,
+)
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.journal import empty_journal
+
+__all__ = ["Sweeper", "run_sweep", "with_signals"]
+
+log = logging.getLogger(__name__)
+
+REMEMBER_LOST_SECONDS = 3600.0
+LONGEST_WAIT_SECONDS = 30.0
+
+
+class Sweeper:
+    """Looks after one store, by :meth:`sweep` once or by a thread of its own."""
+
+    def __init__(self, runtime: Runtime, doorbell: Doorbell) -> None:
+        self.runtime = runtime
+        self.doorbell = doorbell
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def sweep(self) -> None:
+        """Give up silent workers, free their evaluations, keep the clocks of jobs, ring for work nobody knows of.
+
+        And empty the journal of an SQLite file when readers kept that from happening after a deletion.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        settings, store = self.runtime.settings, self.runtime.store
+        gap = settings.lease_seconds
+        lost = self._give_up_workers()
+        for row in store.read(lambda c: overdue(c, lost)):
+            self.release(row.job_id, row.generation, lost)
+        # A write transaction only when there is something to write: an idle service leaves its database in peace.
+        if store.read(lambda c: clocks_overdue(c, gap / 4)):
+            store.write(lambda c: account_running_time(c, gap / 4, gap))
+        if store.read(lambda c: any_lost_before(c, REMEMBER_LOST_SECONDS)):
+            store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
+        self._ring()
+        tally.flush(store)
+        empty_journal(store)
+
+    def release(self, job_id: str, generation: int, lost_workers: list[str]) -> None:
+        """Free the overdue evaluations of one generation, and those of lost workers, and ring for the job."""
+        expired = self.runtime.expire(job_id, generation, lost_workers)
+        if expired:
+            log.warning(
+                "%d evaluations of job %s, generation %d, go to other workers: their lease ended",
+                expired,
+                job_id,
+                generation,
+                extra={"job": job_id, "generation": generation},
+            )
+            tally.add("lease_expirations", "", expired)
+            row = self.runtime.store.read(lambda c: get_job(c, job_id))
+            if row is not None:
+                self.doorbell.ring(job_id, expired, kind=row.forward_model)
+
+    def start(self) -> None:
+        """Sweep every ``sweep_seconds`` in a thread."""
+        self._thread = threading.Thread(target=self.run, name="geoswarm-sweep", daemon=True)
+        self._thread.start()
+
+    def run(self) -> None:
+        """Sweep until :meth:`stop`; while the database does not answer, ever more rarely."""
+        wait = self.runtime.settings.sweep_seconds
+        while not self._stop.wait(wait):
+            try:
+                self.sweep()
+            except StoreUnavailableError as error:
+                wait = min(2 * wait, LONGEST_WAIT_SECONDS)
+                log.warning("sweep: %s", error)
+            else:
+                wait = self.runtime.settings.sweep_seconds
+
+    def stop(self) -> None:
+        """End the thread."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+    def _give_up_workers(self) -> list[str]:
+        store, lease = self.runtime.store, self.runtime.settings.lease_seconds
+        known = store.read(lambda c: overdue_workers(c, lease))
+        lost = [row.id for row in known if row.overdue or is_dead(row.pid, row.machine)]
+        if lost:
+            log.warning("workers lost: %s", ", ".join(lost))
+            store.write(lambda c: mark_lost(c, lost))
+            tally.add("sweep_actions", "worker_given_up", len(lost))
+        return lost
+
+    def _ring(self) -> None:
+        store, settings = self.runtime.store, self.runtime.settings
+
+        def forgotten(connection: Connection) -> Sequence[Record]:
+            idle = count_live(connection, settings.lease_seconds) - len(busy_workers(connection))
+            # With nobody idle a ring would only lie in the queue: who becomes idle is rung for in the next sweep.
+            late = (settings.overdue_seconds, settings.overdue_factor)
+            since = 0.9 * settings.sweep_seconds
+            return claimable_jobs(connection, idle, overdue=late, not_rung_for=since) if idle > 0 else []
+
+        rows = store.read(forgotten)
+        if rows:
+            store.write(lambda c: mark_rung(c, [row.id for row in rows]))
+            for row in rows:
+                self.doorbell.ring(row.id, kind=row.forward_model)
+
+
+def run_sweep(settings: Settings) -> None:
+    """Sweep until SIGINT or SIGTERM: the process behind ``geoswarm sweep``.
+
+    Raises
+    ------
+    StoreUnavailableError
+        When the database cannot be reached at the start.
+    """
+    store = Store(settings)
+    doorbell = remote_doorbell(settings)
+    sweeper = Sweeper(Runtime(store, settings), doorbell)
+    with_signals(sweeper._stop.set)
+    try:
+        sweeper.run()
+    finally:
+        doorbell.close()
+        store.close()
+
+
+def with_signals(stop: Callable[[], None]) -> None:
+    """Let SIGINT and SIGTERM call ``stop``."""
+
+    def handle(_number: int, _frame: FrameType | None) -> None:
+        stop()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, handle)

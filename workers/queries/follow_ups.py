@@ -1,0 +1,72 @@
+"""Which follow-ups a job has, and the evaluations of one in their order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, select
+
+from geoswarm.records.states import DONE_STATES
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.methods.registry import kinds_of
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.workers.queries.selection import read_evaluations
+from geoswarm.workers.store.codec import unpack_array, unpack_json, unpack_responses
+from geoswarm.workers.store.tables import jobs
+
+__all__ = ["StoredFollowUp", "evaluations_in_order", "follow_ups_of"]
+
+_MOST = 50
+
+
+@dataclass(frozen=True, slots=True)
+class StoredFollowUp:
+    """A follow-up: its id, kind of method, state, number of evaluations, and seed."""
+
+    id: str
+    kind: str
+    state: str
+    evaluations: int
+    seed: int
+    document: str
+
+    @property
+    def problem(self) -> Problem:
+        """Its problem."""
+        return parse_problem(unpack_json(self.document))
+
+
+def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
+    """Return the latest follow-ups of the same owner that name a job, the newest first; ``job`` is its row."""
+    # the documents are JSON without spaces; an id holds no character that LIKE or JSON knows
+    named = jobs.c.problem.like(f'%"of":"{job.id}"%')
+    owned = jobs.c.owner.is_(None) if job.owner is None else jobs.c.owner == job.owner
+    columns = (jobs.c.id, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
+    rows = connection.execute(
+        select(*columns)
+        .where(jobs.c.method.in_(kinds_of("follow_up")), named, owned)
+        .order_by(jobs.c.created_at.desc(), jobs.c.id)
+        .limit(_MOST)
+    )
+    return [StoredFollowUp(r.id, r.method, r.state, r.evaluations, r.seed, r.problem) for r in rows]
+
+
+def evaluations_in_order(connection: Connection, job_id: str) -> list[Evaluation]:
+    """Return the evaluations by generation and particle, up to the first that has not ended."""
+    found: list[Evaluation] = []
+    for row in read_evaluations(connection, job_id, None):
+        if row.state not in DONE_STATES:
+            break
+        found.append(
+            Evaluation(
+                unpack_array(row.parameters),
+                row.objective,
+                {} if row.misfits is None else unpack_json(row.misfits),
+                {} if row.responses is None else unpack_responses(row.responses),
+                row.reason,
+                row.message,
+                row.seconds or 0.0,
+            )
+        )
+    return found

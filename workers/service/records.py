@@ -1,0 +1,199 @@
+"""What a job has found, read from the store: evaluations, generations, events."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from sqlalchemy import Connection
+
+from geoswarm.records.attempt import Attempt
+from geoswarm.records.evaluation import Evaluation
+from geoswarm.records.event import Event
+from geoswarm.records.generation import Generation
+from geoswarm.records.page import Page
+from geoswarm.workers.errors import EvaluationNotFoundError
+from geoswarm.workers.queries import jobs
+from geoswarm.workers.queries.cursors import decode_cursor, encode_cursor
+from geoswarm.workers.queries.diversity import diversities
+from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts
+from geoswarm.workers.queries.listing import Filters, list_evaluations
+from geoswarm.workers.queries.selection import spaced
+from geoswarm.workers.queries.views import attempt_views, evaluation_view, event_view, generation_view
+from geoswarm.workers.store import Store
+
+__all__ = ["JobRecords", "clip"]
+
+STREAM_ROWS = 1000
+LARGEST_PAGE = 10_000
+PAGE_VALUES = 400_000
+"""The most calculated values with their x, of all evaluations of a page together: some 8 MB of JSON."""
+
+
+def clip(limit: int) -> int:
+    """Return the number of items that a page of ``limit`` has."""
+    return max(1, min(limit, LARGEST_PAGE))
+
+
+def rows_with_responses(limit: int, grids: Mapping[str, Sequence[float]]) -> int:
+    """Return how many evaluations with responses over these grids are read at once: at most ``limit``, at least one."""
+    values = 2 * sum(map(len, grids.values()))
+    return max(1, min(limit, PAGE_VALUES // max(values, 1)))
+
+
+class JobRecords(ABC):
+    """Reads what jobs have found; who may see a job is decided where its row and its frame are read."""
+
+    store: Store
+
+    @abstractmethod
+    def _row(self, connection: Connection, job_id: str) -> Any:
+        """Return the row of a job that may be seen."""
+
+    @abstractmethod
+    def _frame(self, connection: Connection, job_id: str) -> tuple[list[str], dict[str, list[float]]]:
+        """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
+
+    def attempts(self, job_id: str, generation: int, particle: int) -> list[Attempt]:
+        """Return the tries at one evaluation, the one under way or counted last; empty: there is no such evaluation."""
+
+        def work(connection: Connection) -> list[Attempt]:
+            self._row(connection, job_id)
+            return attempt_views(
+                get_evaluation(connection, job_id, generation, particle),
+                list_attempts(connection, job_id, generation, particle),
+            )
+
+        return self.store.read(work)
+
+    def best(self, job_id: str) -> Evaluation | None:
+        """Return the best evaluation so far with its responses; None while none has succeeded."""
+
+        def work(connection: Connection) -> Evaluation | None:
+            job = self._row(connection, job_id)
+            if job.best_generation is None:
+                return None
+            row = get_evaluation(connection, job_id, job.best_generation, job.best_particle)
+            names, grids = self._frame(connection, job_id)
+            return evaluation_view(row, names, grids)
+
+        return self.store.read(work)
+
+    def evaluation(self, job_id: str, generation: int, particle: int) -> Evaluation:
+        """Return one evaluation with its responses.
+
+        Raises
+        ------
+        EvaluationNotFoundError
+        """
+
+        def work(connection: Connection) -> Evaluation:
+            names, grids = self._frame(connection, job_id)
+            row = get_evaluation(connection, job_id, generation, particle)
+            if row is None:
+                raise EvaluationNotFoundError(job_id, generation, particle)
+            return evaluation_view(row, names, grids)
+
+        return self.store.read(work)
+
+    def evaluations(
+        self,
+        job_id: str,
+        *,
+        generation: int | None = None,
+        state: str | None = None,
+        max_objective: float | None = None,
+        limit: int = 100,
+        cursor: str | None = None,
+        responses: bool = False,
+    ) -> Page[Evaluation]:
+        """Return evaluations ordered by (generation, particle); with long responses fewer than ``limit`` a page.
+
+        Raises
+        ------
+        InvalidCursorError
+        """
+        after = None if cursor is None else decode_cursor(cursor, int, int)
+        filters = Filters(generation, state, max_objective)
+
+        def work(connection: Connection) -> Page[Evaluation]:
+            names, grids = self._frame(connection, job_id)
+            most = rows_with_responses(clip(limit), grids) if responses else clip(limit)
+            rows = list_evaluations(connection, job_id, filters, after=after, limit=most + 1, responses=responses)
+            views = [evaluation_view(row, names, grids if responses else None) for row in rows[:most]]
+            last = views[-1] if len(rows) > most else None
+            following = None if last is None else encode_cursor(last.generation, last.particle)
+            return Page(items=views, next_cursor=following)
+
+        return self.store.read(work)
+
+    def iterate_evaluations(
+        self,
+        job_id: str,
+        *,
+        generation: int | None = None,
+        state: str | None = None,
+        max_objective: float | None = None,
+        responses: bool = False,
+    ) -> Iterator[Evaluation]:
+        """Stream evaluations ordered by (generation, particle), in short transactions and flat memory."""
+        names, grids = self.store.read(lambda connection: self._frame(connection, job_id))
+        filters = Filters(generation, state, max_objective)
+        most = rows_with_responses(STREAM_ROWS, grids) if responses else STREAM_ROWS
+
+        def stream() -> Iterator[Evaluation]:
+            after: tuple[int, int] | None = None
+            while True:
+                rows = self.store.read(
+                    partial(
+                        list_evaluations,
+                        job_id=job_id,
+                        filters=filters,
+                        after=after,
+                        limit=most,
+                        responses=responses,
+                    )
+                )
+                for row in rows:
+                    yield evaluation_view(row, names, grids if responses else None)
+                if len(rows) < most:
+                    return
+                after = (rows[-1].generation, rows[-1].particle)
+
+        return stream()
+
+    def generations(
+        self,
+        job_id: str,
+        *,
+        after: int = -1,
+        limit: int = 1000,
+        points: int | None = None,
+        diversity: bool = False,
+    ) -> list[Generation]:
+        """Return finished generations with a number above ``after``, in order.
+
+        With ``points`` at most so many of all, evenly spaced, the first and the last one included; ``diversity`` reads
+        all their runs.
+        """
+
+        def work(connection: Connection) -> list[Generation]:
+            total = self._row(connection, job_id).generations
+            numbers = None if points is None or total <= points else spaced(total, points)
+            rows = jobs.list_generations(connection, job_id, after=after, limit=clip(limit), numbers=numbers)
+            scattered = diversities(connection, job_id, rows[0].number, rows[-1].number) if diversity and rows else {}
+            return [generation_view(row, scattered.get(row.number)) for row in rows]
+
+        return self.store.read(work)
+
+    def events(self, job_id: str, *, after: int = 0, limit: int = 500) -> list[Event]:
+        """Return events with an id above ``after``, in order."""
+
+        def work(connection: Connection) -> list[Event]:
+            self._row(connection, job_id)
+            rows = jobs.list_events(connection, job_id, after=after, limit=clip(limit))
+            return [event_view(row) for row in rows]
+
+        return self.store.read(work)

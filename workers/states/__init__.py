@@ -1,0 +1,1 @@
+"""What jobs and evaluations are and become: pure functions, without a database."""

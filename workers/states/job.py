@@ -1,0 +1,305 @@
+"""The life of a job as a pure state machine: events in, new state and instructions out; no clock, no I/O.
+
+::
+
+    queued --JobStarted--> running --GenerationJoined (stop)--> finished | failed
+      |  ^                  |   ^
+      |  +---- Resume ------|---+---- paused
+      +------- Pause -------+          (queued again when it had not started)
+    queued, running, paused --CancelRequested--> cancelled
+    queued, running         --JobBroken--------> failed
+    finished, cancelled     --GoOnRequested----> running   (queued when it had not started)
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, TypeAlias, assert_never
+
+from geoswarm.records.states import OPEN_STATES, SERVED_STATES, JobState
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.runs.local import GenerationRecord, generation_record, no_success_message
+from geoswarm.solver.search import Runs
+from geoswarm.solver.stopping import StopCriterion
+from geoswarm.workers.errors import InvalidTransitionError
+
+__all__ = [
+    "CancelRequested",
+    "DispatchGeneration",
+    "FinishJob",
+    "GenerationJoined",
+    "GoOnRequested",
+    "Instruction",
+    "Job",
+    "JobBroken",
+    "JobEvent",
+    "JobStarted",
+    "Joined",
+    "PauseRequested",
+    "PublishEvent",
+    "RecordGeneration",
+    "Request",
+    "ResumeRequested",
+    "RingDoorbell",
+    "Transition",
+    "apply",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What the machine knows of a job.
+
+    Parameters
+    ----------
+    progress
+        None before the start.
+    generations
+        Number of finished ones.
+    failures
+        Failed evaluations by reason, over finished generations.
+    first_message
+        Message of the first of them.
+    """
+
+    state: JobState = "queued"
+    progress: Progress | None = None
+    generations: int = 0
+    failures: Mapping[str, int] = field(default_factory=dict)
+    first_message: str | None = None
+    stop_reasons: tuple[str, ...] = ()
+    error: str | None = None
+
+    @property
+    def generation(self) -> int:
+        """Number of the generation under evaluation, -1 before the start."""
+        return -1 if self.progress is None else self.progress.generation
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Counted result of one particle: f, or None and the reason and message of its failure."""
+
+    objective: float | None
+    reason: str | None = None
+    message: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class JobStarted:
+    """A worker takes the job up; ``progress`` is :meth:`Calibration.start`, or why the search cannot start."""
+
+    progress: Progress | InfeasibleSpaceError
+
+
+@dataclass(frozen=True, slots=True)
+class GenerationJoined:
+    """Every particle of a generation has its counted result, here in particle order; ``seconds``: running time [s].
+
+    ``runs``: all evaluations so far, for a search that learns from them. ``criteria``: when to stop, where that was
+    changed since the job was submitted.
+    """
+
+    generation: int
+    results: Sequence[Joined]
+    seconds: float
+    runs: Runs | None = None
+    criteria: Sequence[StopCriterion] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CancelRequested:
+    """The user wants the job to end."""
+
+
+@dataclass(frozen=True, slots=True)
+class PauseRequested:
+    """The user wants the job to wait."""
+
+
+@dataclass(frozen=True, slots=True)
+class ResumeRequested:
+    """The user wants a waiting job to go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoOnRequested:
+    """The user wants a job that has ended to go on where it was; that it has somewhere to go was seen to before."""
+
+
+@dataclass(frozen=True, slots=True)
+class JobBroken:
+    """The job cannot be worked on: its forward model is not installed here, or the search itself failed."""
+
+    message: str
+
+
+Request: TypeAlias = CancelRequested | PauseRequested | ResumeRequested | GoOnRequested
+JobEvent: TypeAlias = JobStarted | GenerationJoined | Request | JobBroken
+
+
+@dataclass(frozen=True, slots=True)
+class DispatchGeneration:
+    """Make the evaluations of a generation claimable; ``positions`` has shape (n, d)."""
+
+    generation: int
+    positions: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class RecordGeneration:
+    """Store the summary of a finished generation."""
+
+    record: GenerationRecord
+
+
+@dataclass(frozen=True, slots=True)
+class PublishEvent:
+    """Tell who watches."""
+
+    kind: Literal["state", "generation"]
+    data: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class FinishJob:
+    """The job has ended: stop its clock."""
+
+
+@dataclass(frozen=True, slots=True)
+class RingDoorbell:
+    """There is work; after the commit, as the message must not overtake the rows."""
+
+
+Instruction: TypeAlias = DispatchGeneration | RecordGeneration | PublishEvent | FinishJob | RingDoorbell
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """New state and what is to be done; nothing to be done: the event was a duplicate or came too late."""
+
+    job: Job
+    instructions: tuple[Instruction, ...] = ()
+
+
+def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> Transition:
+    """Apply one event; pure.
+
+    Parameters
+    ----------
+    calibration
+        Needed for :class:`GenerationJoined` only.
+
+    Raises
+    ------
+    InvalidTransitionError
+        When a user's request does not fit the state.
+    """
+    match event:
+        case JobStarted(progress):
+            return _start(job, progress)
+        case GenerationJoined():
+            return _join(job, event, calibration)
+        case CancelRequested():
+            if job.state == "cancelled":
+                return Transition(job)
+            _require("cancel", job, *OPEN_STATES, "cancelled")
+            return _end(job, "cancelled")
+        case PauseRequested():
+            _require("pause", job, *SERVED_STATES)
+            return _move(replace(job, state="paused"))
+        case ResumeRequested():
+            _require("resume", job, "paused")
+            state: JobState = "queued" if job.progress is None else "running"
+            return _move(replace(job, state=state), RingDoorbell())
+        case GoOnRequested():
+            _require("go on with", job, "finished", "cancelled")
+            return _go_on(job)
+        case JobBroken(message):
+            if job.state not in SERVED_STATES:
+                return Transition(job)
+            return _end(replace(job, error=message), "failed")
+        case _:
+            assert_never(event)
+
+
+def _start(job: Job, progress: Progress | InfeasibleSpaceError) -> Transition:
+    if job.state != "queued":
+        return Transition(job)
+    if isinstance(progress, InfeasibleSpaceError):
+        return _end(replace(job, error=str(progress)), "failed")
+    started = replace(job, state="running", progress=progress)
+    return _move(started, DispatchGeneration(progress.generation, progress.positions), RingDoorbell())
+
+
+def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) -> Transition:
+    progress = job.progress
+    if job.state != "running" or progress is None or event.generation != progress.generation:
+        return Transition(job)
+    if calibration is None or len(event.results) != len(progress.positions):
+        raise ValueError(
+            f"generation {event.generation} joins {len(event.results)} results of {len(progress.positions)} particles"
+            f" ({'with' if calibration else 'without'} a calibration)"
+        )
+    objectives = [result.objective for result in event.results]
+    step = calibration.advance(progress, objectives, event.seconds, event.runs, event.criteria)
+    record = generation_record(calibration.problem, progress.generation, objectives, step.progress)
+    reasons = Counter(result.reason for result in event.results if result.reason is not None)
+    messages = (result.message for result in event.results if result.reason is not None)
+    after = replace(
+        job,
+        progress=step.progress,
+        generations=job.generations + 1,
+        failures=dict(Counter(job.failures) + reasons),
+        first_message=job.first_message or next(messages, None),
+        stop_reasons=step.stop_reasons,
+    )
+    done = (RecordGeneration(record), PublishEvent("generation", _generation_data(record)))
+    if not step.stop_reasons:
+        dispatch = DispatchGeneration(step.progress.generation, step.progress.positions)
+        return Transition(after, (*done, dispatch, RingDoorbell()))
+    if step.progress.best is None:
+        error = no_success_message(Counter(after.failures), after.first_message)
+        ended = _end(replace(after, error=error), "failed")
+    else:
+        ended = _end(after, "finished")
+    return Transition(ended.job, (*done, *ended.instructions))
+
+
+def _go_on(job: Job) -> Transition:
+    """Ended by a criterion, the next generation is known but was never begun; cancelled, it is there already."""
+    if job.progress is None:
+        return _move(replace(job, state="queued"), RingDoorbell())
+    after = replace(job, state="running", stop_reasons=(), error=None)
+    if job.state == "cancelled":
+        return _move(after, RingDoorbell())
+    return _move(after, DispatchGeneration(job.progress.generation, job.progress.positions), RingDoorbell())
+
+
+def _end(job: Job, state: JobState) -> Transition:
+    return _move(replace(job, state=state), FinishJob())
+
+
+def _move(job: Job, *instructions: Instruction) -> Transition:
+    data = {"state": job.state, "stop_reasons": list(job.stop_reasons), "error": job.error}
+    return Transition(job, (PublishEvent("state", data), *instructions))
+
+
+def _require(action: str, job: Job, *accepted: JobState) -> None:
+    if job.state not in accepted:
+        raise InvalidTransitionError(action, job.state, accepted)
+
+
+def _generation_data(record: GenerationRecord) -> dict[str, Any]:
+    return {
+        "number": record.number,
+        "evaluations": record.evaluations,
+        "failed": record.failed,
+        "best_objective": record.best_objective,
+        "objective": record.objective,
+        "parameters": record.parameters,
+    }
