@@ -33,7 +33,7 @@ $(WARM): $(INSTALLED) $(KERNELS)
 	@$(BIN)/python -m geoswarm.solver.warm
 	touch $@
 
-servers:
+servers:  ## install the PostgreSQL and Redis that tests and benchmarks start for themselves
 	@scripts/install_servers.sh
 
 demo: setup  ## calibrate the published oedometer test in the embedded service (needs no server)
@@ -64,7 +64,7 @@ lock: $(INSTALLED)  ## renew requirements/: the newest versions that pyproject.t
 	$(MAKE) $(INSTALLED)  # the licences are read from what is installed
 	$(BIN)/python scripts/list_licences.py
 
-bench: setup  ## measure the speed of forward calculations and of the engine
+bench: setup servers  ## measure the speed of forward calculations and of the engine
 	@for program in benchmarks/[a-z]*.py; do echo "== $$program"; $(BIN)/python "$$program"; done
 
 clean:  ## remove .venv, caches and build output

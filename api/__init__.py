@@ -5,14 +5,13 @@
 ``settings``    API key, allowed hosts, limits
 ``server``      :func:`serve`: uvicorn on a port that is checked first, with a quick, graceful stop
 ``errors``      what goes wrong, as RFC 9457 problem details
-``gate``        API key, session, host and origin checks
-``assets``      static files and Plotly, compressed, kept by browsers
-``headers``     security headers of every answer
-``bodies``      reads a problem document from a request: size limit, media type, duplicate keys
-``feed``        one poller a watched job, many listeners: the source of the event streams
+``access``      the door: keys, sessions, hosts, origins; limits of size, number and time
+``heavy``       processes that read, build and report, with limits of their own
+``events``      one poller a watched job, many listeners: the source of the event streams
 ``schemas``     the models of every response
 ``routes``      one module a resource
 ``pages``       the dashboard: one module a page; its scripts use the routes
+``assets``      static files and Plotly, compressed, kept by browsers
 ==============  ===============================================================================
 """
 

@@ -2,16 +2,20 @@
 
 ==================  ==========================================================================
 ``problem``         what a user asks for: models of the problem file, reading, units
+``plausibility``    what in a problem is probably not meant
 ``forward``         forward models behind one protocol, found through entry points
 ``laws``            soil laws behind one binary interface
 ``constitutive``    their kernels: stress, tangent, new state
 ``element_test``    one material point under mixed stress and strain control
+``fem``             finite elements in the plane: meshes, phases, strength, creep
+``expressions``     formulas that users write
 ``objective``       misfits f'_g and objective f of the responses
-``search``          ask / tell / snapshot: particle swarm, Monte Carlo sampling
+``methods``         the methods of a problem file: one module each, found through entry points
+``search``          ask / tell / snapshot: particle swarm, differential evolution, Monte Carlo sampling
 ``stopping``        stop criteria
-``follow_up``       from the method of a follow-up (sensitivities, profiles, designs) to its search
 ``calibration``     assembles a problem into what a search and an evaluation need
-``local``           the in-process loop, the reference for the distributed engine
+``runner``          forward calculations in processes that can be killed
+``runs``            the in-process loop, the reference for the distributed engine; a try before
 ``identifiability`` what the data can tell: verdicts, uncertainty
 ``report``          figures, tables and reports
 ``words``           numbers, durations and states as a reader sees them

@@ -66,7 +66,7 @@ class MissingServerError(ServerError):
     def __init__(self, program: str) -> None:
         super().__init__(
             f"the program {program!r} was not found; the tests start real servers from Debian's packages: "
-            f"run `make setup`, or `sudo apt-get install --no-install-recommends {PACKAGES}`"
+            f"run `make servers`, or `sudo apt-get install --no-install-recommends {PACKAGES}`"
         )
 
 

@@ -1,4 +1,17 @@
-"""The distributed engine: store, coordinator, worker processes and the service that the API sees."""
+"""The distributed engine: store, coordinator, worker processes and the service that the API sees.
+
+===============  ======================================================================
+``states``       what jobs and evaluations are and become: pure functions
+``store``        the database: tables, migrations, connections
+``queries``      what is read from and written to its tables
+``access``       API keys, sign-ins, quotas
+``coordinator``  applies events to the store: claims, results, generations, endings
+``operations``   sweeps, retention, probes, measures
+``execution``    what a worker does with a claim
+``service``      what clients ask of jobs
+``hosts``        where workers live: embedded, or in Celery's processes
+===============  ======================================================================
+"""
 
 from __future__ import annotations
 

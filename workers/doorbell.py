@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-if TYPE_CHECKING:
-    from geoswarm.workers.settings import Settings
-
-__all__ = ["Doorbell", "MuteDoorbell", "remote_doorbell"]
+__all__ = ["Doorbell", "MuteDoorbell"]
 
 
 class Doorbell(Protocol):
@@ -35,12 +32,3 @@ class MuteDoorbell:
 
     def close(self) -> None:
         """Do nothing."""
-
-
-def remote_doorbell(settings: Settings) -> Doorbell:
-    """Return the doorbell of a process that runs no workers: that of the broker, or a mute one without a broker."""
-    if settings.broker_url is None:
-        return MuteDoorbell()
-    from geoswarm.workers.hosts.celery_app import CeleryDoorbell
-
-    return CeleryDoorbell(settings)

@@ -17,7 +17,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from geoswarm.api.heavy.process import PRINCIPAL_HEADER, ROUTE_HEADER
 from geoswarm.solver.runner.processes import go_first_without_memory
 from geoswarm.workers.access.principal import Principal
-from geoswarm.workers.doorbell import remote_doorbell
+from geoswarm.workers.hosts.alone import remote_doorbell
 from geoswarm.workers.hosts.embedded import PipeDoorbell
 from geoswarm.workers.logs import start_logging
 from geoswarm.workers.service.job_service import JobService

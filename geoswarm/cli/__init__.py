@@ -2,10 +2,11 @@
 
 ==============  =========================================================================
 ``commands``    the table of commands; each is imported only when it is called
-``failures``    every error becomes one clear message and an exit code
+``start``       commands to begin with: starters, examples, the demonstration
+``local``       commands that calculate here
+``service``     commands for the jobs of a service
+``words``       tables, notes and errors: every error is one clear message and an exit code
 ``options``     options and arguments that several commands share
-``output``      numbers, tables and JSON as the user reads them
-``check`` ...   one module a group of commands
 ==============  =========================================================================
 
 Exit codes: 0 ok, 1 a run failed, 2 bad input (also: a service, database or broker that cannot be reached, a port in

@@ -18,7 +18,8 @@ __all__ = ["COMMANDS", "CommandEntry", "LazyGroup", "cli"]
 class CommandEntry:
     """Where a command lives and how ``geoswarm --help`` lists it.
 
-    ``module`` holds a click command called ``<name>_command``; ``help`` is the first sentence of its help.
+    ``module``, below :mod:`geoswarm.cli`, holds a click command called ``<name>_command``; ``help`` is the first
+    sentence of its help.
     """
 
     module: str
@@ -31,80 +32,64 @@ _RESULTS = "What a job, or a run in a folder, tells"
 _OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
-    "init": CommandEntry("geoswarm.cli.start.init", _PROBLEM, "Write a commented problem to begin with, and its data."),
+    "init": CommandEntry("start.init", _PROBLEM, "Write a commented problem to begin with, and its data."),
     "inline": CommandEntry(
-        "geoswarm.cli.start.init",
+        "start.init",
         _PROBLEM,
         "Write a problem as JSON with its data inside, as the body of POST /api/v1/jobs.",
     ),
-    "check": CommandEntry(
-        "geoswarm.cli.local.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."
-    ),
-    "evaluate": CommandEntry(
-        "geoswarm.cli.local.evaluate", _PROBLEM, "Run one forward calculation with given parameters."
-    ),
-    "run": CommandEntry("geoswarm.cli.local.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
-    "paper": CommandEntry(
-        "geoswarm.cli.start.paper", _PROBLEM, "Run the published studies again and compare every number."
-    ),
-    "examples": CommandEntry(
-        "geoswarm.cli.start.examples", _PROBLEM, "List the examples that are installed, or write one out."
-    ),
-    "demo": CommandEntry(
-        "geoswarm.cli.start.demo", _SERVICE, "Start a service and calibrate the published oedometer test."
-    ),
-    "serve": CommandEntry(
-        "geoswarm.cli.serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."
-    ),
-    "worker": CommandEntry("geoswarm.cli.serve", _SERVICE, "Run forward calculations for a service with a broker."),
-    "sweep": CommandEntry("geoswarm.cli.serve", _SERVICE, "Look after jobs: re-dispatch what is overdue."),
-    "submit": CommandEntry("geoswarm.cli.service.submit", _JOBS, "Submit a problem as a job."),
-    "watch": CommandEntry("geoswarm.cli.service.submit", _JOBS, "Follow a job until it ends."),
-    "list": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "List jobs, newest first."),
-    "show": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Show a job with its best parameters."),
-    "cancel": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
-    "pause": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Pause a job."),
-    "resume": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "Resume a paused job."),
-    "export": CommandEntry(
-        "geoswarm.cli.service.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."
-    ),
-    "retry-failed": CommandEntry("geoswarm.cli.service.failures", _JOBS, "Run the failed evaluations of a job again."),
-    "workers": CommandEntry("geoswarm.cli.service.jobs", _JOBS, "List the workers of a service."),
-    "report": CommandEntry(
-        "geoswarm.cli.local.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."
-    ),
+    "check": CommandEntry("local.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
+    "evaluate": CommandEntry("local.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
+    "run": CommandEntry("local.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
+    "paper": CommandEntry("start.paper", _PROBLEM, "Run the published studies again and compare every number."),
+    "examples": CommandEntry("start.examples", _PROBLEM, "List the examples that are installed, or write one out."),
+    "demo": CommandEntry("start.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
+    "serve": CommandEntry("serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."),
+    "worker": CommandEntry("serve", _SERVICE, "Run forward calculations for a service with a broker."),
+    "sweep": CommandEntry("serve", _SERVICE, "Look after jobs: re-dispatch what is overdue."),
+    "submit": CommandEntry("service.submit", _JOBS, "Submit a problem as a job."),
+    "watch": CommandEntry("service.submit", _JOBS, "Follow a job until it ends."),
+    "list": CommandEntry("service.jobs", _JOBS, "List jobs, newest first."),
+    "show": CommandEntry("service.jobs", _JOBS, "Show a job with its best parameters."),
+    "cancel": CommandEntry("service.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
+    "pause": CommandEntry("service.jobs", _JOBS, "Pause a job."),
+    "resume": CommandEntry("service.jobs", _JOBS, "Resume a paused job."),
+    "export": CommandEntry("service.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
+    "retry-failed": CommandEntry("service.failures", _JOBS, "Run the failed evaluations of a job again."),
+    "workers": CommandEntry("service.jobs", _JOBS, "List the workers of a service."),
+    "report": CommandEntry("local.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."),
     "statistics": CommandEntry(
-        "geoswarm.cli.local.statistics",
+        "local.statistics",
         _RESULTS,
         "Tell what the data say about each parameter, from stored evaluations; no forward run.",
     ),
     "sensitivity": CommandEntry(
-        "geoswarm.cli.local.follow_ups",
+        "local.follow_ups",
         _RESULTS,
         "Evaluate the sensitivities at the optimum: standard errors, intervals, open combinations.",
     ),
     "profile": CommandEntry(
-        "geoswarm.cli.local.follow_ups",
+        "local.follow_ups",
         _RESULTS,
         "Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.",
     ),
     "influence": CommandEntry(
-        "geoswarm.cli.local.follow_ups",
+        "local.follow_ups",
         _RESULTS,
         "Evaluate how much each parameter matters over the whole search range (Sobol, Morris).",
     ),
     "posterior": CommandEntry(
-        "geoswarm.cli.local.findings",
+        "local.findings",
         _RESULTS,
         "Sample the posterior of the parameters from stored evaluations; no forward run.",
     ),
     "reweight": CommandEntry(
-        "geoswarm.cli.local.reweight",
+        "local.reweight",
         _RESULTS,
         "Calculate the objectives that stored responses have under other weights; no forward run.",
     ),
-    "keys": CommandEntry("geoswarm.cli.service.keys", _OPERATION, "Create, list and revoke API keys."),
-    "prune": CommandEntry("geoswarm.cli.service.prune", _OPERATION, "Delete old jobs for good."),
+    "keys": CommandEntry("service.keys", _OPERATION, "Create, list and revoke API keys."),
+    "prune": CommandEntry("service.prune", _OPERATION, "Delete old jobs for good."),
 }
 
 
@@ -120,7 +105,9 @@ class LazyGroup(click.Group):
         entry = COMMANDS.get(cmd_name)
         if entry is None:
             return None
-        command: click.Command = getattr(import_module(entry.module), f"{cmd_name.replace('-', '_')}_command")
+        command: click.Command = getattr(
+            import_module(f"geoswarm.cli.{entry.module}"), f"{cmd_name.replace('-', '_')}_command"
+        )
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's

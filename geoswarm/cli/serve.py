@@ -280,7 +280,7 @@ def sweep_command(database: str | None, broker: str | None, log_level: str, log_
 
     Every service and worker does this, too. A sweep of its own keeps jobs going while no service runs.
     """
-    from geoswarm.workers.operations.sweep import run_sweep
+    from geoswarm.workers.hosts.alone import run_sweep
     from geoswarm.workers.settings import Settings
 
     settings = Settings.from_environment(database_url=database, broker_url=broker)

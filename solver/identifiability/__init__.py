@@ -1,27 +1,13 @@
 """What the data can tell: statistics on stored evaluations, and uncertainty at the optimum.
 
-======================  ====================================================================
-``samples``             evaluations as arrays
-``filtering``           threshold of good fits, given or proposed
-``correlations``        Pearson and Spearman with confidence intervals
-``projections``         the objective over each parameter, and what its shape tells
-``verdicts``            identified, bounded on one side, in combination, not identified
-``proposals``           fix, link, widen, add a test; as changes of the problem file
-``study``               all of these in one go
-``differences``         sensitivities as one parallel generation
-``combinations``        combinations that the data leave open
-``sensitivity``         standard errors and intervals at the optimum
-``surface``             response surface over stored evaluations, checked by hold-out
-``stored``              sensitivities from stored evaluations
-``noise``               known, or estimated from the residuals
-``residuals``           runs test, Durbin-Watson, repeats
-``weighting``           schemes, shares, re-weighting of stored responses
-``polish``              Levenberg-Marquardt from an optimum
-``profiles``            profile objectives and their intervals
-``posterior``           posterior sample through a checked response surface
-``global_sensitivity``  Sobol and Morris indices (extra ``statistics``)
-``follow_ups``          the jobs that evaluate sensitivities, profiles and designs, and what they tell
-======================  ====================================================================
+==============  ============================================================================
+``samples``     evaluations as arrays
+``noise``       known, or estimated from the residuals
+``weighting``   schemes, shares, re-weighting of stored responses
+``residuals``   whether the model describes the data: tests of what it leaves over
+``optimum``     uncertainty at the optimum: standard errors, intervals, profiles, basins
+``stored``      verdicts, correlations, proposals and posterior from stored evaluations
+==============  ============================================================================
 """
 
 from __future__ import annotations

@@ -1,19 +1,16 @@
 """Search methods: ask for a generation, tell its objectives, take a snapshot. They never call an objective.
 
-===================  =====================================================================
-``space``            bounds, search coordinates, feasibility
-``randomness``       random numbers that depend on (seed, generation, particle) alone
-``particle_swarm``   the synchronous particle swarm of the published study
-``acceleration``     proposals learned from all runs so far
-``diversity``        how widely a generation is scattered
-``monte_carlo``      random, Latin hypercube and Sobol sampling
-``follow_ups``       sensitivities, profiles and designs of global sensitivity
-``differences``      where to evaluate for derivatives
-``descent``          Levenberg-Marquardt, one generation an iteration
-``chains``           one side of a profile
-``bounded``          linear least squares inside bounds
-``bounded``          linear least squares inside bounds
-===================  =====================================================================
+==========================  =====================================================================
+``space``                   bounds, search coordinates, feasibility
+``randomness``              random numbers that depend on (seed, generation, particle) alone
+``particle_swarm``          the synchronous particle swarm of the published study
+``differential_evolution``  the synchronous one of Storn and Price
+``acceleration``            proposals learned from all runs so far
+``diversity``               how widely a generation is scattered
+``monte_carlo``             random, Latin hypercube and Sobol sampling
+``descent``                 the way down to a minimum, and what its surroundings are told by
+``bounded``                 linear least squares inside bounds
+==========================  =====================================================================
 """
 
 from __future__ import annotations

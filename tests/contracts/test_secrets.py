@@ -32,7 +32,7 @@ def test_nothing_is_unpickled_or_evaluated() -> None:
         for match in UNPICKLING.finditer(path.read_text(encoding="utf-8"))
     ]
     assert found == []
-    reader = (ROOT / "solver" / "problem" / "yaml_nodes.py").read_text(encoding="utf-8")
+    reader = (ROOT / "solver" / "problem" / "text" / "yaml_nodes.py").read_text(encoding="utf-8")
     assert 'YAML(typ="safe"' in reader
 
 

@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from geoswarm.solver.identifiability import analyse
-from geoswarm.solver.identifiability.stored.study import SWARM_BIAS
+from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.queries import jobs, selection
 from geoswarm.workers.service.job_service import JobService
@@ -77,7 +77,7 @@ def test_statistics_say_what_they_rest_on(
     found = analyse(calibration(problem), stored.samples)
     rule = "spread evenly" if sampled else "half with the lowest objectives, half spread evenly"
     assert f"{stored.samples.size} of its 200 successful evaluations were read, {rule}" in found.warnings[0]
-    assert (SWARM_BIAS in found.warnings) is not sampled
+    assert (ParticleSwarmMethod.bias in found.warnings) is not sampled
     assert found.to_json()["samples"]["left_out"] == stored.samples.left_out
 
 

@@ -119,7 +119,8 @@ def test_the_sweep_process_frees_what_a_dead_worker_held_and_stops_on_request(
     store.write(lambda c: register_worker(c, identity))
     claim_one(worker, job_id)
     program = (
-        "import sys; from geoswarm.workers.settings import Settings; from geoswarm.workers.operations.sweep import run_sweep;"
+        "import sys; from geoswarm.workers.settings import Settings;"
+        "from geoswarm.workers.hosts.alone import run_sweep;"
         "run_sweep(Settings.model_validate_json(sys.argv[1]))"
     )
     process = subprocess.Popen([sys.executable, "-c", program, settings.model_dump_json()], stderr=subprocess.DEVNULL)

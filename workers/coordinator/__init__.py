@@ -1,1 +1,1 @@
-"""The coordinator: pure state machines, and the runtime that applies them to the store."""
+"""The coordinator: the runtime that applies what the pure states decide to the store."""

@@ -1,4 +1,4 @@
-"""``python -m geoswarm.workers.hosts.healthcheck [--worker]``: for supervisors of containers; exit code 0: well, 1: not.
+"""``python -m geoswarm.workers.hosts.healthcheck [--worker]``, for supervisors of containers: exit code 0 or 1.
 
 Database and broker must answer; with ``--worker`` also a worker process of this machine must have been heard of within
 its lease.

@@ -11,7 +11,7 @@ from types import FrameType
 from sqlalchemy import Connection
 
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.doorbell import Doorbell, remote_doorbell
+from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import is_dead
 from geoswarm.workers.operations.tally import tally
@@ -26,12 +26,10 @@ from geoswarm.workers.queries.workers import (
     mark_lost,
     overdue_workers,
 )
-from geoswarm.workers.settings import Settings
-from geoswarm.workers.store import Store
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.journal import empty_journal
 
-__all__ = ["Sweeper", "run_sweep", "with_signals"]
+__all__ = ["Sweeper", "with_signals"]
 
 log = logging.getLogger(__name__)
 
@@ -104,9 +102,13 @@ class Sweeper:
             else:
                 wait = self.runtime.settings.sweep_seconds
 
+    def end(self) -> None:
+        """Let :meth:`run` end soon."""
+        self._stop.set()
+
     def stop(self) -> None:
         """End the thread."""
-        self._stop.set()
+        self.end()
         if self._thread is not None:
             self._thread.join()
             self._thread = None
@@ -136,25 +138,6 @@ class Sweeper:
             store.write(lambda c: mark_rung(c, [row.id for row in rows]))
             for row in rows:
                 self.doorbell.ring(row.id, kind=row.forward_model)
-
-
-def run_sweep(settings: Settings) -> None:
-    """Sweep until SIGINT or SIGTERM: the process behind ``geoswarm sweep``.
-
-    Raises
-    ------
-    StoreUnavailableError
-        When the database cannot be reached at the start.
-    """
-    store = Store(settings)
-    doorbell = remote_doorbell(settings)
-    sweeper = Sweeper(Runtime(store, settings), doorbell)
-    with_signals(sweeper._stop.set)
-    try:
-        sweeper.run()
-    finally:
-        doorbell.close()
-        store.close()
 
 
 def with_signals(stop: Callable[[], None]) -> None:

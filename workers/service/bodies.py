@@ -99,7 +99,7 @@ class Fields:
 
 
 class BodyService:
-    """Shows bodies of jobs; see :class:`geoswarm.workers.service.statistics.StatisticsService` for ``find`` and ``cache``."""
+    """Shows bodies of jobs; ``find`` and ``cache`` are those of :class:`.statistics.StatisticsService`."""
 
     def __init__(self, store: Store, find: FindRow, cache: Cache, trials: Sandbox) -> None:
         self._store = store

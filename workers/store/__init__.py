@@ -1,4 +1,4 @@
-"""The store: tables, migrations, and the queries on them."""
+"""The store: connections, tables, migrations. What is asked of the tables is in ``queries``."""
 
 from __future__ import annotations
 

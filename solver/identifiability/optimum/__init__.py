@@ -1,1 +1,13 @@
-"""Uncertainty at the optimum: standard errors, intervals, profiles, other basins."""
+"""Uncertainty at the optimum: standard errors, intervals, profiles, other basins.
+
+=================  ===============================================================
+``sensitivity``    standard errors and intervals
+``linearisation``  what they are calculated from
+``differences``    sensitivities as one parallel generation
+``combinations``   combinations that the data leave open
+``profiles``       profile objectives and their intervals
+``bending``        intervals where the model bends
+``polish``         Levenberg-Marquardt from an optimum
+``basins``         stored runs that fit as well elsewhere
+=================  ===============================================================
+"""

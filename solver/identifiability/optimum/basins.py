@@ -15,6 +15,7 @@ from scipy.special import fdtri
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.noise import Noise, noise_objective
+from geoswarm.solver.identifiability.optimum.differences import count_points
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.samples import Samples
 
@@ -48,9 +49,8 @@ def equivalent_objective(calibration: Calibration, best: float, noise: Noise | N
         When it is known.
     """
     observed = calibration.objective.observed
-    points = sum(int((o.point_weights > 0).sum()) for o in observed if o.weight > 0)
     dimension = calibration.space.dimension
-    free = points - dimension
+    free = count_points(calibration) - dimension
     factor = 1.0 + dimension / free * float(fdtri(dimension, free, _LEVEL)) if free > 0 else 2.0
     floor = _REPRODUCED * sum(o.weight * float((o.point_weights * o.y**2).mean()) for o in observed)
     known = 0.0 if noise is None else noise_objective(calibration.problem, noise)

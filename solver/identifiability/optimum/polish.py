@@ -51,7 +51,7 @@ def polish(calibration: Calibration, start: FloatArray, *, step: float = 1e-5, m
     """Minimise the objective from ``start`` by bounded least squares.
 
     The trust-region reflective form of Levenberg-Marquardt (Branch, Coleman and Li 1999; ``scipy.optimize``) on
-    sqrt(w_g w_h / m_g) (y_calc - y_meas), whose squares sum up to f, in parts of the range in search coordinates, with
+    the weighted residuals, whose squares sum up to f, in parts of the range in search coordinates, with
     central differences. Runs in sequence, in this process.
 
     Parameters
@@ -75,7 +75,7 @@ def polish(calibration: Calibration, start: FloatArray, *, step: float = 1e-5, m
     first = calibration.evaluate(np.asarray(start, dtype=np.float64))
     if first.objective is None:
         raise StatisticsError(f"the start of polishing fails ({first.reason}): {first.message}")
-    begin = _residuals(calibration, first)
+    begin = calibration.objective.weighted_residuals(first.responses)
     failed = np.full_like(begin, _FAILED * max(float(np.abs(begin).max()), 1e-300))
     count = 1
 
@@ -89,7 +89,9 @@ def polish(calibration: Calibration, start: FloatArray, *, step: float = 1e-5, m
             return failed
         count += 1
         evaluation = calibration.evaluate(point)
-        return failed if evaluation.objective is None else _residuals(calibration, evaluation)
+        if evaluation.objective is None:
+            return failed
+        return calibration.objective.weighted_residuals(evaluation.responses)
 
     dimension = space.dimension
     inside = np.clip((space.to_search(first.parameters) - low) / span, 0.0, 1.0)
@@ -120,14 +122,4 @@ def polish(calibration: Calibration, start: FloatArray, *, step: float = 1e-5, m
         evaluations=count + 1,
         converged=bool(found.status > 0),
         at_bounds=tuple(n for n, end in zip(calibration.free_names, ends, strict=True) if end),
-    )
-
-
-def _residuals(calibration: Calibration, evaluation: Evaluation) -> FloatArray:
-    """Weighted residuals of all series, shape (n,); their squares sum up to f."""
-    return np.concatenate(
-        [
-            np.sqrt(o.weight * o.point_weights / o.y.size) * (evaluation.responses[o.series] - o.y)
-            for o in calibration.objective.observed
-        ]
     )

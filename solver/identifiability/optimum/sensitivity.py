@@ -6,10 +6,9 @@ and S the diagonal of their noise variances, the estimate that minimises the obj
     C = (J' W J)^-1  J' W S W J  (J' W J)^-1                         (Seber and Wild 2003, section 2.8)
 
 which is the usual s^2 (J' J)^-1 for one series. Standard errors and covariance are these; intervals are wider where the
-residuals show that the noise is not independent and even (:mod:`geoswarm.solver.identifiability.residuals.dependence`), and
-follow the likelihood where the model bends (:mod:`geoswarm.solver.identifiability.optimum.bending`). Parameters are taken in
-parts of their range in search coordinates, so that singular values compare what a move through the whole searched range
-would change.
+residuals show that the noise is not independent and even (``residuals.dependence``), and follow the likelihood where
+the model bends (``bending``). Parameters are taken in parts of their range in search coordinates, so that singular
+values compare what a move through the whole searched range would change.
 """
 
 from __future__ import annotations

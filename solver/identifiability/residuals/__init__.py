@@ -1,1 +1,9 @@
-"""Whether the model describes the data: tests of what it leaves over."""
+"""Whether the model describes the data: tests of what it leaves over.
+
+==================  ==========================================================
+``independence``    runs test, Durbin-Watson, repeats
+``residual_tests``  patterns in the residuals
+``lack_of_fit``     all tests as one, with a level of 5 %
+``dependence``      noise that is not independent and even
+==================  ==========================================================
+"""

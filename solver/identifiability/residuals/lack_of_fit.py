@@ -2,7 +2,7 @@
 
 Intervals and verdicts about parameters hold only for a model that describes the data up to independent noise of the
 stated size. Two things are tested at the optimum, with a level of 5 % over all series and stages: patterns in the
-residuals (:mod:`geoswarm.solver.identifiability.residuals.residual_tests`), with repeats the lack of fit against their scatter,
+residuals (:mod:`.residual_tests`), with repeats the lack of fit against their scatter,
 and the size of the residuals against a stated error. docs/statistics.md tells how often it is wrong.
 """
 

@@ -1,1 +1,16 @@
-"""Statistics of stored evaluations, and what follows from them."""
+"""Statistics of stored evaluations, and what follows from them.
+
+======================  =================================================================
+``study``               all of these in one go
+``filtering``           threshold of good fits, given or proposed
+``correlations``        Pearson and Spearman with confidence intervals
+``projections``         the objective over each parameter, and what its shape tells
+``verdicts``            identified, bounded on one side, in combination, not identified
+``proposals``           fix, link, widen, add a test; as changes of the problem file
+``surface``             response surface over stored evaluations, checked by hold-out
+``linearised``          sensitivities from stored evaluations
+``posterior``           posterior sample through a checked response surface
+``global_sensitivity``  Sobol and Morris indices (extra ``statistics``)
+``findings``            what the jobs of sensitivities, profiles and designs tell
+======================  =================================================================
+"""

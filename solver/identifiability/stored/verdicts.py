@@ -16,7 +16,7 @@ Rules, in this order (docs/statistics.md explains them):
    been calculated, and with fewer than ten good fits. ``not_identified``, too, where
    stored runs fit as well as the optimum outside the region that the linearisation allows.
 
-Before all of them stands the fit (:mod:`geoswarm.solver.identifiability.residuals.lack_of_fit`): where the model does not
+Before all of them stands the fit (``residuals.lack_of_fit``): where the model does not
 describe the data, or a stated error is not met, no parameter is called ``identified`` or ``bounded_on_one_side``.
 """
 
