@@ -164,12 +164,17 @@ def missing_kernels(spec: ForwardModelSpec) -> tuple[str, ...]:
     groups = [group for group in groups_of(spec) if group not in _ready]
     if not groups:
         return ()
+    if _plain_python():
+        return ()
+    folder = settle()
+    return tuple(group for group in groups if not _is_compiled(folder, group))
+
+
+def _plain_python() -> bool:
+    """Whether kernels are not to be compiled at all (NUMBA_DISABLE_JIT)."""
     from numba.core import config  # slow to import, and a formula needs no kernels
 
-    folder = settle()
-    if config.DISABLE_JIT:  # type: ignore[attr-defined]  # Numba sets its options by name
-        return ()
-    return tuple(group for group in groups if not _is_compiled(folder, group))
+    return bool(config.DISABLE_JIT)  # type: ignore[attr-defined]  # Numba sets its options by name
 
 
 def compile_kernels(problem: Problem, tell: Tell = lambda _compiled, _planned: None) -> float:
@@ -214,7 +219,9 @@ def note_compiled(group: str) -> None:
 
 
 def load_kernels() -> None:
-    """Load all groups of kernels that are in the cache folder."""
+    """Load all groups of kernels that are in the cache folder; as plain Python there is nothing to load."""
+    if _plain_python():
+        return
     folder = settle()
     for group in GROUPS:
         if _is_compiled(folder, group):

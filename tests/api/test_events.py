@@ -11,14 +11,14 @@ from typing import Any
 
 import httpx
 import pytest
-from geoswarm.api.event_text import MOST_GENERATIONS, BatchTexts, encode_event, thinned
-from geoswarm.api.feed import EventFeed
-from geoswarm.workers.engine import Engine
 
 from geoswarm.api import ApiSettings
+from geoswarm.api.events.event_text import MOST_GENERATIONS, BatchTexts, encode_event, thinned
+from geoswarm.api.events.feed import EventFeed
 from geoswarm.records.event import Event
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.service import JobService
+from geoswarm.workers.hosts.engine import Engine
+from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.store.event_bell import insert_events
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
 

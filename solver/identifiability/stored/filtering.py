@@ -67,9 +67,10 @@ class Filtered:
         wanted = self.threshold.wanted
         if wanted is None or self.threshold.value <= _THIN * wanted:
             return None
+        times = f", {self.threshold.value / wanted:.2g} times that" if wanted > 0.0 else ""  # 0: a perfect fit
         return (
             f"the sampling is too thin to judge: good fits lie below {wanted:.3g}, and to keep {self.kept} samples the "
-            f"threshold was raised to {self.threshold.value:.3g}, {self.threshold.value / wanted:.2g} times that"
+            f"threshold was raised to {self.threshold.value:.3g}{times}"
         )
 
     @property

@@ -35,7 +35,7 @@ def write(folder: Path, **changes: Any) -> str:
 
 def test_a_script_needs_no_main_guard_where_processes_are_watched(tmp_path: Path) -> None:
     write(tmp_path, stopping={"max_evaluations": 16})
-    at_once = "from geoswarm.solver import evaluators\nevaluators._START_SECONDS = 0.0\n"
+    at_once = "from geoswarm.solver.runs import evaluators\nevaluators._START_SECONDS = 0.0\n"
     (tmp_path / "script.py").write_text(at_once + SCRIPT, encoding="utf-8")
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, check=False)
     assert done.returncode == 0
@@ -43,7 +43,9 @@ def test_a_script_needs_no_main_guard_where_processes_are_watched(tmp_path: Path
 
 def test_a_script_without_a_main_guard_is_told_of_it_elsewhere(tmp_path: Path) -> None:
     write(tmp_path, stopping={"max_evaluations": 16})
-    elsewhere = "from geoswarm.solver import evaluators\nevaluators.WATCHED, evaluators._START_SECONDS = False, 0.0\n"
+    elsewhere = (
+        "from geoswarm.solver.runs import evaluators\nevaluators.WATCHED, evaluators._START_SECONDS = False, 0.0\n"
+    )
     (tmp_path / "script.py").write_text(elsewhere + SCRIPT, encoding="utf-8")
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     last = done.stderr.strip().splitlines()[-1]

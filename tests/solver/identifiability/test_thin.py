@@ -6,6 +6,7 @@ import numpy as np
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import analyse
+from geoswarm.solver.identifiability.stored.filtering import Filtered, Threshold
 from geoswarm.solver.identifiability.weighting import spread_weights
 from tests.solver.identifiability.cases import X, free, problem_of, sampled
 
@@ -34,3 +35,10 @@ def test_weights_follow_the_spread_of_the_residuals() -> None:
     weights = np.array(spread_weights(problem, {"y": 3.0 * X + 0.01 * signs * size})["y"])
     np.testing.assert_allclose(weights / weights[0], (size / size[0]) ** -2.0, rtol=1e-6)
     np.testing.assert_allclose(weights.mean(), 1.0, rtol=1e-12)
+
+
+def test_a_perfect_fit_that_is_thin_is_told_without_a_ratio() -> None:
+    _, samples = sampled("a * x", {"a": free()}, 3.0 * X, 20)
+    perfect = Filtered(samples, Threshold(0.5, "samples", "", wanted=0.0), 20)
+    assert perfect.thin is not None
+    assert perfect.thin.endswith("the threshold was raised to 0.5")
