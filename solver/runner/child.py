@@ -45,6 +45,7 @@ class _Child:
         self._connection = connection
         self._shared = shared
         self._pid = os.getpid()
+        self._socket = _identity(connection)
         self._calibration: Calibration | None = None
         self._why = "no problem was loaded"
         self._output = OwnOutput()
@@ -92,6 +93,8 @@ class _Child:
                 break
             outcomes.append(self._evaluate(position, began, head["fields"]))
             self._leave_if_forked()
+            if _identity(self._connection) != self._socket:
+                os._exit(0)  # while this run is known as the one under way: it has cut off this process
             left = self._traces.of_run()
             if left is not None:
                 break
@@ -131,6 +134,15 @@ class _Child:
         """End a copy of this process that a forward model has made by forking, in whatever language."""
         if os.getpid() != self._pid:
             os._exit(0)
+
+
+def _identity(connection: socket.socket) -> tuple[int, int] | None:
+    """Return what tells a socket from all other files; None: it is closed."""
+    try:
+        found = os.fstat(connection.fileno())
+    except (OSError, ValueError):  # no descriptor, or -1
+        return None
+    return found.st_dev, found.st_ino
 
 
 def _what_it_raised(error: BaseException) -> str:
