@@ -169,8 +169,8 @@ def evaluation(
 def attempts(
     job_id: JobId,
     service: Service,
-    generation: Annotated[int, Path(ge=0, le=2**31 - 1)],
-    particle: Annotated[int, Path(ge=0, le=2**31 - 1)],
+    generation: Annotated[int, Path(ge=0, le=MAX_GENERATION)],
+    particle: Annotated[int, Path(ge=0, le=MAX_GENERATION)],
 ) -> AttemptList:
     """Show every try at one evaluation: by whom, when, and how it ended."""
     return AttemptList(items=service.attempts(job_id, generation, particle))

@@ -41,6 +41,7 @@ def record(made: type[Made] | None = None, *, eq: bool = True, closed: bool = Fa
 
     def make(made: type[Made]) -> type[Made]:
         if closed:
+            # pydantic reads this of any class; it is set so that records need not import pydantic
             made.__pydantic_config__ = {"json_schema_extra": {"additionalProperties": False}}  # type: ignore[attr-defined]
         return dataclass(frozen=True, slots=True, kw_only=True, eq=eq)(made)
 

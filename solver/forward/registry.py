@@ -9,9 +9,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from functools import cache
-from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
 from typing import Annotated, Any, LiteralString
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, WithJsonSchema
@@ -19,7 +16,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from geoswarm.solver.errors import BrokenForwardModelError, SolverError, UnknownForwardModelError, in_words
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
-from geoswarm.solver.words import did_you_mean
+from geoswarm.solver.installed import Installed
 
 __all__ = [
     "BUILT_IN",
@@ -44,23 +41,24 @@ BUILT_IN = {
     "section": "geoswarm.solver.forward.cross_section:SectionSpec",
     "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",
 }
-"""Forward models of this package, as pyproject.toml declares them.
-
-They are repeated here so that a source tree works without being installed, and so that no other package can put itself
-in the place of one of them.
-"""
+"""Forward models of this package, as pyproject.toml declares them."""
 
 
-@cache
-def _installed() -> dict[str, EntryPoint]:
-    found = {entry.name: entry for entry in entry_points(group=GROUP)}
-    built_in = {kind: EntryPoint(kind, place, GROUP) for kind, place in BUILT_IN.items()}
-    return built_in | {kind: entry for kind, entry in sorted(found.items()) if kind not in built_in}
+_installed: Installed[type[ForwardModelSpec]] = Installed(
+    "forward model",
+    GROUP,
+    BUILT_IN,
+    lambda: ForwardModelSpec,
+    lambda found: found,
+    "unknown kind '{kind}'{hint}; known kinds: {known}",
+    UnknownForwardModelError,
+    BrokenForwardModelError,
+)
 
 
 def kinds() -> tuple[str, ...]:
     """Kinds of forward model that are installed, loaded or not, the built-in ones first."""
-    return tuple(_installed())
+    return _installed.kinds()
 
 
 def is_foreign(section: Any) -> bool:
@@ -104,31 +102,12 @@ def find_spec(kind: str) -> type[ForwardModelSpec]:
     BrokenForwardModelError
         The entry point cannot be imported or is no :class:`ForwardModelSpec`.
     """
-    entry = _installed().get(kind)
-    if entry is None:
-        known = ", ".join(kinds())
-        raise UnknownForwardModelError(f"unknown kind '{kind}'{did_you_mean(kind, kinds())}; known kinds: {known}")
-    return _load(entry)
-
-
-@cache
-def _load(entry: EntryPoint) -> type[ForwardModelSpec]:
-    source = f"forward model '{entry.name}' ({entry.value}) is installed but"
-    try:
-        found: Any = import_module(entry.module)
-        for attribute in entry.attr.split("."):
-            found = getattr(found, attribute)
-    except (ImportError, AttributeError, SyntaxError, ValueError, TypeError, NameError, OSError) as error:
-        raise BrokenForwardModelError(f"{source} cannot be loaded: {error}") from error
-    if not (isinstance(found, type) and issubclass(found, ForwardModelSpec)):
-        raise BrokenForwardModelError(f"{source} is not a subclass of geoswarm.solver.forward.base.ForwardModelSpec")
-    return found
+    return _installed.find(kind)
 
 
 def forget() -> None:
     """Look for installed forward models anew on the next use, for example after a package was installed."""
-    _installed.cache_clear()
-    _load.cache_clear()
+    _installed.forget()
 
 
 def parse_spec(section: Any) -> ForwardModelSpec:

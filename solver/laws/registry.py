@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import logging
-from functools import cache
-from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.words import did_you_mean
+from geoswarm.solver.installed import Installed
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
@@ -31,16 +28,27 @@ class UnknownLawError(SolverError):
     """No such law is installed, or it cannot be loaded."""
 
 
-@cache
-def _installed() -> dict[str, EntryPoint]:
-    built_in = {kind: EntryPoint(kind, place, GROUP) for kind, place in BUILT_IN.items()}
-    found = {entry.name: entry for entry in entry_points(group=GROUP)}
-    return built_in | {kind: entry for kind, entry in sorted(found.items()) if kind not in built_in}
+def _base() -> type:
+    from geoswarm.solver.laws.base import Law  # with Numba, for which a formula should not wait
+
+    return Law
+
+
+_installed: Installed[Law] = Installed(
+    "law",
+    GROUP,
+    BUILT_IN,
+    _base,
+    lambda found: found(),
+    "unknown law '{kind}'{hint}; known: {known}",
+    UnknownLawError,
+    UnknownLawError,
+)
 
 
 def kinds() -> tuple[str, ...]:
     """Kinds of laws that are installed, loaded or not, the built-in ones first."""
-    return tuple(_installed())
+    return _installed.kinds()
 
 
 def installed_laws() -> tuple[Law, ...]:
@@ -62,31 +70,9 @@ def find_law(kind: str) -> Law:
     UnknownLawError
         No such law is installed (the message lists the known ones), or it cannot be loaded.
     """
-    entry = _installed().get(kind)
-    if entry is None:
-        raise UnknownLawError(f"unknown law '{kind}'{did_you_mean(kind, kinds())}; known: {', '.join(kinds())}")
-    return _load(entry)
-
-
-@cache
-def _load(entry: EntryPoint) -> Law:
-    from geoswarm.solver.laws.base import Law  # with Numba, for which a formula should not wait
-
-    source = f"law '{entry.name}' ({entry.value}) is installed but"
-    try:
-        found: Any = import_module(entry.module)
-        for attribute in entry.attr.split("."):
-            found = getattr(found, attribute)
-    except Exception as error:  # anybody's code; a fault of our own is shown as one
-        if entry.name in BUILT_IN:
-            raise
-        raise UnknownLawError(f"{source} cannot be loaded: {error}") from error
-    if not (isinstance(found, type) and issubclass(found, Law)):
-        raise UnknownLawError(f"{source} is not a subclass of geoswarm.solver.laws.base.Law")
-    return found()
+    return _installed.find(kind)
 
 
 def forget() -> None:
     """Look for installed laws anew on the next use, for example after a package was installed."""
-    _installed.cache_clear()
-    _load.cache_clear()
+    _installed.forget()

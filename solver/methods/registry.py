@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cache
-from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any
-
 from geoswarm.solver.errors import SolverError
+from geoswarm.solver.installed import Installed
 from geoswarm.solver.methods.base import Method, Role
-from geoswarm.solver.words import did_you_mean
 
 __all__ = ["BUILT_IN", "GROUP", "UnknownMethodError", "built_in_methods", "find_method", "forget", "kinds", "kinds_of"]
 
@@ -30,16 +25,21 @@ class UnknownMethodError(SolverError):
     """No such method is installed, or it cannot be loaded."""
 
 
-@cache
-def _installed() -> dict[str, EntryPoint]:
-    built_in = {kind: EntryPoint(kind, place, GROUP) for kind, place in BUILT_IN.items()}
-    found = {entry.name: entry for entry in entry_points(group=GROUP)}
-    return built_in | {kind: entry for kind, entry in sorted(found.items()) if kind not in built_in}
+_installed: Installed[type[Method]] = Installed(
+    "method",
+    GROUP,
+    BUILT_IN,
+    lambda: Method,
+    lambda found: found,
+    "unknown kind '{kind}'{hint}; known: {known}",
+    UnknownMethodError,
+    UnknownMethodError,
+)
 
 
 def kinds() -> tuple[str, ...]:
     """Kinds of methods that are installed, loaded or not, the built-in ones first."""
-    return tuple(_installed())
+    return _installed.kinds()
 
 
 def kinds_of(role: Role) -> tuple[str, ...]:
@@ -68,29 +68,9 @@ def find_method(kind: str) -> type[Method]:
     UnknownMethodError
         No such kind is installed (the message lists the known ones), or it cannot be loaded.
     """
-    entry = _installed().get(kind)
-    if entry is None:
-        raise UnknownMethodError(f"unknown kind '{kind}'{did_you_mean(kind, kinds())}; known: {', '.join(kinds())}")
-    return _load(entry)
-
-
-@cache
-def _load(entry: EntryPoint) -> type[Method]:
-    source = f"method '{entry.name}' ({entry.value}) is installed but"
-    try:
-        found: Any = import_module(entry.module)
-        for attribute in entry.attr.split("."):
-            found = getattr(found, attribute)
-    except Exception as error:  # anybody's code; a fault of our own is shown as one
-        if entry.name in BUILT_IN:
-            raise
-        raise UnknownMethodError(f"{source} cannot be loaded: {error}") from error
-    if not (isinstance(found, type) and issubclass(found, Method)):
-        raise UnknownMethodError(f"{source} is not a subclass of geoswarm.solver.methods.base.Method")
-    return found
+    return _installed.find(kind)
 
 
 def forget() -> None:
     """Look for installed methods anew on the next use, for example after a package was installed."""
-    _installed.cache_clear()
-    _load.cache_clear()
+    _installed.forget()

@@ -31,11 +31,8 @@ BOOTSTRAP = (
 )
 FORK = b"f"
 KILL = b"k"
-LOAD = {
-    **{"oedometer": b"o", "section": b"s", "element_test": b"t"},
-    **{"elastic": b"e", "mohr_coulomb": b"m", "soft_soil_creep": b"c", "other_laws": b"l"},
-}
-"""What asks for each group of kernels (:data:`geoswarm.solver.warm.GROUPS`)."""
+LOAD = b"l"
+"""Asks for a group of kernels; its place in :data:`geoswarm.solver.warm.GROUPS` follows in one byte."""
 STATUS = struct.Struct("=ii")
 """Its answer, a number and whether it is known.
 
@@ -52,7 +49,7 @@ def main(given: Mapping[str, Any]) -> None:
     # What needs long to load is loaded here, once for all evaluation processes to come.
     from geoswarm.solver.runner import child
     from geoswarm.solver.runner.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
-    from geoswarm.solver.warm import import_models, load_kernels, run_sample
+    from geoswarm.solver.warm import GROUPS, import_models, load_kernels, run_sample
 
     adopt_orphans()
     wake_with_parent()
@@ -62,7 +59,6 @@ def main(given: Mapping[str, Any]) -> None:
     import_models()
     load_kernels()
     control = socket.socket(fileno=given["control"])
-    groups = {message: group for group, message in LOAD.items()}
     ended: dict[int, int] = {}
     current, output = 0, -1
     poll = select.poll()
@@ -97,8 +93,8 @@ def main(given: Mapping[str, Any]) -> None:
                     os.close(descriptor)
             output = new_output
             ended = {}
-        elif message in groups:
-            run_sample(groups[message])
+        elif message == LOAD:
+            run_sample(GROUPS[control.recv(1)[0]])
             answer = STATUS.pack(0, 0)
         else:
             ended |= kill_descendants(os.getpid())

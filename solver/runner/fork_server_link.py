@@ -22,6 +22,7 @@ from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.processes import kill_session, memory_below
 from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.wire import readable
+from geoswarm.solver.warm import GROUPS
 
 __all__ = ["ONE_THREAD", "ForkServerLink"]
 
@@ -93,7 +94,7 @@ class ForkServerLink:
         """Have it load a group of kernels: all evaluation processes that it forks have it then."""
         try:
             control, process = self._started()
-            control.sendall(LOAD[group])
+            control.sendall(LOAD + bytes([GROUPS.index(group)]))
             deadline = time.monotonic() + COMPILE_SECONDS
             while not readable(control, POLL_SECONDS):
                 if unwanted():

@@ -308,8 +308,8 @@ def _indices(
     method: GlobalMethod,
     calibration: Calibration,
     evaluations: Sequence[Evaluation],
-    noise: Mapping[str, float] | float | None,  # noqa: ARG001
-    level: float,  # noqa: ARG001
+    noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
+    level: float,  # noqa: ARG001  the form of all
 ) -> Findings:
     plan = method.points(calibration.space, calibration.seed)
     if len(evaluations) < len(plan.positions):
