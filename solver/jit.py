@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import Any, TypeVar, cast
 
 import numba
@@ -19,6 +21,24 @@ Function = TypeVar("Function", bound=Callable[..., object])
 _folder = settle()
 if _folder is not None:
     config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]  # Numba sets its options by name
+
+
+def _load_numpy_support() -> None:
+    """Have Numba load what kernels need of NumPy, without the linear algebra of SciPy, which they do not use.
+
+    Numba only looks whether it is there, which takes 0.15 s. A kernel that does use it loads it when it is compiled.
+    """
+    name = "scipy.linalg.cython_blas"
+    if name in sys.modules:
+        return
+    sys.modules[name] = ModuleType(name)
+    try:
+        import numba.np.arraymath  # noqa: F401
+    finally:
+        del sys.modules[name]
+
+
+_load_numpy_support()
 
 
 @contextmanager
