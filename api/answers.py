@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter
 
-from geoswarm.solver.report.folder.jsonable import jsonable
+from geoswarm.solver.report.jsonable import jsonable
 
 __all__ = ["read_record"]
 

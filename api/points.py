@@ -17,7 +17,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.figures.labels import parameter_labels
-from geoswarm.solver.report.folder.jsonable import jsonable
+from geoswarm.solver.report.jsonable import jsonable
 
 __all__ = ["MEDIA_TYPE", "compressed", "points_block"]
 

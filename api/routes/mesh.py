@@ -12,7 +12,7 @@ from geoswarm.api.dependencies import JobId, Service, limiter, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.schemas.mesh import MeshAnswer, MeshFields
 from geoswarm.solver.report.curves import objective_unit
-from geoswarm.solver.report.folder.jsonable import jsonable
+from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.workers.errors import NoBodyError
 from geoswarm.workers.service.job_service import JobService
 

@@ -11,7 +11,7 @@ import pytest
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, analyse, reweight
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.report.folder.jsonable import jsonable
+from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.words import typeset
 from geoswarm.workers.hosts.engine import Engine

@@ -33,8 +33,8 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
     if folder is not None:
         from geoswarm.solver.calibration import Calibration
         from geoswarm.solver.identifiability.stored.posterior import sample_posterior
-        from geoswarm.solver.report.folder.jsonable import jsonable
         from geoswarm.solver.report.folder.reading import run_of_folder
+        from geoswarm.solver.report.jsonable import jsonable
 
         stored = run_of_folder(folder)
         name, calibration = stored.problem.name, Calibration(stored.problem, stored.record.seed)

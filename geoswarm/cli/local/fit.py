@@ -30,7 +30,7 @@ def fit_of_run(problem: Problem, result: CalibrationResult, report: Report | Non
     from geoswarm.solver.identifiability import Samples
     from geoswarm.solver.identifiability.stored.findings import follow_up_of
     from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
-    from geoswarm.solver.report.folder.jsonable import jsonable
+    from geoswarm.solver.report.jsonable import jsonable
 
     if result.best is None or follow_up_of(problem) is not None:
         return None

@@ -188,7 +188,7 @@ def _follow(client: Client, job: Job, as_json: bool, noise: Noise) -> None:
 
 
 def _tell(name: str, found: Findings, as_json: bool) -> None:
-    from geoswarm.solver.report.folder.jsonable import jsonable
+    from geoswarm.solver.report.jsonable import jsonable
 
     document = jsonable(found.to_json())
     if as_json:

@@ -61,8 +61,8 @@ def statistics_command(
     known = known_noise(noise)
     folder = as_folder(source)
     if folder is not None:
-        from geoswarm.solver.report.folder.jsonable import jsonable
         from geoswarm.solver.report.folder.reading import report_of_folder
+        from geoswarm.solver.report.jsonable import jsonable
 
         report = report_of_folder(folder, threshold=threshold, noise=known)
         if report.statistics is None:

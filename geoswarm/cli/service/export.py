@@ -13,7 +13,7 @@ import click
 from geoswarm.cli.options import connection_options, job_argument
 from geoswarm.cli.service.connection import connect, find_job
 from geoswarm.cli.words.error_messages import BadInputError
-from geoswarm.cli.words.output import jsonable, note
+from geoswarm.cli.words.output import note, record_json
 
 if TYPE_CHECKING:
     from geoswarm.client import Client
@@ -73,7 +73,7 @@ def _write(client: Client, job_id: str, form: str, path: Path) -> None:
         file.write(b"[")
         separator = "\n"
         for evaluation in client.iterate_evaluations(job_id, responses=True):
-            text = json.dumps(jsonable(evaluation), ensure_ascii=False, allow_nan=False)
+            text = json.dumps(record_json(evaluation), ensure_ascii=False, allow_nan=False)
             file.write(f"{separator}{text}".encode())
             separator = ",\n"
         file.write(b"\n]\n")

@@ -12,7 +12,7 @@ import click
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.service.connection import connect, find_job
 from geoswarm.cli.words.error_messages import BadInputError
-from geoswarm.cli.words.output import duration, echo_json, echo_table, jsonable, number
+from geoswarm.cli.words.output import duration, echo_json, echo_table, number, record_json
 from geoswarm.solver.words import visible
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def retry_failed_command(job: str, as_json: bool, url: str, api_key: str | None)
     with connect(url, api_key) as client:
         retry = client.retry_failed(find_job(client, job).id)
     if as_json:
-        data: dict[str, Any] = {"evaluations": retry.evaluations, "job": jsonable(retry.job)}
+        data: dict[str, Any] = {"evaluations": retry.evaluations, "job": record_json(retry.job)}
         echo_json(data)
         return
     when = "when it is resumed" if retry.job.state == "paused" else "now"

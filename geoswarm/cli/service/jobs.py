@@ -11,7 +11,7 @@ import click
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.service.connection import connect, find_job
 from geoswarm.cli.words.labels import root_mean_square, with_unit
-from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, jsonable, number, reasons_in_words
+from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, number, reasons_in_words, record_json
 from geoswarm.records.states import JOB_STATES
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def list_command(
     with connect(url, api_key) as client:
         page = client.list(state=state, limit=limit, cursor=cursor)
     if as_json:
-        echo_json({"items": [jsonable(job) for job in page.items], "next_cursor": page.next_cursor})
+        echo_json({"items": [record_json(job) for job in page.items], "next_cursor": page.next_cursor})
         return
     if not page.items:
         click.echo("No jobs." if state is None else f"No job is {state}.")
@@ -92,10 +92,10 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
         found = find_job(client, job)
         if attempts is not None:
             tries = attempts_of(client, found, attempts)
-            more["attempts"] = [jsonable(attempt) for attempt in tries]
+            more["attempts"] = [record_json(attempt) for attempt in tries]
         if failures:
             reasons, failed = failures_of(client, found)
-            more["failures"] = {"reasons": dict(reasons), "items": [jsonable(evaluation) for evaluation in failed]}
+            more["failures"] = {"reasons": dict(reasons), "items": [record_json(evaluation) for evaluation in failed]}
         last = client.generations(found.id, after=max(-1, found.generations - 2), limit=1, diversity=True)
         scatter = last[0].diversity if last and _searches(found.method) else None
         try:
@@ -104,7 +104,7 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
             best = None
         problem = None if best is None or as_json else _problem(client, found)
     if as_json:
-        echo_json(jsonable(found) | {"best": best and jsonable(best), "diversity": scatter} | more)
+        echo_json(record_json(found) | {"best": best and record_json(best), "diversity": scatter} | more)
         return
     show_job(found, diversity=scatter, problem=problem)
     if attempts is not None:
@@ -188,7 +188,7 @@ def _change(
         found = find_job(client, job)
         changed = getattr(client, action)(found.id)
     if as_json:
-        echo_json(jsonable(changed))
+        echo_json(record_json(changed))
     else:
         click.echo(f"{changed.id} ({changed.name}) is {changed.state}")
 
@@ -231,7 +231,7 @@ def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
     with connect(url, api_key) as client:
         workers = client.workers()
     if as_json:
-        echo_json({"items": [jsonable(worker) for worker in workers]})
+        echo_json({"items": [record_json(worker) for worker in workers]})
         return
     if not workers:
         click.echo("No workers. Start some with 'geoswarm worker', or serve without --broker.")

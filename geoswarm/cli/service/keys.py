@@ -8,7 +8,7 @@ import click
 
 from geoswarm.cli.options import database_option, json_option
 from geoswarm.cli.service.databases import existing_store
-from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, jsonable, note
+from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, record_json
 from geoswarm.cli.words.spans import SPAN
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def create_command(
     finally:
         store.close()
     if as_json:
-        echo_json({"key": key} | jsonable(view))
+        echo_json({"key": key} | record_json(view))
         return
     click.echo(key)
     note(f"Made in {mask_url(settings.database_url)}.")
@@ -75,7 +75,7 @@ def list_keys_command(as_json: bool, database: str | None) -> None:
     finally:
         store.close()
     if as_json:
-        echo_json({"items": [jsonable(view) for view in views]})
+        echo_json({"items": [record_json(view) for view in views]})
         return
     if not views:
         click.echo(f"No keys in {mask_url(store.url)}. Make one with 'geoswarm keys create --owner NAME --role admin'.")
@@ -102,7 +102,7 @@ def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
     finally:
         store.close()
     if as_json:
-        echo_json(jsonable(view))
+        echo_json(record_json(view))
         return
     echo_facts(None, {"id": view.id, "owner": view.owner, "state": view.state})
 

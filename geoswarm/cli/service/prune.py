@@ -8,7 +8,7 @@ from geoswarm.cli.options import database_option, json_option
 from geoswarm.cli.serve import logging_options, prepare
 from geoswarm.cli.service.databases import existing_store
 from geoswarm.cli.words.error_messages import BadInputError
-from geoswarm.cli.words.output import echo_json, echo_table, jsonable, note
+from geoswarm.cli.words.output import echo_json, echo_table, note, record_json
 from geoswarm.cli.words.spans import SPAN
 from geoswarm.records.states import ENDED_STATES
 
@@ -62,7 +62,7 @@ def prune_command(
     finally:
         store.close()
     if as_json:
-        echo_json({"dry_run": dry_run, "items": [jsonable(job) for job in pruned]})
+        echo_json({"dry_run": dry_run, "items": [record_json(job) for job in pruned]})
         return
     if pruned:
         rows = [(job.id, job.name, job.state, str(job.evaluations)) for job in pruned]

@@ -13,7 +13,7 @@ from geoswarm.cli.service.jobs import show_job
 from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import FailedRunError
 from geoswarm.cli.words.kernels import COMPILING, compiled_in
-from geoswarm.cli.words.output import echo_json, jsonable, note
+from geoswarm.cli.words.output import echo_json, note, record_json
 
 if TYPE_CHECKING:
     from geoswarm.client import Client, Event, Job
@@ -65,7 +65,7 @@ def submit_command(
             note(f"Job {job.id}; Ctrl-C stops watching, the job goes on.")
             _end(follow(client, job), as_json)
         elif as_json:
-            echo_json(jsonable(job))
+            echo_json(record_json(job))
         else:
             click.echo(job.id)
 
@@ -126,7 +126,7 @@ def follow(client: Client, job: Job) -> Job:
 
 def _end(job: Job, as_json: bool) -> None:
     if as_json:
-        echo_json(jsonable(job))
+        echo_json(record_json(job))
     else:
         show_job(job)
     if job.state != "finished":

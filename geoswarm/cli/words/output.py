@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 __all__ = [
-    "jsonable",
     "duration",
     "echo_facts",
     "echo_json",
@@ -27,6 +26,7 @@ __all__ = [
     "number",
     "progress_console",
     "reasons_in_words",
+    "record_json",
 ]
 
 _PIPED_WIDTH = 120
@@ -52,7 +52,7 @@ def reasons_in_words(stop_reasons: Sequence[str]) -> str:
     return words.reasons_in_words(stop_reasons, plain=True)
 
 
-def jsonable(record: Any) -> Any:
+def record_json(record: Any) -> Any:
     """Return a record of the client as JSON values; times in ISO 8601."""
     return _plain(asdict(record))
 

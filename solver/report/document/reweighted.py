@@ -18,7 +18,7 @@ def reweighted_document(problem: Problem, after: Reweighted) -> dict[str, Any]:
     dict
         ``weights`` (weight, misfit and share of each series), ``best`` and ``best_before`` (generation, particle,
         objective under the new weights, all parameters), ``moved``, ``warnings`` and ``problem`` with the new weights.
-        Numbers that are not finite remain: see :func:`geoswarm.solver.report.folder.jsonable.jsonable`.
+        Numbers that are not finite remain: see :func:`geoswarm.solver.report.jsonable.jsonable`.
     """
     samples = after.samples
 

@@ -19,7 +19,7 @@ from geoswarm.records.fit import FitCurve, FitSeries
 from geoswarm.records.job import Job
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
-from geoswarm.solver.report.folder.jsonable import jsonable
+from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, live_server, wait_for_end
 from tests.api.test_uncertainty import noisy

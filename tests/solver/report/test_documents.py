@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.report.document.build import report_of_result
-from geoswarm.solver.report.folder.jsonable import jsonable
 from geoswarm.solver.report.folder.reading import FolderError, report_of_folder, run_of_folder
 from geoswarm.solver.report.folder.tables import (
     write_evaluations,
@@ -19,6 +18,7 @@ from geoswarm.solver.report.folder.tables import (
     write_responses,
     write_result,
 )
+from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.solver.words import duration, number, typeset
 from tests.solver.report.conftest import Run
 
