@@ -52,6 +52,11 @@ class IsotropicCompressionSpec(StagedLoadSpec):
         json_schema_extra=in_unit("kPa", 1, 50),
     )
 
+    @property
+    def radius(self) -> float:
+        """Half the diameter."""
+        return 0.5 * self.diameter
+
     def build(self) -> IsotropicCompressionModel:
         """Build the forward model."""
         return IsotropicCompressionModel(self)
@@ -69,11 +74,6 @@ class IsotropicCompressionModel(StagedLoadModel):
         ("volumetric_strain", "Engineering volumetric strain: decrease over initial volume.", "volumetric strain", ""),
     )
     lateral_ratio: ClassVar[float] = 1.0
-
-    @property
-    def radius(self) -> float:
-        """That of the specimen at the beginning."""
-        return 0.5 * self.spec.diameter
 
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
         """All-round initial stress; p_p = OCR p_eq, or p_eq under the initial stress plus POP."""
@@ -94,5 +94,5 @@ class IsotropicCompressionModel(StagedLoadModel):
         if series == "axial_displacement":
             return self.spec.height * self.shortening(strain[:, 0], float(zero[0]))
         if series == "radial_displacement":
-            return 0.5 * self.spec.diameter * self.shortening(strain[:, 1], float(zero[1]))
+            return self.spec.radius * self.shortening(strain[:, 1], float(zero[1]))
         return self.shortening(strain[:, 0] + 2.0 * strain[:, 1], float(zero[0] + 2.0 * zero[1]))

@@ -66,6 +66,11 @@ class OedometerSpec(StagedLoadSpec):
             raise ValueError(f"K0 is missing: material {self.material} knows none")
         return self
 
+    @property
+    def radius(self) -> float:
+        """That of the ring; as large as the height unless a diameter is given."""
+        return self.height if self.diameter is None else 0.5 * self.diameter
+
     def build(self) -> OedometerModel:
         """Build the forward model."""
         return OedometerModel(self)
@@ -82,11 +87,6 @@ class OedometerModel(StagedLoadModel):
         ("axial_strain", "Engineering axial strain: settlement over the initial height.", "axial strain", ""),
     )
     lateral_ratio: ClassVar[float] = -1.0
-
-    @property
-    def radius(self) -> float:
-        """That of the ring; as large as the height unless a diameter is given."""
-        return self.spec.height if self.spec.diameter is None else 0.5 * self.spec.diameter
 
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
         """Horizontal stress K0 times the vertical one; p_p = OCR p_eq, or p_eq under the vertical stress plus POP.

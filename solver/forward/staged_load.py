@@ -67,6 +67,11 @@ class StagedLoadModel(ABC):
     """Lateral over axial stress; negative: no lateral strain."""
 
     @property
+    def confined(self) -> bool:
+        """Whether a ring holds the side."""
+        return self.lateral_ratio < 0.0
+
+    @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
         """Parameters of the law; the section may give other defaults to some of them."""
         return self._parameters
@@ -217,10 +222,10 @@ class StagedLoadModel(ABC):
         spec = self.spec
         mesh = spec.mesh or SpecimenMesh()
         return Specimen(
-            specimen_mesh(self.radius, spec.height, mesh.columns, mesh.rows),
+            specimen_mesh(spec.radius, spec.height, mesh.columns, mesh.rows),
             spec.height,
-            self.radius,
-            self.lateral_ratio < 0.0,
+            spec.radius,
+            self.confined,
             spec.initial_stress,
             _UNIT_WEIGHT if spec.unit_weight is None else spec.unit_weight,
             spec.geometry == "updated",
@@ -229,11 +234,6 @@ class StagedLoadModel(ABC):
                 time_tolerance=min(_TIME_TOLERANCE * spec.tolerance, 0.1),
             ),
         )
-
-    @property
-    @abstractmethod
-    def radius(self) -> float:
-        """Radius of the specimen, m."""
 
     def _values(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         if series != "stage_void_ratio":

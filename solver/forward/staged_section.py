@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC
+from abc import ABC, abstractmethod
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
@@ -126,6 +126,11 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
     def law(self) -> Law:
         """The law of the material."""
         return find_law(self.material)
+
+    @property
+    @abstractmethod
+    def radius(self) -> float:
+        """Radius of the specimen at the beginning, m."""
 
     @property
     def has_fast_path(self) -> bool:

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from geoswarm.solver.forward.isotropic_compression import IsotropicCompressionSpec
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.plausibility.units import meant_unit
 from geoswarm.solver.problem import Problem
@@ -98,8 +97,8 @@ def _void_ratio(readings: StagedReadings) -> Iterator[str]:
 def _length(readings: StagedReadings) -> tuple[float, str]:
     """Length that a reading is compared with, m, and what it is; 1 for a strain."""
     spec = readings.spec
-    if readings.quantity == "radial_displacement" and isinstance(spec, IsotropicCompressionSpec):
-        return 0.5 * spec.diameter, f"radius of the specimen, {0.5 * spec.diameter:g} m"
+    if readings.quantity == "radial_displacement":
+        return spec.radius, f"radius of the specimen, {spec.radius:g} m"
     if readings.quantity in ("settlement", "axial_displacement"):
         return spec.height, f"height of the specimen, {spec.height:g} m"
     return 1.0, ""

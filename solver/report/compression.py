@@ -9,7 +9,6 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.forward.isotropic_compression import IsotropicCompressionSpec
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
@@ -131,16 +130,15 @@ def _measured(problem: Problem, test: StagedTest) -> tuple[IntArray, FloatArray]
     e = spec.initial_void_ratio
     if ends.get("stage_void_ratio") and e is not None and spec.zero_at_stage == 1:
         return _sorted({stage: (e - y) / (1.0 + e) for stage, y in ends["stage_void_ratio"].items()})
-    if isinstance(spec, IsotropicCompressionSpec):
-        for form in ("stage_", ""):
-            axial, radial = ends.get(f"{form}axial_displacement", {}), ends.get(f"{form}radial_displacement", {})
-            both = {
-                stage: 1.0 - (1.0 - axial[stage] / spec.height) * (1.0 - 2.0 * radial[stage] / spec.diameter) ** 2
-                for stage in axial
-                if stage in radial
-            }
-            if both:
-                return _sorted(both)
+    for form in ("stage_", ""):
+        axial, radial = ends.get(f"{form}axial_displacement", {}), ends.get(f"{form}radial_displacement", {})
+        both = {
+            stage: 1.0 - (1.0 - axial[stage] / spec.height) * (1.0 - radial[stage] / spec.radius) ** 2
+            for stage in axial
+            if stage in radial
+        }
+        if both:
+            return _sorted(both)
     return _sorted({})
 
 

@@ -26,7 +26,6 @@ import numpy as np
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.combined import CombinedModel
-from geoswarm.solver.forward.oedometer import OedometerSpec
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw, creep_soil
@@ -52,8 +51,8 @@ class StagedTest:
 
     @property
     def confined(self) -> bool:
-        """Whether it is an oedometer test."""
-        return isinstance(self.model.spec, OedometerSpec)
+        """Whether a ring holds the side, as in the oedometer."""
+        return self.model.confined
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +157,7 @@ def preconsolidation_stress(model: StagedLoadModel, parameters: Mapping[str, flo
     soil = creep_soil(parameters, spec.formulation, spec.tension_cutoff)
     OCR, POP = parameters.get("OCR", spec.OCR or 1.0), parameters.get("POP", spec.POP or 0.0)
     _, log_pp = model.initial_state(soil, OCR, POP)
-    ratio = soil.K0nc if isinstance(spec, OedometerSpec) else 1.0
+    ratio = soil.K0nc if model.confined else model.lateral_ratio
     low, high = 0.0, spec.initial_stress
     while _log_equivalent(high, ratio, soil) < log_pp:
         low, high = high, 2.0 * high
