@@ -17,13 +17,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from geoswarm.solver.errors import in_words
+from geoswarm.solver.errors import BrokenForwardModelError
 from geoswarm.solver.forward.base import ForwardModelSpec
-from geoswarm.solver.forward.combined import CombinedSpec
+from geoswarm.solver.forward.registry import find_spec, kinds
 from geoswarm.solver.kernel_cache import SOLVER, alone, fingerprint, settle
 from geoswarm.solver.laws.registry import BUILT_IN, find_law, installed_laws
 from geoswarm.solver.problem import Problem, parse_problem
@@ -65,11 +64,11 @@ STAGES: list[dict[str, float]] = [{"stress": 50.0, "duration": 1.0}, {"stress": 
 
 def import_models() -> None:
     """Import every forward model, ahead of the first evaluation."""
-    for entry in entry_points(group="geoswarm.forward_models"):
+    for kind in kinds():
         try:
-            entry.load()
-        except Exception as error:  # noqa: BLE001  anybody's code: it concerns only jobs that name it, which will say so
-            logger.warning("forward model %r cannot be imported: %s", entry.name, in_words(error))
+            find_spec(kind)
+        except BrokenForwardModelError as error:  # it concerns only jobs that name it, which will say so
+            logger.warning("%s", error)
 
 
 def _sample(forward_model: dict[str, Any], series: str) -> dict[str, Any]:
@@ -138,24 +137,8 @@ _ready: set[str] = set()  # groups that this process has run
 
 
 def groups_of(spec: ForwardModelSpec) -> tuple[str, ...]:
-    """Return the groups of kernels, of :data:`GROUPS`, that a forward model needs."""
-    if isinstance(spec, CombinedSpec):
-        parts = {group for part in spec.parts.values() for group in groups_of(part)}
-        return tuple(group for group in GROUPS if group in parts)
-    section: Any = spec  # its class is not loaded here: a formula should not wait for it
-    if spec.kind in ("section", "finite_element"):
-        soils = [one.law for one in section.materials.values() if one.law != "interface"]
-        return _with_laws("section", ["elastic", *soils])
-    if spec.kind not in ("oedometer", "isotropic_compression"):
-        return ()
-    if section.discretization == "finite_element":
-        return _with_laws("section", ["elastic", section.material])
-    return ("oedometer",) if section.has_fast_path else _with_laws("element_test", [section.material])
-
-
-def _with_laws(sample: str, laws: list[str]) -> tuple[str, ...]:
-    """A sample's group and those of laws, in the order of all."""
-    wanted = {sample, *(law if law in BUILT_IN else OTHER_LAWS for law in laws)}
+    """Return the groups of kernels that a forward model needs, in the order of :data:`GROUPS`."""
+    wanted = {kernels if kernels in GROUPS else OTHER_LAWS for kernels in spec.kernels}
     return tuple(group for group in GROUPS if group in wanted)
 
 

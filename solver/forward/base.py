@@ -95,6 +95,11 @@ class ForwardModelSpec(BaseModel, ABC):
         """
         return False
 
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Compiled kernels that it needs: samples of :mod:`geoswarm.solver.warm` that use them, and kinds of laws."""
+        return frozenset()
+
     def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
         """The same section with the contents of the files that it names in place of their names.
 

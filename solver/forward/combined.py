@@ -59,6 +59,11 @@ class CombinedSpec(ForwardModelSpec):
         """When all parts are."""
         return all(part.quick for part in self.parts.values())
 
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Those of all parts."""
+        return frozenset().union(*(part.kernels for part in self.parts.values()))
+
     def build(self) -> CombinedModel:
         """Build the forward models of all parts."""
         return CombinedModel({name: built(spec) for name, spec in self.parts.items()})

@@ -138,6 +138,13 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         return self.material in FAST_PATHS
 
     @property
+    def kernels(self) -> frozenset[str]:
+        """Those of finite elements, of the fast path, or of tests on any law."""
+        if self.discretization == "finite_element":
+            return frozenset({"section", "elastic", self.material})
+        return frozenset({"oedometer"}) if self.has_fast_path else frozenset({"element_test", self.material})
+
+    @property
     def components(self) -> int:
         """Stress components that the calculation needs of the law."""
         return 6 if self.discretization == "material_point" else 4

@@ -68,6 +68,12 @@ class BodySections(BaseModel):
     )
     control: ControlSection = Field(default=ControlSection(), description="Accuracy.")
 
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Those of finite elements and of the laws of its soils."""
+        soils = {one.law for one in self.materials.values() if not isinstance(one, InterfaceSection)}
+        return frozenset({"section", "elastic", *soils})
+
 
 def check_names(body: BodySections, mesh: Mesh) -> None:
     """Compare the names in phases and observations with those of the mesh.
