@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, TypeAlias
+from typing import Any, ClassVar, Protocol, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, JsonValue
 
@@ -85,7 +85,15 @@ class ForwardModelSpec(BaseModel, ABC):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    depends_on_section: ClassVar[bool] = False
+    """Whether parameters and series follow from what a section says, beyond its kind."""
+
     kind: str
+
+    @classmethod
+    def example(cls) -> dict[str, Any] | None:
+        """A section of this kind; the first of the ``examples`` of its JSON schema unless the kind gives another."""
+        return next(iter(cls.model_json_schema().get("examples", [])), None)
 
     @property
     def quick(self) -> bool:

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
@@ -25,13 +25,15 @@ from pydantic_core import PydanticCustomError
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
-from geoswarm.solver.forward.registry import AnyForwardModelSpec, built
+from geoswarm.solver.forward.registry import AnyForwardModelSpec, built, find_spec
 
 __all__ = ["CombinedModel", "CombinedSpec"]
 
 
 class CombinedSpec(ForwardModelSpec):
     """Several forward models that share parameters."""
+
+    depends_on_section: ClassVar[bool] = True
 
     kind: Literal["combined"] = "combined"
     parts: dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)], AnyForwardModelSpec] = (
@@ -47,6 +49,12 @@ class CombinedSpec(ForwardModelSpec):
                 "nested", "part {part} is itself combined; list its parts here", {"part": nested[0]}
             )
         return parts
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Two laboratory tests."""
+        kinds = {"oedometer": "oedometer", "isotropic": "isotropic_compression"}
+        return {"kind": "combined", "parts": {name: find_spec(kind).example() for name, kind in kinds.items()}}
 
     def with_files(self, folder: Path | None, path: str) -> CombinedSpec:
         """The parts with the contents of their files."""

@@ -19,7 +19,7 @@ vary, and its nodes move smoothly with them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -49,6 +49,27 @@ class SectionSpec(GeometrySections, BodySections, ForwardModelSpec):
         default={"left": "horizontal", "right": "horizontal", "bottom": "vertical"},
         description="Boundaries that are held: horizontal, vertical, both or free.",
     )
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """A slope of clay of unknown depth on rock."""
+        return {
+            "kind": "section",
+            "surface": [[0, 10], [10, 10], [25, 2], [40, 2]],
+            "layers": [{"name": "clay", "thickness": "depth", "rows": 2}, {"name": "rock", "bottom": -4}],
+            "points": {"A": {"x": 8}},
+            "element_length": 2.5,
+            "nominal": {"depth": 3},
+            "materials": {
+                "soil": {"law": "elastic", "E": "E", "nu": 0.3, "unit_weight": 20},
+                "rock": {"law": "elastic", "E": 1e6, "nu": 0.25, "unit_weight": 22},
+            },
+            "phases": [
+                {"name": "weight", "kind": "gravity", "materials": {"clay": "rock", "rock": "rock"}},
+                {"name": "soil", "kind": "plastic", "materials": {"clay": "soil"}},
+            ],
+            "zero_at_phase": "soil",
+        }
 
     def build(self) -> SectionModel:
         """Build the forward model."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -33,6 +33,23 @@ class FiniteElementSpec(BodySections, ForwardModelSpec):
     points: dict[Name, tuple[float, float]] = Field(
         default={}, max_length=200, description="Observation points: x and y, m; the nearest node is taken."
     )
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """A block of clay of two triangles."""
+        return {
+            "kind": "finite_element",
+            "mesh": {
+                "nodes": [[0, 0], [2, 0], [2, 1], [0, 1]],
+                "triangles": [[0, 1, 2], [0, 2, 3]],
+                "regions": {"clay": [0, 1]},
+                "lines": {"base": [[0, 1]]},
+            },
+            "points": {"A": [2, 1]},
+            "fixities": {"base": "both"},
+            "materials": {"soil": {"law": "elastic", "E": "E", "nu": 0.3, "unit_weight": 20}},
+            "phases": [{"name": "weight", "kind": "gravity", "materials": {"clay": "soil"}}],
+        }
 
     def with_files(self, folder: Path | None, path: str) -> FiniteElementSpec:
         """The section with the mesh itself in place of the name of its file."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
@@ -69,11 +69,18 @@ def _long_form(value: Any) -> Any:
 class FormulaSpec(ForwardModelSpec):
     """Series given as expressions of x and the parameters."""
 
+    depends_on_section: ClassVar[bool] = True
+
     kind: Literal["formula"] = "formula"
     series: dict[
         Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)],
         Annotated[FormulaSeries, BeforeValidator(_long_form, json_schema_input_type=str | FormulaSeries)],
     ] = Field(min_length=1, description="series by name: an expression, or a mapping with expression and units")
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """A settlement that slows down."""
+        return {"kind": "formula", "series": {"settlement": {"expression": "a * (1 - exp(-b * x))"}}}
 
     @property
     def quick(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -51,6 +51,17 @@ class IsotropicCompressionSpec(StagedLoadSpec):
         description="All-round stress before the first stage, kPa.",
         json_schema_extra=in_unit("kPa", 1, 50),
     )
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Two loads on a specimen of the usual size."""
+        return {
+            "kind": "isotropic_compression",
+            "height": 0.1,
+            "diameter": 0.05,
+            "initial_stress": 10,
+            "stages": [{"stress": 50, "duration": 1}, {"stress": 100, "duration": 1}],
+        }
 
     @property
     def radius(self) -> float:

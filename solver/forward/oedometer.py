@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -65,6 +65,17 @@ class OedometerSpec(StagedLoadSpec):
         if self.K0 is None and not self.law.knows_K0:
             raise ValueError(f"K0 is missing: material {self.material} knows none")
         return self
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Two loads on a specimen of the usual height."""
+        return {
+            "kind": "oedometer",
+            "height": 0.02,
+            "initial_stress": 0.2,
+            "stages": [{"stress": 50, "duration": 1}, {"stress": 100, "duration": 1}],
+            "initial_void_ratio": 1.0,
+        }
 
     @property
     def radius(self) -> float:

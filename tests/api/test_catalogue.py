@@ -10,8 +10,7 @@ from jsonschema_rs import meta
 from pydantic import TypeAdapter
 
 from geoswarm.api import create_app
-from geoswarm.api.routes.forward_models import EXAMPLES
-from geoswarm.solver.forward.registry import kinds, parse_spec
+from geoswarm.solver.forward.registry import find_spec, kinds, parse_spec
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem
 
@@ -45,8 +44,9 @@ def test_models_that_follow_from_their_section_say_so(app: App, kind: str) -> No
 
 @pytest.mark.parametrize("kind", kinds())
 def test_examples_are_sections_of_their_kind(kind: str) -> None:
-    assert parse_spec(EXAMPLES[kind]).kind == kind
-    assert parse_spec(EXAMPLES[kind]).build().series
+    spec = parse_spec(find_spec(kind).example())
+    assert spec.kind == kind
+    assert spec.build().series
 
 
 def test_an_unknown_kind_lists_the_known_ones(app: App) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -50,6 +51,8 @@ class BodySections(BaseModel):
     """Materials, phases and observations of a body; mixed into sections of forward models."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    depends_on_section: ClassVar[bool] = True
 
     materials: dict[Name, MaterialSection] = Field(min_length=1, max_length=100, description="Materials by name.")
     fixities: dict[BoundaryName, Fixity] = Field(
