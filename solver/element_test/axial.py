@@ -20,11 +20,24 @@ from geoswarm.solver.constitutive.soft_soil_creep import (
 )
 from geoswarm.solver.jit import kernel
 
-__all__ = ["confined_load", "confined_step", "creep_direction", "lateral_limits", "strain_increment"]
+__all__ = [
+    "confined_load",
+    "confined_step",
+    "creep_direction",
+    "equivalent_axial_pressure",
+    "lateral_limits",
+    "strain_increment",
+]
 
 _ITERATIONS = 60
 _STRAIN_RESIDUAL = 1.0e-12
 _PIECES = 8
+
+
+def equivalent_axial_pressure(axial: float, lateral: float, soil: SoftSoilCreep) -> float:
+    """Equivalent pressure, kPa, of an axial and a lateral stress."""
+    q = axial - lateral
+    return equivalent_pressure((axial + 2.0 * lateral) / 3.0, q * q, soil)[0]
 
 
 @kernel

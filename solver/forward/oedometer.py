@@ -9,8 +9,8 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from geoswarm.solver.element_test.axial import lateral_limits
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.element_test.axial import equivalent_axial_pressure, lateral_limits
 from geoswarm.solver.element_test.controls import Stage
 from geoswarm.solver.element_test.setups import confined_load
 from geoswarm.solver.errors import InfeasibleError
@@ -112,10 +112,10 @@ class OedometerModel(StagedLoadModel):
         lower, upper, _, _ = lateral_limits(vertical, soil)
         if not lower <= horizontal <= upper:
             raise InfeasibleError(_violated(horizontal, vertical, lower, upper))
-        pressure = _equivalent(vertical, horizontal, soil)
+        pressure = equivalent_axial_pressure(vertical, horizontal, soil)
         if POP > 0.0:
             past = vertical + POP
-            return horizontal, math.log(max(pressure, _equivalent(past, soil.K0nc * past, soil)))
+            return horizontal, math.log(max(pressure, equivalent_axial_pressure(past, soil.K0nc * past, soil)))
         return horizontal, math.log(OCR * pressure)
 
     def initial_lateral(self, soil: Soil) -> float:
@@ -154,8 +154,3 @@ def _violated(horizontal: float, vertical: float, lower: float, upper: float) ->
         f"initial horizontal stress = {horizontal:g} kPa (K0 = {horizontal / vertical:g}) violates the "
         f"strength; K0 from {max(lower, 0.0) / vertical:g} to {upper / vertical:g} is accepted"
     )
-
-
-def _equivalent(vertical: float, horizontal: float, soil: SoftSoilCreep) -> float:
-    q = vertical - horizontal
-    return equivalent_pressure((vertical + 2.0 * horizontal) / 3.0, q * q, soil)[0]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.errors import DivergedError, InfeasibleError
@@ -94,7 +94,7 @@ def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray
             raise InfeasibleError(model.check({"OCR": OCR, "POP": POP}))
         lateral, log_pp = model.initial_state(soil, OCR, POP)
         if specimen is not None:
-            past = math.exp(log_pp - _log_equivalent(spec.initial_stress, lateral, soil))
+            past = math.exp(log_pp - math.log(equivalent_axial_pressure(spec.initial_stress, lateral, soil)))
             placed = Soil(model.law, np.array([*soil, past, 0.0]))
             ratio = lateral / spec.initial_stress
             return specimen.history(placed, ratio, stresses, durations, times, firsts)
@@ -115,12 +115,6 @@ def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray
         return output, ends
 
     return calculate
-
-
-def _log_equivalent(vertical: float, lateral: float, soil: SoftSoilCreep) -> float:
-    """ln of the equivalent pressure of an axisymmetric stress."""
-    deviator = vertical - lateral
-    return math.log(equivalent_pressure((vertical + 2.0 * lateral) / 3.0, deviator * deviator, soil)[0])
 
 
 def _failure(model: StagedLoadModel, status: int, stage: int, time: float) -> str:

@@ -23,7 +23,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.combined import CombinedModel
 from geoswarm.solver.forward.staged_load import StagedLoadModel
@@ -167,8 +168,7 @@ def preconsolidation_stress(model: StagedLoadModel, parameters: Mapping[str, flo
 
 
 def _log_equivalent(stress: float, ratio: float, soil: SoftSoilCreep) -> float:
-    deviator = (1.0 - ratio) * stress
-    return math.log(equivalent_pressure((1.0 + 2.0 * ratio) * stress / 3.0, deviator * deviator, soil)[0])
+    return math.log(equivalent_axial_pressure(stress, ratio * stress, soil))
 
 
 def _interval(
