@@ -18,12 +18,16 @@ from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.soft_soil_creep import creep_soil
 
 if TYPE_CHECKING:
+    from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
     from geoswarm.solver.forward.staged_load import StagedLoadModel
 
 __all__ = ["FAST_PATHS", "Calculate", "history_of"]
 
 Calculate: TypeAlias = Callable[[Mapping[str, float]], tuple[FloatArray, FloatArray]]
 """Parameters by name -> axial and lateral strain at the times (m, 2) and at the ends of the stages (n, 2)."""
+
+Place: TypeAlias = Callable[["StagedLoadModel", Mapping[str, float]], tuple[Soil, float]]
+"""A soil and its lateral stress before the first stage, kPa."""
 
 
 def history_of(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
@@ -38,7 +42,7 @@ def history_of(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> C
     if fast is not None:
         return fast(model, times, firsts)
     if model.spec.discretization == "finite_element":
-        return _specimen(model, times, firsts)
+        return _specimen(model, times, firsts, _placed)
     return _general(model, times, firsts)
 
 
@@ -59,8 +63,7 @@ def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Cal
     inside[last] = False
 
     def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-        soil = model.soil(parameters)
-        lateral = model.initial_lateral(soil)
+        soil, lateral = _placed(model, parameters)
         start = point_under([lateral, lateral, spec.initial_stress, 0.0, 0.0, 0.0], soil)
         strain = follow(soil, start, stages, moments, tolerance=spec.tolerance).strain[:, [2, 0]]
         return strain[inside], strain[last]
@@ -68,36 +71,32 @@ def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Cal
     return calculate
 
 
-def _specimen(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
+def _specimen(model: StagedLoadModel, times: FloatArray, firsts: IntArray, place: Place) -> Calculate:
     """Any law with finite elements."""
     specimen, (stresses, durations) = model.specimen, _loads(model)
 
     def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-        soil = model.soil(parameters)
-        ratio = model.initial_lateral(soil) / model.spec.initial_stress
-        return specimen.history(soil, ratio, stresses, durations, times, firsts)
+        soil, lateral = place(model, parameters)
+        return specimen.history(soil, lateral / model.spec.initial_stress, stresses, durations, times, firsts)
 
     return calculate
+
+
+def _placed(model: StagedLoadModel, parameters: Mapping[str, float]) -> tuple[Soil, float]:
+    """A soil of any law."""
+    soil = model.soil(parameters)
+    return soil, model.initial_lateral(soil)
 
 
 def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
     """Soft soil creep, whose loads at a material point are scalar equations."""
     spec = model.spec
-    specimen = model.specimen if spec.discretization == "finite_element" else None
+    if spec.discretization == "finite_element":
+        return _specimen(model, times, firsts, _placed_creep)
     stresses, durations = _loads(model)
-    default_OCR, default_POP = spec.OCR or 1.0, spec.POP or 0.0
 
     def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-        soil = creep_soil(parameters, spec.formulation, spec.tension_cutoff)
-        OCR, POP = parameters.get("OCR", default_OCR), parameters.get("POP", default_POP)
-        if not (OCR >= 1.0 and POP >= 0.0 and (OCR == 1.0 or POP == 0.0)):
-            raise InfeasibleError(model.check({"OCR": OCR, "POP": POP}))
-        lateral, log_pp = model.initial_state(soil, OCR, POP)
-        if specimen is not None:
-            past = math.exp(log_pp - math.log(equivalent_axial_pressure(spec.initial_stress, lateral, soil)))
-            placed = Soil(model.law, np.array([*soil, past, 0.0]))
-            ratio = lateral / spec.initial_stress
-            return specimen.history(placed, ratio, stresses, durations, times, firsts)
+        soil, lateral, log_pp = _initial_creep(model, parameters)
         status, stage, time, output, ends = constant_load_history(
             soil,
             stresses,
@@ -115,6 +114,23 @@ def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray
         return output, ends
 
     return calculate
+
+
+def _initial_creep(model: StagedLoadModel, parameters: Mapping[str, float]) -> tuple[SoftSoilCreep, float, float]:
+    """A creeping soil, its lateral stress before the first stage, kPa, and its ln p_p."""
+    spec = model.spec
+    soil = creep_soil(parameters, spec.formulation, spec.tension_cutoff)
+    OCR, POP = parameters.get("OCR", spec.OCR or 1.0), parameters.get("POP", spec.POP or 0.0)
+    if not (OCR >= 1.0 and POP >= 0.0 and (OCR == 1.0 or POP == 0.0)):
+        raise InfeasibleError(model.check({"OCR": OCR, "POP": POP}))
+    return soil, *model.initial_state(soil, OCR, POP)
+
+
+def _placed_creep(model: StagedLoadModel, parameters: Mapping[str, float]) -> tuple[Soil, float]:
+    """A creeping soil; OCR or POP of the test is the ratio of pressures that the law takes."""
+    soil, lateral, log_pp = _initial_creep(model, parameters)
+    past = math.exp(log_pp - math.log(equivalent_axial_pressure(model.spec.initial_stress, lateral, soil)))
+    return Soil(model.law, np.array([*soil, past, 0.0])), lateral
 
 
 def _failure(model: StagedLoadModel, status: int, stage: int, time: float) -> str:
