@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
-from geoswarm.solver.forward.staged_history import FAST_PATHS
-from geoswarm.solver.laws.base import Law
 from geoswarm.solver.laws.registry import UnknownLawError, find_law, kinds
+
+if TYPE_CHECKING:
+    from geoswarm.solver.laws.base import Law
 
 __all__ = ["MAX_LENGTH", "MAX_STRESS", "MIN_LENGTH", "LoadStage", "SpecimenMesh", "StagedLoadSpec"]
 
@@ -135,6 +136,8 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
     @property
     def has_fast_path(self) -> bool:
         """Whether the law has a calculation of its own for loads at a material point."""
+        from geoswarm.solver.forward.staged_history import FAST_PATHS  # with Numba, for which a check need not wait
+
         return self.material in FAST_PATHS
 
     @property

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -19,6 +21,12 @@ def check(**changes: Any) -> Any:
         "seed": 7,
     }
     return check_problem(parse_problem(document | changes))
+
+
+def test_numba_and_scipy_are_not_loaded_before_something_needs_them() -> None:
+    code = "import sys, geoswarm.solver.runs.check; print(sorted({'numba', 'scipy'} & sys.modules.keys()))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
 
 
 def test_the_test_run_is_made_in_the_middle_of_the_search_coordinates() -> None:
