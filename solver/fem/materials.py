@@ -112,28 +112,6 @@ class InterfaceMaterial:
             _range(name, value, 0.0 < value < math.inf, "a value above 0 kPa/m")
         _strength(self.c, self.phi, self.psi, self.tension)
 
-    @classmethod
-    def from_soil(
-        cls, shear_modulus: float, c: float, phi: float, reduction: float, thickness: float
-    ) -> InterfaceMaterial:
-        """Interface in a soil with strength and stiffness reduced by a factor R.
-
-        Parameters
-        ----------
-        shear_modulus, c, phi
-            Of the soil: kPa, kPa, degree.
-        reduction
-            R, above 0, at most 1: G_i = R^2 G, tan(phi_i) = R tan(phi), c_i = R c, nu_i = 0.45.
-        thickness
-            Virtual thickness t_i, m: k_s = G_i/t_i, k_n = E_oed,i/t_i.
-        """
-        _range("reduction", reduction, 0.0 < reduction <= 1.0, "a value above 0, at most 1")
-        _range("thickness", thickness, 0.0 < thickness < math.inf, "a value above 0 m")
-        shear = reduction**2 * shear_modulus
-        oedometer = 2.0 * shear * (1.0 - 0.45) / (1.0 - 2.0 * 0.45)
-        friction = math.degrees(math.atan(reduction * math.tan(math.radians(phi))))
-        return cls(oedometer / thickness, shear / thickness, reduction * c, friction)
-
     def constants(self) -> FloatArray:
         """Stiffnesses, c, tan(phi), tan(psi) and tension, shape (INTERFACE_CONSTANTS,)."""
         return np.array(

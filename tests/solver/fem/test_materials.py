@@ -1,8 +1,7 @@
-"""Materials refuse what has no meaning; interfaces take their constants from a soil."""
+"""Materials refuse what has no meaning, and have usual defaults."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import pytest
@@ -20,22 +19,12 @@ SOIL = soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0)
     [
         (lambda: elastic(1.0e4, 0.3, -1.0), "unit_weight = -1"),
         (lambda: InterfaceMaterial(0.0, 1.0, 0.0, 30.0), "normal_stiffness = 0"),
-        (lambda: InterfaceMaterial.from_soil(1.0e3, 1.0, 30.0, 1.5, 0.1), "reduction = 1.5"),
     ],
 )
 def test_a_constant_outside_its_range_is_named(make: Callable[[], object], message: str) -> None:
     with pytest.raises(InfeasibleError) as failure:
         make()
     assert message in str(failure.value)
-
-
-def test_an_interface_in_a_soil_is_weaker_and_softer() -> None:
-    joint = InterfaceMaterial.from_soil(1.0e3, 10.0, 30.0, 0.5, 0.1)
-    shear = 0.25 * 1.0e3
-    assert joint.shear_stiffness == pytest.approx(shear / 0.1)
-    assert joint.normal_stiffness == pytest.approx(2.0 * shear * 0.55 / 0.1 / 0.1)
-    assert joint.c == pytest.approx(5.0)
-    assert math.tan(math.radians(joint.phi)) == pytest.approx(0.5 * math.tan(math.radians(30.0)))
 
 
 def test_the_stress_ratio_at_rest_has_its_usual_default() -> None:
