@@ -48,7 +48,7 @@ def plan(scale: float, cured: Path) -> list[Planned]:
 
     def swarm(evaluations: int, **method: Any) -> dict[str, Any]:
         stopping = {"max_evaluations": size(evaluations, method.get("particles", 10))}
-        return {"method": {"kind": "particle_swarm", **method}, "stopping": stopping}
+        return {"method": {"kind": "particle_swarm", "acceleration": "none", **method}, "stopping": stopping}
 
     def sampled(samples: int, batch: int) -> dict[str, Any]:
         return {"method": {"kind": "monte_carlo", "samples": size(samples, batch), "batch": batch}, "stopping": {}}

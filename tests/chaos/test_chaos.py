@@ -47,7 +47,7 @@ SHORT_SECONDS = 25.0
 SHORT_SCALE = 0.06
 LONG_SCALE = 0.9 * LONG_SECONDS / 300.0  # keeps four workers on two idle cores busy for longer than the faults last
 WORKERS = (2, 1, 1)  # processes of each
-FINISH_SECONDS = 600.0
+FINISH_SECONDS = 1800.0
 
 Bits = tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[str, list[float]], str | None]
 
@@ -156,7 +156,14 @@ def run(
         time.sleep(0.2)
         return len(states) == len(jobs) and not {"queued", "running", "paused"}.intersection(states)
 
-    wait_for(lambda: all_ended() and not user.is_alive(), "the end of all jobs", FINISH_SECONDS)
+    try:
+        wait_for(lambda: all_ended() and not user.is_alive(), "the end of all jobs", FINISH_SECONDS)
+    except AssertionError as error:
+        error.add_note(f"user {'acts' if user.is_alive() else 'has ended'}; workers: {client.workers()}")
+        for job in client.iterate_jobs():
+            counted = f"{job.evaluations} of {job.max_evaluations} evaluations, generation {job.generations}"
+            error.add_note(f"{job.id} {job.name}: {job.state}, {counted}")
+        raise
     user.join()
     assert user.problem is None
     return {
