@@ -16,8 +16,8 @@ import pytest
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.evaluator import BuildError, RunLimits
-from geoswarm.solver.runner.processes import descendants
 from geoswarm.solver.runner.runner import Runner
+from geoswarm.solver.system.processes import descendants
 from tests.integration.engines import wait_for
 from tests.models.geoswarm_bad_models import REASONS
 from tests.solver.runner.test_runner import positions

@@ -15,8 +15,8 @@ import pytest
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.evaluator import NeverMind, RunLimits
-from geoswarm.solver.runner.processes import descendants
 from geoswarm.solver.runner.runner import Runner
+from geoswarm.solver.system.processes import descendants
 from tests.integration.engines import process_exists, wait_for
 from tests.workers.problems import calibration, line
 

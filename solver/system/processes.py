@@ -18,6 +18,7 @@ import psutil
 
 __all__ = [
     "adopt_orphans",
+    "adopts_orphans",
     "descendants",
     "die_with_parent",
     "go_first_without_memory",
@@ -37,9 +38,19 @@ MIB = 1024.0 * 1024.0
 CHILDREN_ARE_LISTED = (PROC / "self" / "task" / str(os.getpid()) / "children").exists()
 
 
+_adopting = 0  # process that does
+
+
 def adopt_orphans() -> None:
     """Become the parent of all descendants whose parent dies, so that none is lost from sight (Linux)."""
+    global _adopting
     _prctl(PR_SET_CHILD_SUBREAPER, 1)
+    _adopting = os.getpid()
+
+
+def adopts_orphans() -> bool:
+    """Whether all that this process starts stays below it, and is there for its one purpose (Linux)."""
+    return _adopting == os.getpid()
 
 
 def die_with_parent() -> None:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
 
-__all__ = ["UnitError", "convert", "same_unit"]
+__all__ = ["UnitError", "base_unit", "convert", "same_unit"]
 
 _MAX_LENGTH = 50
 _MOST_DIGITS = 100  # of a factor to root units; whole numbers of a million digits take a third of a second
@@ -37,6 +37,29 @@ def same_unit(first: str, second: str) -> bool:
 def _canonical(unit: str) -> str:
     unit = unit.strip()
     return "dimensionless" if unit in _DIMENSIONLESS else unit
+
+
+_BASES = ("day", "m", "kPa", "kN", "degree", "dimensionless", "m^2", "m^3", "kN/m", "kN*m", "kN/m^3", "m/day", "1/m")
+
+
+@lru_cache(maxsize=256)
+def base_unit(unit: str) -> str:
+    """Return the unit of ours (kN, m, day, degree) that has the dimension of another; that itself where there is none.
+
+    Raises
+    ------
+    UnitError
+        The unit is unknown or has an offset.
+    """
+    if _canonical(unit) not in COMMON:
+        _root(unit, "m, kPa, kN, day, degree, 1")
+    for base in _BASES:
+        try:
+            convert(0.0, unit, base)
+        except UnitError:
+            continue
+        return base
+    return unit
 
 
 def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:

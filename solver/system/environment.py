@@ -11,7 +11,7 @@ ALLOWED = (
     *("PATH", "HOME", "USER", "LOGNAME", "SHELL", "HOSTNAME", "TMPDIR", "TEMP", "TMP", "TERM", "DISPLAY"),
     *("LANG", "LANGUAGE", "LC_*", "TZ", "TZDIR", "XDG_*"),
     *("LD_LIBRARY_PATH", "VIRTUAL_ENV", "CONDA_PREFIX", "PYTHON*", "NUMBA_*", "OMP_*", "OPENBLAS_*", "MKL_*", "CUDA_*"),
-    *("SSL_CERT_FILE", "SSL_CERT_DIR"),
+    *("SSL_CERT_FILE", "SSL_CERT_DIR", "GEOSWARM_MODELS"),
 )
 """Names, with ``*`` for any letters."""
 

@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
-from geoswarm.solver.runner import processes
-from geoswarm.solver.runner.processes import descendants, kill_session, memory_below, memory_of
+from geoswarm.solver.system import processes
+from geoswarm.solver.system.processes import descendants, kill_session, memory_below, memory_of
 
 TREE = """
 import os, signal
@@ -43,7 +43,7 @@ while True:
 
 HIDDEN = """
 import ctypes, os, signal, sys, time
-from geoswarm.solver.runner.processes import memory_below, memory_of
+from geoswarm.solver.system.processes import memory_below, memory_of
 if os.getuid() == 0:
     os.setgroups([])
     os.setgid(65534)

@@ -1,0 +1,10 @@
+"""What the solver needs of the system below it.
+
+===============  =============================================================
+``processes``    process trees: memory and end
+``environment``  which variables forward models see
+``file_locks``   locks of files
+``versions``     versions of what numbers depend on
+``extras``       packages that are optional
+===============  =============================================================
+"""
