@@ -1,0 +1,12 @@
+"""What a forward model that is a program of the user's is made of.
+
+=================  ================================================================
+``inputs``         what is written before a run: templates, files of parameters
+``runs``           folder, process, success and failure of a run
+``outputs``        what is read after a run: tables, instructions, meshes
+``python``         functions of files: arguments, import, what they return
+``interpolation``  from the points of a program to those that were observed
+``trial``          a run that is looked at closely
+``errors``         what can go wrong around the files of a program
+=================  ================================================================
+"""

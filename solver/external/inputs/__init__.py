@@ -1,0 +1,1 @@
+"""What is written for a program before it runs: filled templates, and files of parameters."""
