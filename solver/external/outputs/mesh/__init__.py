@@ -1,0 +1,1 @@
+"""Series from results on meshes, sampled at points inside elements."""

@@ -1,0 +1,42 @@
+"""What the tests of readers share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geoswarm.solver.external.errors import OutputError
+from geoswarm.solver.external.outputs.series import parse_series
+
+__all__ = ["assert_bad", "assert_points", "series"]
+
+
+def series(folder: Path, content: str | bytes | None = None, /, **section: Any) -> list[tuple[float, float]]:
+    """Write the content into the section's file, read it, and return the points."""
+    section.setdefault("file", "out.txt")
+    if content is not None:
+        data = content if isinstance(content, bytes) else content.encode("utf-8")
+        (folder / section["file"]).write_bytes(data)
+    reader = parse_series("series.s", section)
+    x, y = reader.read(folder)
+    assert x.dtype == y.dtype == "float64"
+    assert len(x) == len(y) == len(reader.traced(folder))
+    return list(zip(x.tolist(), y.tolist(), strict=True))
+
+
+def assert_points(found: list[tuple[float, float]], expected: list[tuple[float, float]]) -> None:
+    """Compare points within rounding."""
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+
+
+def assert_bad(
+    folder: Path, content: str | bytes | None, message: str, /, reason: str = "bad_output", **section: Any
+) -> None:
+    """Expect that reading fails with a message."""
+    with pytest.raises(OutputError) as caught:
+        series(folder, content, **section)
+    assert message in str(caught.value)
+    assert caught.value.reason == ("not_finite" if "is not finite" in message else reason)
