@@ -15,6 +15,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, in_words, message_of
+from geoswarm.solver.forward.base import NotedResponse
 from geoswarm.solver.methods.base import Task
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.offer import Offer
@@ -58,7 +59,7 @@ class Evaluation:
     misfits, responses
         f'_g and calculated values, shape (m_g,), of each observed series; empty when failed.
     reason, message
-        Kind of failure (:data:`geoswarm.solver.errors.FailureReason`) and what happened.
+        Kind of failure (:data:`geoswarm.solver.errors.FailureReason`) and what happened; of a success a note, or None.
     seconds
         Wall time of the forward calculation [s].
     """
@@ -180,6 +181,12 @@ class Calibration:
         initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
         self._maker = problem.method.maker(Task(self.space, seed, initial, problem.planned_evaluations, self.offered))
 
+    def make_ready(self) -> None:
+        """Have the forward run load what it needs, outside of any evaluation and its limits."""
+        make_ready = getattr(self._run, "make_ready", None)
+        if make_ready is not None:
+            make_ready()
+
     def start(self, slots: int = 1) -> Progress:
         """Ask for generation 0.
 
@@ -224,7 +231,8 @@ class Calibration:
         except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
             reason, message = "bad_output", f"the forward model raised {in_words(error)}"
         else:
-            return Evaluation(parameters, self.objective.value(misfits), misfits, responses, None, None, seconds)
+            note = found.note if isinstance(found, NotedResponse) else None
+            return Evaluation(parameters, self.objective.value(misfits), misfits, responses, None, note, seconds)
         return Evaluation(parameters, None, {}, {}, reason, message, time.perf_counter() - began)
 
     @property

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 __all__ = [
     "FailureReason",
@@ -45,7 +45,17 @@ __all__ = [
 ]
 
 FailureReason: TypeAlias = Literal[
-    "diverged", "not_finite", "infeasible", "bad_output", "timeout", "killed_memory", "worker_lost"
+    "diverged",
+    "not_finite",
+    "infeasible",
+    "bad_output",
+    "timeout",
+    "killed_memory",
+    "worker_lost",
+    "not_started",
+    "program_failed",
+    "no_output",
+    "no_licence",
 ]
 """Why an evaluation failed: the words of ForwardError, and those of the engine that runs it."""
 
@@ -123,7 +133,7 @@ class WorkerLostError(SolverError):
 class ForwardError(SolverError):
     """One forward calculation failed."""
 
-    reason: ClassVar[str] = "diverged"
+    reason: str = "diverged"
 
 
 class DivergedError(ForwardError):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 __all__ = ["ParameterInfo", "outside_limits"]
@@ -15,6 +15,7 @@ class ParameterInfo:
 
     ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) limit what is
     physically admissible; ``typical`` is a usual range offered to users. ``lower_open``: ``lower`` itself is refused.
+    ``any_case``: capitals are the same as small letters in its name, as in templates of PEST.
     """
 
     name: str
@@ -27,6 +28,11 @@ class ParameterInfo:
     lower_open: bool = False
     upper_open: bool = False
     typical: tuple[float, float] | None = None
+    any_case: bool = False
+
+    def is_among(self, names: Collection[str]) -> bool:
+        """Whether one of some names is its."""
+        return self.name in names or (self.any_case and self.name.lower() in {name.lower() for name in names})
 
     @property
     def accepted(self) -> str:

@@ -3,20 +3,40 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, TypeAlias
+from typing import Any, ClassVar, Protocol, TypeAlias, runtime_checkable
 
 from pydantic import BaseModel, ConfigDict, JsonValue
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["ForwardModel", "ForwardModelSpec", "ForwardRun", "ParameterInfo", "SeriesInfo", "in_unit"]
+__all__ = [
+    "ForwardModel",
+    "ForwardModelSpec",
+    "ForwardRun",
+    "NotedResponse",
+    "ParameterInfo",
+    "SeriesInfo",
+    "TellsUnused",
+    "in_unit",
+]
 
 ForwardRun: TypeAlias = Callable[[Mapping[str, float]], dict[str, FloatArray]]
 """Parameter values by name -> response of every prepared series at its prepared points, in base units."""
+
+
+class NotedResponse(dict[str, FloatArray]):
+    """What a :data:`ForwardRun` returns when something is to be said of a run that succeeded.
+
+    ``note`` is stored with the evaluation, as its message.
+    """
+
+    def __init__(self, response: Mapping[str, FloatArray], note: str) -> None:
+        super().__init__(response)
+        self.note = note
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +91,14 @@ class ForwardModel(Protocol):
         """
 
 
+@runtime_checkable
+class TellsUnused(Protocol):
+    """A model that takes any parameter, and knows which of them reach it."""
+
+    def unused(self, names: Collection[str]) -> tuple[str, ...]:
+        """Those of some parameters that change nothing."""
+
+
 def in_unit(unit: str, lowest: float | None = None, highest: float | None = None) -> dict[str, JsonValue]:
     """What a field's JSON schema tells forms beside its description: ``x-unit`` and a usual range, ``x-typical``.
 
@@ -87,6 +115,9 @@ class ForwardModelSpec(BaseModel, ABC):
 
     depends_on_section: ClassVar[bool] = False
     """Whether parameters and series follow from what a section says, beyond its kind."""
+
+    programs: ClassVar[bool] = False
+    """Whether models of this kind run programs or code of the machine: the service neither offers nor accepts it."""
 
     kind: str
 
@@ -107,6 +138,25 @@ class ForwardModelSpec(BaseModel, ABC):
     def kernels(self) -> frozenset[str]:
         """Compiled kernels that it needs: samples of :mod:`geoswarm.solver.warm` that use them, and kinds of laws."""
         return frozenset()
+
+    @property
+    def runs_programs(self) -> bool:
+        """Whether it starts programs of this machine: then no problem from the network may have it."""
+        return self.programs
+
+    @property
+    def only_here(self) -> bool:
+        """Whether it can be calculated in this very process alone: no other process knows it."""
+        return False
+
+    @property
+    def runs_outside(self) -> bool:
+        """Whether a run is one of the user's programs or functions: it is watched, and none is made unasked."""
+        return self.runs_programs
+
+    def unavailable(self) -> str | None:
+        """Why it cannot be run on this machine though its section is sound, in words; None: it can."""
+        return None
 
     def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
         """The same section with the contents of the files that it names in place of their names.

@@ -72,6 +72,25 @@ class CombinedSpec(ForwardModelSpec):
         """Those of all parts."""
         return frozenset().union(*(part.kernels for part in self.parts.values()))
 
+    @property
+    def runs_programs(self) -> bool:
+        """When a part does."""
+        return any(part.runs_programs for part in self.parts.values())
+
+    @property
+    def runs_outside(self) -> bool:
+        """When those of a part are."""
+        return any(part.runs_outside for part in self.parts.values())
+
+    def unavailable(self) -> str | None:
+        """Why a part cannot be run here."""
+        return next((why for part in self.parts.values() if (why := part.unavailable())), None)
+
+    @property
+    def only_here(self) -> bool:
+        """When a part can."""
+        return any(part.only_here for part in self.parts.values())
+
     def build(self) -> CombinedModel:
         """Build the forward models of all parts."""
         return CombinedModel({name: built(spec) for name, spec in self.parts.items()})
@@ -146,7 +165,7 @@ class CombinedModel:
             shared: None
             for part in self._parts.values()
             for info, (shared, own) in zip(part.model.parameters, part.own_names, strict=True)
-            if info.default is None and shared not in declared and own not in declared
+            if info.default is None and own not in declared and not info.is_among(declared)
         }
         return [info for info in self._shared if info.name in needed]
 

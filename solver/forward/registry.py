@@ -21,12 +21,14 @@ from geoswarm.solver.installed import Installed
 __all__ = [
     "BUILT_IN",
     "GROUP",
+    "PROGRAMS_REFUSED",
     "AnyForwardModelSpec",
     "built",
     "find_spec",
     "forget",
     "is_foreign",
     "kinds",
+    "offered_kinds",
     "parse_spec",
 ]
 
@@ -40,8 +42,18 @@ BUILT_IN = {
     "isotropic_compression": "geoswarm.solver.forward.isotropic_compression:IsotropicCompressionSpec",
     "section": "geoswarm.solver.forward.cross_section:SectionSpec",
     "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",
+    "command": "geoswarm.solver.forward.command:CommandSpec",
+    "python": "geoswarm.solver.forward.python_function:PythonSpec",
+    "umbridge": "geoswarm.solver.forward.umbridge:UmbridgeSpec",
+    "registered": "geoswarm.solver.registered.spec:RegisteredSpec",
 }
 """Forward models of this package, as pyproject.toml declares them."""
+
+PROGRAMS_REFUSED = (
+    "starts or calls a program of the machine it runs on (kind: command, python or umbridge); that is accepted from "
+    "problem files and Python only (geoswarm run, geoswarm.calibrate)"
+)
+"""What a service answers to a forward model that runs programs."""
 
 
 _installed: Installed[type[ForwardModelSpec]] = Installed(
@@ -59,6 +71,18 @@ _installed: Installed[type[ForwardModelSpec]] = Installed(
 def kinds() -> tuple[str, ...]:
     """Kinds of forward model that are installed, loaded or not, the built-in ones first."""
     return _installed.kinds()
+
+
+def offered_kinds() -> tuple[str, ...]:
+    """Kinds that a service accepts from its users: those that run no programs of its machine, and broken ones."""
+    return tuple(kind for kind in kinds() if not _runs_programs(kind))
+
+
+def _runs_programs(kind: str) -> bool:
+    try:
+        return find_spec(kind).programs
+    except BrokenForwardModelError:
+        return False
 
 
 def is_foreign(section: Any) -> bool:

@@ -9,7 +9,7 @@ from typing import Literal
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.stages import stage_times
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 __all__ = ["DOES_NOT_HOLD", "SHORT", "Misfit", "remedies_of", "sentence_of"]
 

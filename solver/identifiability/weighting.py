@@ -177,7 +177,7 @@ def reweighted_problem(
         if point_weights and series in point_weights:
             observation = next(o for o in problem.observations if o.series == series)
             section["points"] = observation.chosen_points().document() | {"weight": list(point_weights[series])}
-    return parse_problem(document)
+    return parse_problem(document, programs=problem.forward_model.runs_programs)
 
 
 def reweight(

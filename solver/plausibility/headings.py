@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.tables.columns import Heading
 from geoswarm.solver.problem.tables.headings import known_unit
-from geoswarm.solver.problem.units import UnitError, convert, same_unit
+from geoswarm.solver.units import UnitError, convert, same_unit
 
 __all__ = ["contradicted_headings"]
 

@@ -13,7 +13,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 __all__ = ["loads_not_shown"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.plausibility.units import meant_unit
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.problem.units import same_unit
+from geoswarm.solver.units import same_unit
 
 __all__ = ["impossible_readings"]
 

@@ -11,7 +11,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test, stage_of, stage_times
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 __all__ = ["StagedReadings", "staged_readings"]
 

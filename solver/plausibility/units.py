@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 __all__ = ["meant_unit", "with_unit"]
 

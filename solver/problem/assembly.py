@@ -15,7 +15,7 @@ from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverE
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.formula import FormulaModel
-from geoswarm.solver.forward.registry import built, find_spec, parse_spec
+from geoswarm.solver.forward.registry import PROGRAMS_REFUSED, built, find_spec, parse_spec
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.registry import UnknownMethodError, find_method, kinds
 from geoswarm.solver.problem.checks.extremes import extreme_issues
@@ -59,20 +59,23 @@ _FORMS = "must be exactly one of free (lower, upper, scale, initial, integer), f
 _SETTINGS = tuple(Settings.model_fields)
 
 
-def parse_problem(document: Mapping[str, Any]) -> Problem:
+def parse_problem(document: Mapping[str, Any], *, programs: bool = False) -> Problem:
     """Check a document and build its problem; files are refused, points must be inlined.
 
     Parameters
     ----------
     document
         As in a problem file; NumPy arrays and tuples are accepted for lists.
+    programs
+        Whether its forward model may start programs of this machine: True for what a user of this machine has written,
+        or was made of a problem that had been accepted so; never for what came over the network.
 
     Raises
     ------
     ProblemError
         Lists every mistake with its path.
     """
-    return _Assembly(plain_document(document), None).problem()
+    return _Assembly(plain_document(document), None, programs).problem()
 
 
 def load_problem(path: str | Path) -> Problem:
@@ -87,20 +90,25 @@ def load_problem(path: str | Path) -> Problem:
     """
     path = Path(path)
     document = read_problem_file(path)
-    problem = _Assembly({"name": path.stem, **document}, path.parent).problem()
+    problem = _Assembly({"name": path.stem, **document}, path.parent, programs=True).problem()
     if extreme := extreme_issues(problem):
         raise ProblemError(extreme)
     return problem
 
 
 # Compiled expressions and models need not travel to other processes: the document says it all.
-copyreg.pickle(Problem, lambda problem: (parse_problem, (problem.document(),)))
+copyreg.pickle(Problem, lambda problem: (_parsed_again, (problem.document(), problem.forward_model.runs_programs)))
+
+
+def _parsed_again(document: Mapping[str, Any], programs: bool) -> Problem:
+    return parse_problem(document, programs=programs)
 
 
 @dataclass
 class _Assembly:
     document: dict[str, Any]
     folder: Path | None
+    programs: bool
     issues: list[Issue] = field(default_factory=list)
 
     def problem(self) -> Problem:
@@ -196,6 +204,9 @@ class _Assembly:
             # Only an unknown key asks for the schema, and then the kind has been found.
             self.issues += issues_of(error, section, "forward_model", lambda: find_spec(self._kind).model_json_schema())
             return None, None
+        if spec.runs_programs and not self.programs:
+            self._report("forward_model", PROGRAMS_REFUSED)
+            return spec, None
         try:
             spec = spec.with_files(self.folder, "forward_model")
         except ProblemError as error:

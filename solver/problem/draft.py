@@ -99,9 +99,14 @@ def _syntax(issue: Issue) -> LocatedIssue:
     return LocatedIssue(issue.path, issue.message, int(found[1]) if found else None)
 
 
-@lru_cache(maxsize=16)  # drafts are judged at every change, most of which are elsewhere; a section plans a mesh
 def _model(section: str) -> ForwardModel | None:
     try:
-        return built(parse_spec(json.loads(section)).with_files(None, "forward_model"))
+        spec = parse_spec(json.loads(section))
+        return None if spec.runs_programs else _built(spec.with_files(None, "forward_model").model_dump_json())
     except (ValidationError, SolverError, ValueError):
         return None
+
+
+@lru_cache(maxsize=16)  # drafts are judged at every change, most of which are elsewhere; a section plans a mesh
+def _built(section: str) -> ForwardModel:
+    return built(parse_spec(json.loads(section)))

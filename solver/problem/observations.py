@@ -20,7 +20,7 @@ from geoswarm.solver.problem.tables.cells import moment_in
 from geoswarm.solver.problem.tables.columns import Columns, Heading, read_table
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
-from geoswarm.solver.problem.units import UnitError, convert, same_unit
+from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["Observation", "Points", "build_observations", "read_points"]

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from geoswarm.solver.errors import ExpressionError, Issue
 from geoswarm.solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
-from geoswarm.solver.forward.base import ForwardModel, ParameterInfo
+from geoswarm.solver.forward.base import ForwardModel, ParameterInfo, TellsUnused
 from geoswarm.solver.forward.combined import CombinedModel
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.sections import FixedSection, FreeSection, LinkedSection, Scale
@@ -181,6 +181,12 @@ def check_against_model(
             hint = did_you_mean(name, infos)
             message = f"unknown parameter of forward model {kind}{hint}; known: {', '.join(infos)}"
             issues.append(Issue(f"parameters.{name}", message))
+    if isinstance(model, TellsUnused):
+        free = [name for name, one in parameters.items() if isinstance(one, FreeParameter) and name not in linked_from]
+        issues += [
+            Issue(f"parameters.{name}", "is used by no template, and no file of all parameters is written (write)")
+            for name in model.unused(free)
+        ]
     issues += [
         Issue(f"parameters.{info.name}", f"is missing ({_what(info)}); give bounds, a value or an expression")
         for info in _missing(model, declared)
@@ -196,7 +202,7 @@ def _what(info: ParameterInfo) -> str:
 def _missing(model: ForwardModel, declared: Collection[str]) -> list[ParameterInfo]:
     if isinstance(model, CombinedModel):
         return model.missing(declared)
-    return [info for info in model.parameters if info.default is None and info.name not in declared]
+    return [info for info in model.parameters if info.default is None and not info.is_among(declared)]
 
 
 def _limit_issues(parameter: Parameter, info: ParameterInfo) -> list[Issue]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from geoswarm.solver.errors import BrokenForwardModelError
-from geoswarm.solver.forward.registry import find_spec, kinds
+from geoswarm.solver.forward.registry import find_spec, kinds, offered_kinds
 from geoswarm.solver.methods import registry as methods
 from geoswarm.solver.problem.sections import ProblemFile
 
@@ -14,12 +14,15 @@ __all__ = ["problem_schema"]
 _FORWARD_MODEL = "x-forward-model"
 
 
-def problem_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a problem file. Forward models that cannot be loaded are left out."""
+def problem_schema(*, programs: bool = False) -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of a problem. Forward models that cannot be loaded are left out.
+
+    ``programs``: with those that run programs of the machine, which a service does not accept.
+    """
     schema = ProblemFile.model_json_schema()
     definitions = schema.setdefault("$defs", {})
     choices = []
-    for kind in kinds():
+    for kind in kinds() if programs else offered_kinds():
         try:
             section = find_spec(kind).model_json_schema()
         except BrokenForwardModelError:

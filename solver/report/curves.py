@@ -13,8 +13,8 @@ from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import stage_times
-from geoswarm.solver.problem.units import convert
 from geoswarm.solver.report.figures.thinning import MOST_SHOWN, shown
+from geoswarm.solver.units import convert
 
 __all__ = [
     "SeriesCurve",
@@ -127,15 +127,17 @@ def series_curves(
         Calculated values at the measured points, shape (m_g,), base units.
     values
         Value of every parameter; the curve between the points is calculated with them. Where that calculation fails,
-        the curve joins the calculated points.
+        the curve joins the calculated points, as it does for programs of the user's, which nobody watches here.
     initial
         Value of every parameter of the estimate to start from; a second curve where that calculation succeeds.
     """
-    grids = {o.series: _grid(problem, o) for o in problem.observations}
-    dense = _calculate(problem, grids, values)
+    outside = problem.forward_model.runs_outside and not problem.forward_model.only_here
+    grids = {o.series: o.x if outside else _grid(problem, o) for o in problem.observations}
+    known_there = all(grids[o.series] is o.x for o in problem.observations)
+    dense = dict(responses) if known_there else _calculate(problem, grids, values)
     if dense is None:
         grids, dense = {o.series: o.x for o in problem.observations}, dict(responses)
-    first = None if initial is None else _calculate(problem, grids, initial)
+    first = None if initial is None or outside else _calculate(problem, grids, initial)
     known = {info.name: info for info in problem.model.series}
     return [
         _curve(
@@ -203,6 +205,8 @@ def objective_unit(problem: Problem) -> str:
 
 def _grid(problem: Problem, observation: Observation) -> FloatArray:
     grid = problem.model.grid(observation.series)
+    if problem.forward_model.runs_outside and not grid.size:
+        return observation.x  # in this order: a function answers for the points that it knows
     within = grid[grid <= observation.x.max()]
     return np.union1d(within, observation.x)
 
@@ -224,6 +228,7 @@ def _curve(
         return convert(values, info.y_unit, y_unit)
 
     order = np.argsort(observation.x, kind="stable")
+    along = np.argsort(x, kind="stable")
     return SeriesCurve(
         series=observation.series,
         x_quantity=info.x_quantity,
@@ -232,9 +237,9 @@ def _curve(
         y_unit=y_unit,
         measured_x=to_x(observation.x)[order],
         measured_y=to_y(observation.y)[order],
-        x=to_x(x),
-        y=to_y(np.asarray(y, dtype=np.float64)),
+        x=to_x(x)[along],
+        y=to_y(np.asarray(y, dtype=np.float64))[along],
         at_points=to_y(np.asarray(at_points, dtype=np.float64))[order],
-        initial=None if initial is None else to_y(np.asarray(initial, dtype=np.float64)),
+        initial=None if initial is None else to_y(np.asarray(initial, dtype=np.float64))[along],
         breaks=to_x(breaks),
     )

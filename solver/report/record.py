@@ -13,7 +13,7 @@ from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.identifiability.optimum.polish import Polished
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
-from geoswarm.solver.versions import versions
+from geoswarm.solver.system.versions import versions
 
 __all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]
 
@@ -63,7 +63,7 @@ class RunRecord:
     records
         Finished generations in order.
     versions
-        What the run was calculated under (:func:`geoswarm.solver.versions.versions`); None: not recorded.
+        What the run was calculated under (:func:`geoswarm.solver.system.versions.versions`); None: not recorded.
     warnings
         What to know about them, one sentence each.
     environment

@@ -9,7 +9,6 @@
 ``child``             the evaluation process; ``process`` is the worker's side of it
 ``wire``              frames between the two; ``shared_state`` memory that they share
 ``output``            takes what forward models print
-``environment``       which variables forward models see
-``processes``         process trees: memory and end; ``traces``: what a run has left
+``traces``            what a run has left in its process
 ====================  ==========================================================================
 """

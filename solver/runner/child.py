@@ -19,10 +19,10 @@ from geoswarm.solver.errors import in_words
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.evaluator import evaluate
 from geoswarm.solver.runner.output import LOG_TAIL, OwnOutput
-from geoswarm.solver.runner.processes import go_first_without_memory
 from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.traces import Traces
 from geoswarm.solver.runner.wire import ConnectionEnded, Frame, FrameReader, Outcome, pack_outcomes, receive, send
+from geoswarm.solver.system.processes import adopt_orphans, go_first_without_memory
 
 __all__ = ["serve"]
 
@@ -36,6 +36,7 @@ def serve(connection: socket.socket, shared: SharedState) -> None:
     that cheap evaluations share them; the last frame says ``done``, and ``renew`` when the runs have left traces and
     the next one should have a process of its own.
     """
+    adopt_orphans()
     go_first_without_memory()  # not the worker, which has results to hand in
     _Child(connection, shared).serve()
 
@@ -72,7 +73,10 @@ class _Child:
         self._shared.build()
         self._calibration = None
         try:
-            self._calibration = Calibration(parse_problem(json.loads(request.head["problem"])), request.head["seed"])
+            problem = parse_problem(json.loads(request.head["problem"]), programs=request.head["programs"])
+            calibration = Calibration(problem, request.head["seed"])
+            calibration.make_ready()
+            self._calibration = calibration
         except BaseException as error:  # noqa: BLE001  anybody's code; the worker that builds it finds out by itself
             self._why = f"the problem cannot be built here: it raised {in_words(error)}"[:LOG_TAIL]
         self._leave_if_forked()

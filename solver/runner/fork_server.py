@@ -48,7 +48,7 @@ def main(given: Mapping[str, Any]) -> None:
     """Serve one worker over the socket whose descriptor is ``given``, until it closes."""
     # What needs long to load is loaded here, once for all evaluation processes to come.
     from geoswarm.solver.runner import child
-    from geoswarm.solver.runner.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
+    from geoswarm.solver.system.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
     from geoswarm.solver.warm import GROUPS, import_models, load_kernels, run_sample
 
     adopt_orphans()
@@ -122,8 +122,8 @@ def _process_descriptor(pid: int) -> list[int]:
 
 def _become_child(serve: Any, connection: int, output: int, memory: int) -> None:
     """Turn this fork into an evaluation process; does not return."""
-    from geoswarm.solver.runner.processes import adopt_orphans, die_with_parent
     from geoswarm.solver.runner.shared_state import SharedState
+    from geoswarm.solver.system.processes import adopt_orphans, die_with_parent
 
     code = 1
     try:

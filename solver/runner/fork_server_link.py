@@ -14,14 +14,14 @@ import sys
 import time
 from collections.abc import Callable
 
-from geoswarm.solver.runner.environment import clean_environment
 from geoswarm.solver.runner.evaluator import NoProcessError
 from geoswarm.solver.runner.fork_server import BOOTSTRAP, FORK, KILL, LOAD, STATUS
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.process import EvaluationProcess
-from geoswarm.solver.runner.processes import kill_session, memory_below
 from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.wire import readable
+from geoswarm.solver.system.environment import clean_environment
+from geoswarm.solver.system.processes import kill_session, memory_below
 from geoswarm.solver.warm import GROUPS
 
 __all__ = ["ONE_THREAD", "ForkServerLink"]

@@ -169,7 +169,9 @@ class Runner:
         received = 0
         try:
             if process.job is None:
-                self._load(process, job_id, calibration.problem.document(), calibration.seed)
+                problem = calibration.problem
+                programs = problem.forward_model.runs_programs  # accepted where the problem was built
+                self._load(process, job_id, problem.document(), calibration.seed, programs=programs)
                 process.ask(request, _packed(positions), first=False)
             else:
                 process.ask(request, _packed(positions))
@@ -195,9 +197,18 @@ class Runner:
             self._kill()  # the caller has lost interest; whatever is under way must not answer the next request
             raise
 
-    def _load(self, process: EvaluationProcess, job_id: str, document: Mapping[str, Any], seed: int) -> None:
+    def _load(
+        self,
+        process: EvaluationProcess,
+        job_id: str,
+        document: Mapping[str, Any],
+        seed: int,
+        *,
+        programs: bool = False,
+    ) -> None:
         process.shared.build()
-        process.ask({"op": "load", "seed": seed, "problem": json.dumps(document, allow_nan=False)})
+        text = json.dumps(document, allow_nan=False)
+        process.ask({"op": "load", "seed": seed, "problem": text, "programs": programs})
         process.job = job_id
 
     def _watched(self, process: EvaluationProcess, limits: RunLimits, unwanted: Callable[[], float | None]) -> Frame:

@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, with_further_tries
 from geoswarm.solver.errors import WorkerLostError
 from geoswarm.solver.forward.registry import is_foreign
-from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
 
 __all__ = ["WATCHED", "EvaluateGeneration", "Finished", "evaluator"]
@@ -45,15 +45,17 @@ _GUARD = (
 def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Iterator[EvaluateGeneration]:
     """Give a function that evaluates all positions of a generation, shape (n, d), and returns them in order.
 
-    One worker is this very process, unless the problem limits an evaluation. Several are watched processes: a run that
-    exceeds a limit or ends its process is a failed evaluation. As they take seconds to start, our own quick models
-    begin in this process. On systems other than Linux limits do not hold, and the processes are a plain pool: one that
-    dies ends the calibration.
+    One worker is this very process, unless the problem limits an evaluation or starts programs. Several are watched
+    processes: a run that exceeds a limit or ends its process is a failed evaluation. As they take seconds to start, our
+    own quick models begin in this process. On systems other than Linux limits do not hold, and the processes are a
+    plain pool: one that dies ends the calibration. A forward model that lives in this process alone stays in it.
     """
     if workers < 1:
         raise ValueError(f"workers is {workers}, at least 1 is needed")
-    limited = WATCHED and calibration.problem.limits != Limits()
-    here = math.inf if workers == 1 and not limited else _seconds_here(calibration, limited)
+    problem = calibration.problem
+    limited = WATCHED and (problem.limits != Limits() or problem.forward_model.runs_outside)
+    stays = problem.forward_model.only_here or (workers == 1 and not limited)
+    here = math.inf if stays else _seconds_here(calibration, limited)
     with ExitStack() as started:
         shared: _Shared | None = None
 
@@ -134,7 +136,7 @@ def _pool(calibration: Calibration, workers: int, finished: Finished) -> Iterato
         workers,
         mp_context=multiprocessing.get_context("spawn"),
         initializer=_initialise_process,
-        initargs=(calibration.problem.document(), calibration.seed),
+        initargs=(calibration.problem, calibration.seed),
     )
     shared = _Shared(pool, workers, _evaluate_chunk, finished)
     try:
@@ -159,10 +161,10 @@ def _pool(calibration: Calibration, workers: int, finished: Finished) -> Iterato
 _process_calibration: Calibration | None = None  # one for the life of a pool's process
 
 
-def _initialise_process(document: dict[str, Any], seed: int) -> None:
+def _initialise_process(problem: Problem, seed: int) -> None:
     global _process_calibration
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C reaches the whole group: end without a traceback
-    _process_calibration = Calibration(parse_problem(document), seed)
+    _process_calibration = Calibration(problem, seed)
 
 
 def _evaluate_chunk(positions: FloatArray) -> list[Evaluation]:

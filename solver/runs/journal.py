@@ -22,7 +22,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Progress, Step
-from geoswarm.solver.file_locks import try_lock
+from geoswarm.solver.system.file_locks import try_lock
 
 __all__ = ["Journal", "Keeper", "RunIdentity", "Stored", "read_journal"]
 

@@ -190,7 +190,8 @@ def _at(problem: Problem, optimum: FloatArray) -> dict[str, float]:
 def _changed(problem: Problem, method: Mapping[str, Any], seed: int) -> Problem:
     given = {key: value for key, value in method.items() if value is not None}
     name = f"{problem.name}, {method['kind']}"[:_LONGEST_NAME]
-    return parse_problem(problem.document() | {"name": name, "method": given, "stopping": {}, "seed": seed})
+    document = problem.document() | {"name": name, "method": given, "stopping": {}, "seed": seed}
+    return parse_problem(document, programs=problem.forward_model.runs_programs)
 
 
 def findings_of(

@@ -15,9 +15,9 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.extras import has, needs_extra
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.search.descent.planned import GlobalPoints
+from geoswarm.solver.system.extras import has, needs_extra
 
 __all__ = ["GlobalIndex", "GlobalSensitivity", "analyse_design", "outputs_of"]
 

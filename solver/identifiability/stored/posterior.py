@@ -16,12 +16,12 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import Noise, known_noise, noise_objective, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.stored.surface import ResponseSurface, fit_surface
+from geoswarm.solver.system.extras import needs_extra
 
 _Likelihood: TypeAlias = Callable[[FloatArray], FloatArray]
 

@@ -16,7 +16,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 __all__ = ["PrimaryConsolidation", "consolidation_degree", "find_consolidation"]
 

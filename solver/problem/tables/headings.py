@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from geoswarm.solver.problem.units import UnitError, convert
+from geoswarm.solver.units import UnitError, convert
 
 __all__ = ["guess_unit", "known_unit", "units_in_comments"]
 

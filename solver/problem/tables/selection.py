@@ -11,7 +11,7 @@ from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.stages import stage_of, stage_times
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.base import ForwardModelSpec

@@ -196,6 +196,8 @@ class _Plain:
             raise self._wrong(f"has {len(mapping)} keys; at most {_MAX_KEYS} are accepted")
         copied = {}
         for key, value in mapping.items():
+            if type(key) is int and self._steps[-2:] == ["fail", "exit"]:  # exit statuses are numbers to their users
+                key = str(key)
             if not isinstance(key, str):
                 raise self._wrong(f"key {_short(str(key))} is a {_kind(key)}; write it in quotes")
             copied[key] = self._inner(value, key, depth)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.extras import has
+from geoswarm.solver.system.extras import has
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

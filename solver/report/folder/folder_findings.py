@@ -65,7 +65,7 @@ def findings_of_folder(folder: Path, problem: Problem, *, noise: Mapping[str, fl
     for kind in kinds_of("follow_up"):
         file = folder / kind / "problem.json"
         if file.is_file():
-            follow_up = parse_problem(json.loads(file.read_text(encoding="utf-8")))
+            follow_up = parse_problem(json.loads(file.read_text(encoding="utf-8")), programs=True)
             if same_question(problem, follow_up):
                 parts.append(_read(folder / kind, follow_up, noise))
     return join_findings(parts)

@@ -68,7 +68,7 @@ def run_of_folder(folder: Path) -> StoredRun:
             f"{folder} lacks {', '.join(missing)}; a folder that 'geoswarm run PROBLEM --output DIR' wrote is accepted"
         )
     try:
-        problem = parse_problem(json.loads((folder / "problem.json").read_text(encoding="utf-8")))
+        problem = parse_problem(json.loads((folder / "problem.json").read_text(encoding="utf-8")), programs=True)
         result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
         rows = read_table(folder / "evaluations.csv")
         record = _record(problem, result, rows, read_table(folder / "generations.csv"))

@@ -16,7 +16,7 @@ from geoswarm.solver.report.document.laboratory import laboratory_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
 from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
-from geoswarm.solver.versions import versions
+from geoswarm.solver.system.versions import versions
 from geoswarm.solver.words import visible
 
 __all__ = [

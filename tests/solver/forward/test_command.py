@@ -1,0 +1,220 @@
+"""The section ``kind: command``: what it refuses, what stays secret, what a run gets."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import ForwardError, ProblemError
+from geoswarm.solver.external.interpolation import at_points
+from geoswarm.solver.external.runs.folder import private_folder
+from geoswarm.solver.external.runs.slots import slot
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
+
+ECHO = """
+import json
+p = json.load(open("p.json"))
+lines = ["x,y", f"0,{p['a']!r}", f"2,{p['b']!r}"]
+open("out.csv", "w").write(chr(10).join(lines))
+"""
+
+
+def problem(folder: Path, **changes: Any) -> Problem:
+    section = {
+        "kind": "command",
+        "run": ["{python}", "-c", ECHO],
+        "write": {"p.json": "json"},
+        "series": {"y": {"file": "out.csv", "x": "x", "y": "y", "x_unit": "min", "y_unit": "mm"}},
+    }
+    units = {} if "series" in changes else {"x_unit": "min", "y_unit": "mm"}
+    document = {
+        "forward_model": section | changes,
+        "parameters": {"a": {"lower": 0, "upper": 1}, "b": {"value": 0.1}},
+        "observations": [{"series": "y", **units, "points": {"x": [0, 1, 2], "y": [0, 0, 0]}}],
+        "stopping": {"max_evaluations": 10},
+    }
+    (folder / "problem.json").write_text(json.dumps(document))
+    return load_problem(folder / "problem.json")
+
+
+def run(given: Problem, **values: float) -> dict[str, Any]:
+    calculate = given.model.prepare({o.series: o.x for o in given.observations})
+    return calculate({"a": 0.25, "b": 0.75, **values})
+
+
+@pytest.fixture(autouse=True)
+def _own_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+
+
+def test_units_are_converted_and_points_between_are_interpolated(tmp_path: Path) -> None:
+    found = run(problem(tmp_path))["y"]
+    assert np.allclose(found, [0.25e-3, 0.5e-3, 0.75e-3], rtol=1e-15)
+
+
+@pytest.mark.parametrize("value", [0.1, 1 / 3, 1e-300, 123456789.123456789, 5e-324, -0.0])
+def test_numbers_reach_the_program_to_the_last_bit(value: float, tmp_path: Path) -> None:
+    code = "import struct; open('out.csv', 'w').write('x,y\\n0,' + repr(float(open('in').read())) + '\\n2,0\\n')"
+    (tmp_path / "in.in").write_text("{{a}}\n")
+    given = problem(
+        tmp_path,
+        run=["{python}", "-c", code],
+        write={},
+        templates={"in": "in.in"},
+        series={"y": {"file": "out.csv", "x": 1, "y": 2}},
+    )
+    assert run(given, a=value)["y"][0].hex() == value.hex()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"run": []}, "run"),
+        ({"run": [" "]}, "the program is empty"),
+        ({"files": ["../secret"]}, "must stay in the folder"),
+        ({"files": ["/etc/passwd"]}, "must be relative"),
+        ({"files": ["missing.inc"]}, "missing.inc is not in"),
+        ({"files": ["device"]}, "device is neither a file nor a folder"),
+        ({"templates": {"p.json": "t.in"}}, "p.json stands in templates and in write"),
+        ({"link": ["mesh"], "write": {"mesh/p.json": "json"}}, "lies in the linked folder mesh"),
+        ({"series": {"y": {"file": "../out.csv", "x": 1, "y": 2}}}, "must stay in the folder"),
+        ({"series": {"y": {"file": "out.csv", "x": 1, "y": 2, "y_unit": "furlongs/x"}}}, "unknown unit"),
+        ({"templates": {"in": "bad.in"}}, "bad.in: line 1, column 1"),
+        ({"success": {"text": {"log": "("}}}, "is no regular expression"),
+        (
+            {"link": ["mesh"], "series": {"y": {"file": "mesh/o.csv", "x": 1, "y": 2}}},
+            "it could be that of another run",
+        ),
+        ({"link": ["mesh"], "success": {"files": ["mesh"]}}, "it could be that of another run"),
+        ({"fail": {"exit": {"3": "sunburnt"}}}, "forward_model.fail.exit"),
+        ({"environment": {"A B": "1"}}, "forward_model.environment"),
+        ({"seconds": 0}, "seconds"),
+        ({"slots": 0}, "slots"),
+    ],
+)
+def test_mistakes_are_told_with_their_place(changes: dict[str, Any], words: str, tmp_path: Path) -> None:
+    (tmp_path / "t.in").write_text("{{a}}")
+    (tmp_path / "bad.in").write_text("{{a")
+    (tmp_path / "device").symlink_to("/dev/full")
+    (tmp_path / "mesh").mkdir()
+    with pytest.raises(ProblemError) as caught:
+        problem(tmp_path, **changes)
+    assert words in str(caught.value)
+    assert all(issue.path.startswith("forward_model") for issue in caught.value.issues)
+
+
+def test_it_is_refused_unless_it_was_accepted(tmp_path: Path) -> None:
+    document = problem(tmp_path).document()
+    with pytest.raises(ProblemError, match="accepted from problem files and Python only"):
+        parse_problem(document)
+    assert parse_problem(document, programs=True) == problem(tmp_path)
+    combined = {"kind": "combined", "parts": {"one": document["forward_model"]}}
+    with pytest.raises(ProblemError, match="accepted from problem files and Python only"):
+        parse_problem(document | {"forward_model": combined})
+
+
+def test_the_environment_is_clean_and_what_is_passed_is_never_shown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PLAXIS_PASSWORD", "rosebud")
+    monkeypatch.setenv("GEOSWARM_API_KEY", "sesame")
+    monkeypatch.setenv("OTHER", "thing")
+    code = "import os; e = os.environ; print(sorted(e)); print(e['PLAXIS_PASSWORD'], e['PORT']); raise SystemExit(3)"
+    given = problem(
+        tmp_path,
+        run=["{python}", "-c", code],
+        **{"pass": ["PLAXIS_PASSWORD"]},
+        environment={"PORT": "50{slot}"},
+        fail={"text": {"output": {r"\w+ 500": "diverged"}}},
+    )
+    with pytest.raises(ForwardError) as caught:
+        run(given)
+    told = str(caught.value)
+    assert "rosebud" not in told
+    assert "*** 500" in told
+    assert "GEOSWARM_API_KEY" not in told
+    assert "OTHER" not in told
+    assert "rosebud" not in json.dumps(given.document())
+
+
+def test_a_run_folder_that_cannot_be_filled_is_told(tmp_path: Path) -> None:
+    """With a limit of the size of files in place of a full disk."""
+    (tmp_path / "in.in").write_text("{{a}} " + "x" * 100_000)
+    problem(tmp_path, templates={"in": "in.in"})
+    code = (
+        "import resource, sys; from pathlib import Path\n"
+        "from geoswarm.solver.calibration import Calibration\n"
+        "from geoswarm.solver.problem import load_problem\n"
+        "calibration = Calibration(load_problem(Path(sys.argv[1])), 1)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))\n"
+        "found = calibration.evaluate_values({'a': 0.5, 'b': 0.5})\n"
+        "print(found.reason, found.message)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "problem.json")], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("not_started the run folder cannot be filled")
+    assert "File too large" in done.stdout
+
+
+def test_files_that_change_do_not_change_a_calibration(tmp_path: Path) -> None:
+    (tmp_path / "tool.py").write_text(ECHO)
+    given = problem(tmp_path, run=["{python}", "tool.py"], files=["tool.py"])
+    calculate = given.model.prepare({"y": np.array([0.0])})
+    assert calculate({"a": 0.25, "b": 0.75})["y"].tolist() == [0.25e-3]
+    (tmp_path / "tool.py").write_text("raise SystemExit(9)")
+    assert calculate({"a": 0.5, "b": 0.75})["y"].tolist() == [0.5e-3]
+    with pytest.raises(ForwardError, match=r"tool.py in .* has changed since the problem was read"):
+        run(given)
+
+
+@pytest.mark.parametrize(("rule", "reason"), [("success", "program_failed"), ("fail", None)])
+def test_texts_of_an_earlier_run_do_not_count(rule: str, reason: str | None, tmp_path: Path) -> None:
+    (tmp_path / "job.log").write_text("FINISHED")
+    rules = {"success": {"text": {"job.log": "FINISHED"}}, "fail": {"text": {"job.log": {"FINISHED": "diverged"}}}}
+    given = problem(tmp_path, files=["job.log"], **{rule: rules[rule]})
+    found = Calibration(given, 1).evaluate_values({"a": 0.5, "b": 0.5})
+    assert found.reason == reason
+
+
+def test_texts_at_the_end_of_a_long_output_count(tmp_path: Path) -> None:
+    code = f"{ECHO}\nimport os\nfor _ in range(100): os.write(1, b'x' * 70_000)\nos.write(1, b'*ERROR')"
+    given = problem(tmp_path, run=["{python}", "-c", code], fail={"text": {"output": {r"\\*ERROR": "diverged"}}})
+    assert Calibration(given, 1).evaluate_values({"a": 0.5, "b": 0.5}).reason == "diverged"
+
+
+def test_new_collections_of_old_results_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "old.vtu").write_text("<VTKFile></VTKFile>")
+    code = "open('r.pvd', 'w').write('<DataSet timestep=\"0\" file=\"old.vtu\"/>')"
+    series = {"y": {"file": "r.pvd", "point": [0, 0], "field": "u"}}
+    given = problem(tmp_path, run=["{python}", "-c", code], files=["old.vtu"], series=series)
+    found = Calibration(given, 1).evaluate_values({"a": 0.5, "b": 0.5})
+    assert (found.reason, "r.pvd names old.vtu, which is older" in (found.message or "")) == ("no_output", True)
+
+
+def test_problems_with_one_pool_share_slots(tmp_path: Path) -> None:
+    code = f"{ECHO}\nimport sys; print('slot', sys.argv[1]); raise SystemExit(3)"
+    numbers = []
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        given = problem(tmp_path / name, run=["{python}", "-c", code, "{slot}"], slots=2, pool="licence")
+        with slot(private_folder("slots", "pool-licence"), 2) as taken, pytest.raises(ForwardError) as caught:
+            run(given)
+        numbers.append((taken, f"slot {1 - taken}" in str(caught.value)))
+    assert numbers == [(0, True), (0, True)]
+
+
+def test_a_series_that_turns_back_has_no_values_between_its_points() -> None:
+    x, y = np.array([1.0, 2.0, 1.5, 0.5]), np.array([1.0, 2.0, 1.9, 1.5])
+    assert at_points("y", x, y, np.array([1.5, 2.0])).tolist() == [1.9, 2.0]
+    with pytest.raises(ForwardError, match=r"y turns back at x = 2 \(point 2 of 4\)"):
+        at_points("y", x, y, np.array([0.75]))
+    assert at_points("y", x[::-1][2:], y[::-1][2:], np.array([1.25])).tolist() == [1.25]
