@@ -1,0 +1,165 @@
+"""The forward model that a Python function is: one call of it for each evaluation."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.external.errors import RunFailedError
+from geoswarm.solver.external.python.answers import Wanted, responses_of
+from geoswarm.solver.external.python.failures import failure_of
+from geoswarm.solver.external.python.loading import folder_importable, load_function
+from geoswarm.solver.external.python.session import function_of_session
+from geoswarm.solver.external.python.signature import POINTS, Signature
+from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.units import UnitError, base_unit
+
+if TYPE_CHECKING:
+    from geoswarm.solver.forward.python_function import PythonSpec
+
+__all__ = ["PythonModel"]
+
+
+class PythonModel:
+    """A Python function as a forward model.
+
+    Parameters
+    ----------
+    spec
+        Its section, with its signature.
+
+    Raises
+    ------
+    ProblemError
+        The unit of a series is unknown.
+    """
+
+    def __init__(self, spec: PythonSpec) -> None:
+        self._spec = spec
+        self._signature = spec.signature or Signature()
+        self._parameters = tuple(
+            ParameterInfo(name, name, "", f"Argument of {spec.function}.", default)
+            for name, default in self._signature.parameters.items()
+        )
+        issues: list[Issue] = []
+        self._series: dict[str, SeriesInfo] = {}
+        for name, section in spec.series.items():
+            bases = []
+            for axis, unit in (("x_unit", section.x_unit), ("y_unit", section.y_unit)):
+                try:
+                    bases.append(_base(unit))
+                except UnitError as error:
+                    issues.append(Issue(f"forward_model.series.{name}.{axis}", str(error)))
+            if len(bases) == 2:
+                description = section.description or f"Returned by {spec.function}."
+                self._series[name] = SeriesInfo(name, description, "x", bases[0], name, bases[1], x_increasing=False)
+        if issues:
+            raise ProblemError(issues)
+
+    @property
+    def parameters(self) -> tuple[ParameterInfo, ...]:
+        """The arguments of the function, but x and those whose default is no number."""
+        return self._parameters
+
+    @property
+    def open_parameters(self) -> bool:
+        """Whether the function takes ``**kwargs``."""
+        return self._signature.open
+
+    @property
+    def series(self) -> tuple[SeriesInfo, ...]:
+        """Series in the order of the section."""
+        return tuple(self._series.values())
+
+    def grid(self, series: str) -> FloatArray:
+        """No points, shape (0,): a curve has those that were observed."""
+        del series
+        return np.empty(0)
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:
+        """Nothing is inadmissible: the function will tell."""
+        del parameters
+        return None
+
+    def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+        """Build the calculation of series at x, each of shape (m_g,), base units; nothing is imported yet."""
+        wanted = {
+            name: Wanted(np.array(x, dtype=np.float64), self._spec.series[name].x_unit, self._spec.series[name].y_unit)
+            for name, x in points.items()
+        }
+        return _Calls(self._spec, self._signature, wanted)
+
+
+class _Calls:
+    """Calls the function."""
+
+    def __init__(self, spec: PythonSpec, signature: Signature, wanted: Mapping[str, Wanted]) -> None:
+        self._spec = spec
+        self._signature = signature
+        self._wanted = wanted
+        self._x = {name: one.own_x for name, one in wanted.items()} if signature.points else {}
+        self._folder = None if spec.folder is None or spec.session else Path(spec.folder)
+        self._function: Callable[..., Any] | None = None
+
+    def make_ready(self) -> None:
+        """Import the file, ahead of the first evaluation; what goes wrong is told by that."""
+        try:
+            self._found()
+        except RunFailedError:
+            return
+
+    def __call__(self, parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+        """Return the responses; raises ForwardError."""
+        function = self._found()
+        signature = self._signature
+        given: dict[str, Any] = {
+            name: value for name, value in parameters.items() if signature.open or name in signature.parameters
+        }
+        if signature.points:
+            x = {name: x.copy() for name, x in self._x.items()}
+            given[POINTS] = next(iter(x.values())) if len(self._spec.series) == 1 else x
+        called = self._spec.function
+        try:
+            with nullcontext() if self._folder is None else folder_importable(self._folder):
+                returned = function(**given)
+        except (MemoryError, KeyboardInterrupt):
+            raise
+        except (Exception, SystemExit) as error:  # noqa: BLE001  anybody's function: its bug is one failed evaluation
+            raise failure_of(error, self._file(function), called, self._hint(error)) from None
+        return responses_of(returned, self._wanted, self._spec.series, called)
+
+    def _found(self) -> Callable[..., Any]:
+        if self._function is None:
+            spec = self._spec
+            if spec.session is not None:
+                self._function = function_of_session(spec.session, spec.function)
+            else:
+                self._function = load_function(
+                    Path(spec.folder or "."), spec.file or "", spec.version or "", spec.function
+                )
+        return self._function
+
+    def _file(self, function: Callable[..., Any]) -> str:
+        """The file of the function, as its code names it."""
+        if self._folder is not None:
+            return str((self._folder / (self._spec.file or "")).resolve())
+        plain = inspect.unwrap(getattr(function, "func", function))  # of a partial
+        code = getattr(plain, "__code__", None) or getattr(vars(type(plain)).get("__call__"), "__code__", None)
+        return "" if code is None else str(code.co_filename)
+
+    def _hint(self, error: BaseException) -> str:
+        if isinstance(error, NameError) and self._folder is not None:
+            return "(its file is imported: what stands below if __name__ == '__main__' is not there)"
+        return ""
+
+
+def _base(unit: str) -> str:
+    found = base_unit(unit)
+    return "" if found == "dimensionless" else found
