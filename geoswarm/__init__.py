@@ -1,5 +1,12 @@
 """Finds the parameters of geotechnical models from measurements.
 
+A function of yours is calibrated by :func:`calibrate` (``docs/python.md``):
+
+>>> import geoswarm as gs
+>>> result = gs.calibrate(curve, parameters={"E": gs.free(1e3, 1e5)}, observations=gs.observed(x, y))  # doctest: +SKIP
+
+and a service is reached by :class:`Client` (``docs/python-client.md``):
+
 >>> from geoswarm import Client
 >>> with Client() as client:                              # doctest: +SKIP
 ...     job = client.submit(Path("problem.yaml"))
@@ -15,6 +22,26 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from geoswarm.calibration import (
+        DEFAULT_STOPPING,
+        Evaluated,
+        InProcessWarning,
+        Problem,
+        ProblemError,
+        Result,
+        Runs,
+        SolverError,
+        WorkerLostError,
+        calibrate,
+        evaluate,
+        fixed,
+        free,
+        linked,
+        load_problem,
+        observed,
+        problem,
+        series,
+    )
     from geoswarm.client import (
         AsyncClient,
         Client,
@@ -41,20 +68,46 @@ if TYPE_CHECKING:
         ForwardModel,
         ForwardModelSpec,
         ForwardRun,
+        NotedResponse,
         ParameterInfo,
         SeriesInfo,
+        TellsUnused,
         in_unit,
     )
 
+_CALIBRATION = (
+    *("calibrate", "evaluate", "problem", "load_problem", "free", "fixed", "linked", "observed", "series"),
+    *("DEFAULT_STOPPING", "Result", "Runs", "Evaluated", "Problem"),
+    *("ProblemError", "SolverError", "WorkerLostError", "InProcessWarning"),
+)
 _FORWARD, _ERRORS = "geoswarm.solver.forward.base", "geoswarm.solver.errors"
 _ELSEWHERE = {
+    **dict.fromkeys(_CALIBRATION, "geoswarm.calibration"),
     "FloatArray": "geoswarm.solver.arrays",
     **dict.fromkeys(("BadOutputError", "DivergedError", "ForwardError", "InfeasibleError", "NotFiniteError"), _ERRORS),
     **dict.fromkeys(("ForwardModel", "ForwardModelSpec", "ForwardRun"), _FORWARD),
-    **dict.fromkeys(("ParameterInfo", "SeriesInfo", "in_unit"), _FORWARD),
+    **dict.fromkeys(("NotedResponse", "ParameterInfo", "SeriesInfo", "TellsUnused", "in_unit"), _FORWARD),
 }
 
 __all__ = [
+    "calibrate",
+    "evaluate",
+    "problem",
+    "load_problem",
+    "free",
+    "fixed",
+    "linked",
+    "observed",
+    "series",
+    "DEFAULT_STOPPING",
+    "Result",
+    "Runs",
+    "Evaluated",
+    "Problem",
+    "ProblemError",
+    "SolverError",
+    "WorkerLostError",
+    "InProcessWarning",
     "AsyncClient",
     "Client",
     "ConflictError",
@@ -73,6 +126,8 @@ __all__ = [
     "FloatArray",
     "ParameterInfo",
     "SeriesInfo",
+    "NotedResponse",
+    "TellsUnused",
     "in_unit",
     "ForwardError",
     "DivergedError",

@@ -1,0 +1,211 @@
+"""Runs a calibration from Python."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geoswarm.calibration.functions import InProcessWarning, refuse_while_imported, warn_in_process
+from geoswarm.calibration.problems import Model, Observations, options_of, problem_of
+from geoswarm.calibration.result import Result, lacking_for_reports
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation, Progress, Step
+from geoswarm.solver.errors import Issue, ProblemError, SolverError
+from geoswarm.solver.external.python.loading import NOT_IMPORTED
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.running import Limits
+from geoswarm.solver.runs.evaluators import WATCHED
+from geoswarm.solver.runs.journal import Keeper
+from geoswarm.solver.runs.local import GenerationRecord
+from geoswarm.solver.runs.local import calibrate as calibrate_problem
+
+if TYPE_CHECKING:
+    from geoswarm.solver.report.folder.run_folder import RunFolder
+
+__all__ = ["calibrate"]
+
+
+def calibrate(
+    model: Model,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    observations: Observations | None = None,
+    constraints: Sequence[str] | None = None,
+    series: Mapping[str, Any] | None = None,
+    method: Mapping[str, Any] | None = None,
+    stopping: Mapping[str, Any] | None = None,
+    limits: Mapping[str, Any] | None = None,
+    failures: Mapping[str, Any] | None = None,
+    weighting: str | None = None,
+    quick_runs: bool | None = None,
+    seed: int | None = None,
+    name: str | None = None,
+    workers: int = 1,
+    output: str | Path | None = None,
+    resume: bool = False,
+    on_generation: Callable[[GenerationRecord], None] | None = None,
+) -> Result:
+    """Find the parameters with which a function, or a problem, comes closest to what was measured.
+
+    Everything from ``parameters`` to ``name`` is a section of the problem file (``docs/problem-file.md``) and means the
+    same; of a problem they replace its own. The same sections and seed give the same history as ``geoswarm run``, for
+    any number of workers.
+
+    Parameters
+    ----------
+    model
+        A function, a problem (:func:`geoswarm.load_problem`), or a mapping with the sections of one. The arguments of a
+        function are its parameters; one called ``x`` receives the observed points. It returns an array with a value for
+        each observed point, or ``{series: array}``, or ``{series: (x, y)}``, which is interpolated.
+    parameters
+        By name: :func:`geoswarm.free`, :func:`geoswarm.fixed` or :func:`geoswarm.linked`.
+    observations
+        One :func:`geoswarm.observed`, or one for each series by name.
+    constraints
+        Comparisons that hold for every proposal, such as ``"E > 100 * k"``.
+    series
+        By name :func:`geoswarm.series`: units of a function where they are not those of its observations.
+    method
+        How to search; ``{"kind": "particle_swarm"}`` if None.
+    stopping
+        When to end. None: a function's search ends by :data:`geoswarm.DEFAULT_STOPPING`; a problem has its own.
+    limits, failures
+        What one evaluation may use, and what its failure means.
+    weighting, seed, name
+        Scheme of weights; what fixes all random numbers (chosen and reported if None); name of the calibration.
+    quick_runs
+        True: runs of the function are so short that statistics and reports may make some hundred more of them, in this
+        process, for sensitivities and intervals at the optimum.
+    workers
+        Processes that share the evaluations.
+    output
+        Folder for report, figures, tables and, as it goes, every finished evaluation: ``geoswarm run --output``.
+    resume
+        Go on with the run that was cut off in ``output``, to the same result; begin where there is none.
+    on_generation
+        Called after every generation.
+
+    Raises
+    ------
+    ProblemError
+        Lists every mistake with its path; also when the file of a function cannot be imported.
+    SolverError
+        No feasible proposal is found, a folder cannot be used, or worker processes cannot be had.
+
+    Warns
+    -----
+    InProcessWarning
+        The function can be called in this process alone (a lambda, a nested function, one of a notebook, one of a
+        script without main guard): then one worker and no limits. Also where limits do not hold on this system.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> result = gs.calibrate(  # doctest: +SKIP
+    ...     curve, parameters={"E": gs.free(1e3, 1e5)}, observations=gs.observed(x, y, error=0.1), workers=4
+    ... )
+    """
+    refuse_while_imported("geoswarm.calibrate")
+    if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
+        raise ValueError(f"workers is {workers!r}; a whole number from 1 is accepted")
+    if resume and output is None:
+        raise ValueError("resume=True needs output, the folder of the run that was cut off")
+    options = options_of(
+        parameters=parameters,
+        observations=observations,
+        constraints=constraints,
+        series=series,
+        method=method,
+        stopping=stopping,
+        limits=limits,
+        failures=failures,
+        weighting=weighting,
+        quick_runs=quick_runs,
+        seed=seed,
+        name=name,
+    )
+    problem, reason = problem_of(model, options)
+    workers = _told(problem, reason, workers)
+    folder = None if output is None else _opened(Path(output), problem, resume)
+    run_seed = None if folder is None else folder.run.seed
+    keeper = _Importable(folder or Keeper())
+    with _closing(folder):
+        found = calibrate_problem(problem, workers=workers, seed=run_seed, on_generation=on_generation, keeper=keeper)
+        result = Result(problem, found)
+        if folder is not None:
+            _write(folder, result)
+    return result
+
+
+def _told(problem: Problem, reason: str | None, workers: int) -> int:
+    """Number of workers there can be; what does not hold is warned of."""
+    limited = problem.limits != Limits()
+    if problem.forward_model.only_here:
+        lost = "Several workers and limits do not hold."
+        called = getattr(problem.forward_model, "function", "the function")
+        warn_in_process(called, reason or "belongs to this Python session", lost=lost)
+        return 1
+    if limited and not WATCHED:
+        message = "limits hold on Linux only: on this system, end a run that hangs by hand"
+        warnings.warn(message, InProcessWarning, stacklevel=3)
+    return workers
+
+
+def _opened(folder: Path, problem: Problem, resume: bool) -> RunFolder:
+    from geoswarm.solver.report.folder.run_folder import open_run_folder
+
+    opened = open_run_folder(folder, problem, seed=None, offer=None, resume=resume)
+    if opened is None:
+        raise SolverError(
+            f"the run in {folder} is finished; read it (geoswarm statistics {folder}), or leave out resume"
+        )
+    return opened
+
+
+@contextmanager
+def _closing(folder: RunFolder | None) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        if folder is not None:
+            folder.close()
+
+
+def _write(folder: RunFolder, result: Result) -> None:
+    """Write what ``geoswarm run --output`` writes."""
+    lacking = lacking_for_reports()
+    if lacking is not None:
+        warnings.warn(f"tables only, no report and no figures: {lacking}", UserWarning, stacklevel=3)
+        folder.finish(result.found)
+    else:
+        folder.finish(result.found, result._report.optimum)
+        result._report.save(folder.folder)
+    folder.complete()
+
+
+class _Importable(Keeper):
+    """Ends a calibration at the first evaluation that finds that its file cannot be imported: none could succeed."""
+
+    def __init__(self, inner: Keeper) -> None:
+        self._inner = inner
+        self.seconds = inner.seconds
+
+    def start(self, calibration: Calibration, slots: int) -> Progress:
+        return self._inner.start(calibration, slots)
+
+    def recall(self, position: FloatArray) -> Evaluation | None:
+        return self._inner.recall(position)
+
+    def finished(self, position: FloatArray, evaluation: Evaluation, seconds: float) -> None:
+        if evaluation.reason == "bad_output" and NOT_IMPORTED in (evaluation.message or ""):
+            raise ProblemError([Issue("forward_model.file", evaluation.message or "")])
+        self._inner.finished(position, evaluation, seconds)
+
+    def known_step(self, generation: int) -> Step | None:
+        return self._inner.known_step(generation)
+
+    def closed(self, generation: int, evaluations: Sequence[Evaluation], step: Step, seconds: float) -> None:
+        self._inner.closed(generation, evaluations, step, seconds)
