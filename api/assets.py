@@ -23,7 +23,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from geoswarm.solver.extras import needs_extra
+from geoswarm.solver.system.extras import needs_extra
 
 __all__ = ["PLOTLY", "Assets"]
 

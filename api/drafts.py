@@ -10,7 +10,7 @@ from geoswarm.api.schemas.drafts import DraftIssue, DraftObservation, Example, P
 from geoswarm.api.schemas.jobs import Parameter, Series
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.problem import Draft, Problem, load_problem
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 __all__ = ["describe_draft", "find_examples"]
 
@@ -58,8 +58,8 @@ def _observations(problem: Problem) -> list[DraftObservation]:
 
 @cache
 def find_examples() -> dict[str, Example]:
-    """The examples by name, their points in place of their files."""
-    return {name: _example(name) for name in example_names()}
+    """The examples that need no program of others by name, their points in place of their files."""
+    return {name: _example(name) for name in example_names(engines=False)}
 
 
 def _example(name: str) -> Example:

@@ -8,7 +8,7 @@ from datetime import datetime
 from typing import IO, Any
 
 from geoswarm.records.evaluation import COLUMNS, Evaluation
-from geoswarm.solver.extras import has
+from geoswarm.solver.system.extras import has
 
 __all__ = ["parquet_available", "parquet_pieces"]
 

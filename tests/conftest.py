@@ -23,6 +23,19 @@ from tests import servers  # noqa: E402
 from tests.servers import MissingServerError, PostgresServer, RedisServer  # noqa: E402
 
 
+@pytest.fixture
+def zoo_models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Registered models whose programs misbehave, in a folder of their own; run folders lie in tmp_path."""
+    from tests.solver.external.zoo import register
+
+    folder = tmp_path / "models"
+    register(folder)
+    monkeypatch.setenv("GEOSWARM_MODELS", str(folder))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    return folder
+
+
 @pytest.fixture(scope="session")
 def postgres_server() -> Iterator[PostgresServer]:
     """PostgreSQL for the whole run (one for each xdist worker); a test that breaks it may leave it stopped."""

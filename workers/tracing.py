@@ -10,7 +10,7 @@ import time
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-from geoswarm.solver.extras import needs_extra
+from geoswarm.solver.system.extras import needs_extra
 from geoswarm.workers.errors import SettingsError
 
 __all__ = ["enabled", "record_span", "span", "start_tracing"]

@@ -22,7 +22,7 @@ import httpx
 
 from geoswarm.environment import without_secrets
 from geoswarm.solver.runner.fork_server_link import ONE_THREAD
-from geoswarm.solver.runner.processes import descendants, kill_session, memory_of
+from geoswarm.solver.system.processes import descendants, kill_session, memory_of
 
 __all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "HeavyProcess"]
 

@@ -15,7 +15,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.heavy.process import PRINCIPAL_HEADER, ROUTE_HEADER
-from geoswarm.solver.runner.processes import go_first_without_memory
+from geoswarm.solver.system.processes import go_first_without_memory
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.hosts.alone import remote_doorbell
 from geoswarm.workers.hosts.embedded import PipeDoorbell

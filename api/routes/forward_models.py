@@ -13,7 +13,8 @@ from geoswarm.api.errors import DetailError
 from geoswarm.api.schemas.jobs import ForwardModelDetail, ForwardModelList, ForwardModelSummary, Parameter, Series
 from geoswarm.solver.errors import BrokenForwardModelError, ExpressionError, ProblemError, UnknownForwardModelError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
-from geoswarm.solver.forward.registry import built, find_spec, kinds, parse_spec
+from geoswarm.solver.forward.registry import PROGRAMS_REFUSED, built, find_spec, offered_kinds, parse_spec
+from geoswarm.solver.registered.schema import registered_models
 
 __all__ = ["router"]
 
@@ -25,8 +26,13 @@ UNKNOWN = "Parameters and series are known only for a given section; check a pro
 
 @router.get("", responses=problems_of())
 def list_forward_models() -> ForwardModelList:
-    """List the kinds of forward model that a problem can name."""
-    return ForwardModelList(items=[_summary(kind) for kind in kinds()])
+    """List the kinds of forward model that a problem can name, and the models that the operator has registered."""
+    own = [_summary(kind) for kind in offered_kinds() if kind != "registered"]
+    registered = [
+        ForwardModelSummary(kind="registered", model=name, description=declaration.title or name)
+        for name, declaration in registered_models()
+    ]
+    return ForwardModelList(items=[*own, *registered])
 
 
 @router.get("/{kind}", responses=problems_of(404))
@@ -38,11 +44,15 @@ def show_forward_model(kind: str) -> ForwardModelDetail:
         raise DetailError(404, str(error), kind="unknown-forward-model", title="Unknown forward model") from None
     except BrokenForwardModelError as error:
         raise DetailError(500, str(error), kind="broken-forward-model", title="Broken forward model") from None
+    if spec.programs:
+        message = f"kind {kind} {PROGRAMS_REFUSED}"
+        raise DetailError(404, message, kind="unknown-forward-model", title="Unknown forward model")
     example = spec.example() or {"kind": kind}
     model = _build(example)
     varies = spec.depends_on_section or model is None or model.open_parameters
     return ForwardModelDetail(
         kind=kind,
+        model=None,
         description=_first_lines(spec),
         json_schema=spec.model_json_schema(),
         example=None if model is None else example,
@@ -55,9 +65,9 @@ def show_forward_model(kind: str) -> ForwardModelDetail:
 
 def _summary(kind: str) -> ForwardModelSummary:
     try:
-        return ForwardModelSummary(kind=kind, description=_first_lines(find_spec(kind)))
+        return ForwardModelSummary(kind=kind, model=None, description=_first_lines(find_spec(kind)))
     except BrokenForwardModelError as error:
-        return ForwardModelSummary(kind=kind, description=str(error))
+        return ForwardModelSummary(kind=kind, model=None, description=str(error))
 
 
 def _build(section: dict[str, Any]) -> ForwardModel | None:

@@ -18,6 +18,7 @@ from geoswarm.api.schemas.jobs import CheckResult, WarmStarts
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
 from geoswarm.solver.problem.text.reading import Form
+from geoswarm.solver.registered.schema import registered_models, section_schema
 
 __all__ = ["router"]
 
@@ -56,7 +57,10 @@ async def read(given: ProblemText, request: Request) -> ProblemDraft:
 @router.get("/schema", responses=problems_of())
 def schema() -> dict[str, Any]:
     """Show the JSON schema of the problem file, with the sections of all installed forward models."""
-    return problem_schema()
+    found = problem_schema()
+    for name, declaration in registered_models():  # for forms; any of them is a forward_model_registered
+        found["$defs"][f"forward_model_registered_{name}"] = section_schema(name, declaration)
+    return found
 
 
 def _draft(text: str, form: Form) -> ProblemDraft:

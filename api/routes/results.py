@@ -22,8 +22,8 @@ from geoswarm.api.schemas.jobs import (
 )
 from geoswarm.records.evaluation import COLUMNS, Best, Evaluation
 from geoswarm.records.states import EvaluationState
-from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.system.extras import needs_extra
 from geoswarm.solver.words import visible
 
 __all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]

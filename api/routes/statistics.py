@@ -14,9 +14,9 @@ from geoswarm.api.errors import DetailError
 from geoswarm.api.schemas.statistics import FigureList
 from geoswarm.api.views import WantedView
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
-from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of
+from geoswarm.solver.system.extras import needs_extra
 from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["ReweightRequest", "router"]

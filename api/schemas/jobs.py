@@ -173,10 +173,11 @@ class Series(Model):
 
 
 class ForwardModelSummary(Model):
-    """A kind of forward model."""
+    """A kind of forward model; ``model``: the registered model that it is, null for all other kinds."""
 
     kind: str
     description: str
+    model: str | None
 
 
 class ForwardModelList(Model):

@@ -97,10 +97,11 @@ class CheckResult:
 
 @dataclass(frozen=True, slots=True)
 class ForwardModelInfo:
-    """A kind of forward model."""
+    """A kind of forward model; ``model``: the registered model that it is, None for all other kinds."""
 
     kind: str
     description: str
+    model: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

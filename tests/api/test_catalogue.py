@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import jsonschema_rs
@@ -10,14 +11,16 @@ from jsonschema_rs import meta
 from pydantic import TypeAdapter
 
 from geoswarm.api import create_app
-from geoswarm.solver.forward.registry import find_spec, kinds, parse_spec
+from geoswarm.solver.forward.registry import find_spec, kinds, offered_kinds, parse_spec
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem
+from tests.solver.external.zoo import ZOO, register
 
 
 def test_forward_models_are_listed_with_a_description(app: App) -> None:
     items = app.get(f"{API}/forward-models").json()["items"]
-    assert [item["kind"] for item in items] == list(kinds())
+    assert [item["kind"] for item in items] == [kind for kind in offered_kinds() if kind != "registered"]
+    assert not {"command", "python", "umbridge"} & set(offered_kinds())
     assert all(item["description"] for item in items)
 
 
@@ -42,7 +45,33 @@ def test_models_that_follow_from_their_section_say_so(app: App, kind: str) -> No
     assert model["parameters"]
 
 
-@pytest.mark.parametrize("kind", kinds())
+def test_a_kind_that_runs_code_of_the_machine_is_not_shown(app: App) -> None:
+    answer = app.get(f"{API}/forward-models/python")
+    assert answer.status_code == 404
+    assert "accepted from problem files and Python only" in answer.json()["detail"]
+    assert "forward_model_python" not in str(app.get(f"{API}/problems/schema").json())
+
+
+def test_registered_models_are_listed_with_a_schema_of_their_settings(
+    app: App, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    register(tmp_path)
+    (tmp_path / "good" / "model.yaml").write_text(
+        (tmp_path / "good" / "model.yaml").read_text()
+        + "title: A line\nsettings: {steps: {type: integer, default: 5, lower: 1, upper: 9, unit: s}}\n"
+    )
+    (tmp_path / "exit_1" / "model.yaml").write_text("{")
+    monkeypatch.setenv("GEOSWARM_MODELS", str(tmp_path))
+    items = {item["model"]: item for item in app.get(f"{API}/forward-models").json()["items"] if item["model"]}
+    assert set(items) == set(ZOO) - {"exit_1"}
+    assert items["good"] == {"kind": "registered", "model": "good", "description": "A line"}
+    section = app.get(f"{API}/problems/schema").json()["$defs"]["forward_model_registered_good"]
+    assert section["properties"]["settings"]["properties"] == {
+        "steps": {"type": "integer", "default": 5, "minimum": 1, "maximum": 9, "x-unit": "s"}
+    }
+
+
+@pytest.mark.parametrize("kind", [kind for kind in offered_kinds() if kind != "registered"])
 def test_examples_are_sections_of_their_kind(kind: str) -> None:
     spec = parse_spec(find_spec(kind).example())
     assert spec.kind == kind

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import pytest
 from sqlalchemy import text
 
-from geoswarm.solver.versions import PACKAGES, versions
+from geoswarm.solver.system.versions import PACKAGES, versions
 from geoswarm.workers.queries import versions as recording
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings

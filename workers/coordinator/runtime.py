@@ -43,6 +43,7 @@ from geoswarm.workers.states.job import (
     DispatchGeneration,
     JobBroken,
     JobEvent,
+    JobRefused,
     JobStarted,
     Request,
     Transition,
@@ -139,14 +140,11 @@ class Runtime:
     def give_up(self, job_id: str, message: str) -> None:
         """End a job that cannot be worked on; one whose failures are run again is then what it was before."""
 
-        def work(connection: Connection) -> None:
-            locked = lock_job(connection, job_id)
-            if locked is not None and locked.row.retry_to is not None:
-                finish_retry(connection, locked, None, gap=self.settings.lease_seconds)
-            elif locked is not None:
-                self._save(connection, locked, [apply(locked.job(), JobBroken(message))])
+        self._stop(job_id, JobBroken(message))
 
-        self.store.write(work)
+    def refuse(self, job_id: str, message: str) -> None:
+        """Have a job wait that this worker cannot run, with the reason; one whose failures are run again ends that."""
+        self._stop(job_id, JobRefused(message))
 
     def exchange(
         self,
@@ -265,6 +263,16 @@ class Runtime:
         def work(connection: Connection) -> None:
             locked = lock_job(connection, job_id)
             if locked is not None and locked.row.retry_to is None:
+                self._save(connection, locked, [apply(locked.job(), event)])
+
+        self.store.write(work)
+
+    def _stop(self, job_id: str, event: JobBroken | JobRefused) -> None:
+        def work(connection: Connection) -> None:
+            locked = lock_job(connection, job_id)
+            if locked is not None and locked.row.retry_to is not None:
+                finish_retry(connection, locked, None, gap=self.settings.lease_seconds)
+            elif locked is not None:
                 self._save(connection, locked, [apply(locked.job(), event)])
 
         self.store.write(work)

@@ -135,7 +135,10 @@ class Worker:
         extra = {"job": job_id, "worker": self.identity.id}
         try:
             calibration = self._calibration(job_id)
-            if calibration is not None and self._make_ready(job_id, calibration):
+            refusal = None if calibration is None else calibration.problem.forward_model.unavailable()
+            if refusal is not None:
+                self._refuse(job_id, refusal)
+            elif calibration is not None and self._make_ready(job_id, calibration):
                 with self.slots.hold(_kind(calibration)) as free:
                     if free:
                         self._work(job_id, calibration)
@@ -176,8 +179,8 @@ class Worker:
             claimed = ClaimRunner(claim, self._evaluator, calibration, self.settings, self.heartbeat, early)
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
                 hand_in = claimed.run()
-            if claimed.trouble is not None:
-                turn.end()
+            if claimed.trouble is not None or calibration.problem.forward_model.unavailable() is not None:
+                turn.end()  # what has changed is seen to when the job is taken up again
             answer = self._exchange(job_id, calibration, hand_in, turn)
             if claimed.trouble is not None:
                 self._rest(claimed.trouble)
@@ -272,6 +275,10 @@ class Worker:
         calibration = Calibration(problem, row.seed, offer)
         self._calibrations[job_id] = calibration
         return calibration
+
+    def _refuse(self, job_id: str, message: str) -> None:
+        log.warning("worker %s refuses job %s: %s", self.identity.id, job_id, message, extra={"job": job_id})
+        self.runtime.refuse(job_id, f"worker {self.identity.id} refuses: {message}")
 
     def _give_up(self, job_id: str, message: str) -> None:
         try:

@@ -15,7 +15,7 @@ from celery.signals import worker_init, worker_process_init, worker_process_shut
 
 from geoswarm.solver.kernel_cache import settle
 from geoswarm.solver.runner.output import anonymous_file
-from geoswarm.solver.runner.processes import kill_descendants
+from geoswarm.solver.system.processes import kill_descendants
 from geoswarm.solver.warm import import_models
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.slots import Slots

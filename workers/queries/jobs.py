@@ -27,7 +27,7 @@ from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.calibration import Progress
 from geoswarm.solver.runs.local import GenerationRecord
-from geoswarm.solver.versions import versions
+from geoswarm.solver.system.versions import versions
 from geoswarm.workers.queries.queue import first_place
 from geoswarm.workers.states.job import Job, PublishEvent, RecordGeneration, Transition
 from geoswarm.workers.store.clock import database_now

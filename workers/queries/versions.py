@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from sqlalchemy import Connection, update
 
-from geoswarm.solver.versions import differences, versions
+from geoswarm.solver.system.versions import differences, versions
 from geoswarm.workers.queries.jobs import LockedJob
 from geoswarm.workers.store.codec import pack_json, unpack_json
 from geoswarm.workers.store.database import Record

@@ -12,9 +12,9 @@ import numpy.typing as npt
 from geoswarm.records.evaluation import Evaluation
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
-from geoswarm.solver.problem.units import convert
 from geoswarm.solver.report.curves import load_times, objective_unit, series_shares
 from geoswarm.solver.report.figures.labels import parameter_labels
+from geoswarm.solver.units import convert
 from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["fit_of"]

@@ -20,7 +20,8 @@ from geoswarm.records.page import Page
 from geoswarm.records.states import SERVED_STATES
 from geoswarm.records.worker import Worker
 from geoswarm.solver.calibration import choose_seed
-from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.forward.registry import PROGRAMS_REFUSED
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.runs.check import CheckReport
@@ -126,14 +127,18 @@ class JobService(JobRecords):
         IdempotencyConflictError
             When the key was used before, with another problem.
         ProblemError
-            When a job to start from is not there or offers nothing, or a weight or an error of readings is beyond
-            what can be calculated with.
+            When a job to start from is not there or offers nothing, a weight or an error of readings is beyond what can
+            be calculated with, or the forward model runs programs.
         QuotaExceededError
         StoreUnavailableError
             Also when the disk has less left than its reserve.
         """
+        if problem.forward_model.runs_programs:
+            raise ProblemError([Issue("forward_model", PROGRAMS_REFUSED)])
         if extreme := extreme_issues(problem):
             raise ProblemError(extreme)
+        if why := problem.forward_model.unavailable():
+            raise ProblemError([Issue("forward_model", why)])
         owner = self.principal.owner
         # Each owner has keys of their own: nobody may find another's job by guessing one.
         stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"

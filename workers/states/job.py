@@ -8,6 +8,7 @@
       +------- Pause -------+          (queued again when it had not started)
     queued, running, paused --CancelRequested--> cancelled
     queued, running         --JobBroken--------> failed
+    queued, running         --JobRefused-------> paused
     finished, cancelled     --GoOnRequested----> running   (queued when it had not started)
 """
 
@@ -37,6 +38,7 @@ __all__ = [
     "Job",
     "JobBroken",
     "JobEvent",
+    "JobRefused",
     "JobStarted",
     "Joined",
     "PauseRequested",
@@ -138,8 +140,15 @@ class JobBroken:
     message: str
 
 
+@dataclass(frozen=True, slots=True)
+class JobRefused:
+    """A worker cannot run the forward model as it is there; the job waits until a user has it go on."""
+
+    message: str
+
+
 Request: TypeAlias = CancelRequested | PauseRequested | ResumeRequested | GoOnRequested
-JobEvent: TypeAlias = JobStarted | GenerationJoined | Request | JobBroken
+JobEvent: TypeAlias = JobStarted | GenerationJoined | Request | JobBroken | JobRefused
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +224,7 @@ def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> 
         case ResumeRequested():
             _require("resume", job, "paused")
             state: JobState = "queued" if job.progress is None else "running"
-            return _move(replace(job, state=state), RingDoorbell())
+            return _move(replace(job, state=state, error=None), RingDoorbell())
         case GoOnRequested():
             _require("go on with", job, "finished", "cancelled")
             return _go_on(job)
@@ -223,6 +232,10 @@ def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> 
             if job.state not in SERVED_STATES:
                 return Transition(job)
             return _end(replace(job, error=message), "failed")
+        case JobRefused(message):
+            if job.state not in SERVED_STATES:
+                return Transition(job)
+            return _move(replace(job, state="paused", error=message))
         case _:
             assert_never(event)
 

@@ -10,18 +10,20 @@ import { words } from "./schema.js";
 export function modelSection(context, place, kinds) {
   const { draft, schemas, root } = context;
   const kind = () => draft.read(["forward_model", "kind"]);
+  const model = () => draft.read(["forward_model", "model"]);
   const form = element("div", {});
 
-  function choose(chosen) {
+  function choose({ kind: chosen, model: registered }) {
     const old = draft.read(["forward_model"]) ?? {};
-    const known = sectionSchema(chosen)?.properties ?? {};
-    const left = Object.fromEntries(Object.entries(old).filter(([key]) => key in known && key !== "kind"));
-    draft.write(["forward_model"], { kind: chosen, ...left });
+    const known = sectionSchema(chosen, registered)?.properties ?? {};
+    const left = Object.fromEntries(Object.entries(old).filter(([key]) => key in known && !["kind", "model", "settings"].includes(key)));
+    draft.write(["forward_model"], { kind: chosen, ...(registered ? { model: registered } : {}), ...left });
     draw();
   }
 
-  function sectionSchema(chosen) {
-    const definition = root.$defs[`forward_model_${chosen}`];
+  /** A registered model has a schema of its own. */
+  function sectionSchema(chosen, registered) {
+    const definition = root.$defs[`forward_model_${chosen}${registered ? `_${registered}` : ""}`];
     return definition && schemas.resolve(definition);
   }
 
@@ -40,25 +42,26 @@ export function modelSection(context, place, kinds) {
 
   function draw() {
     const chosen = kind();
-    const schema = chosen && sectionSchema(chosen);
+    const schema = chosen && sectionSchema(chosen, chosen === "registered" ? model() : null);
+    const hasExample = !["oedometer", "isotropic_compression", "registered"].includes(chosen);
     exchange(form, schema
       ? [
         schema.description ? element("p", { class: "help" }, sentence(schema.description)) : null,
-        chosen === "oedometer" || chosen === "isotropic_compression" ? null : element("div", { class: "buttons" }, button("Fill in a small example", useExample)),
-        objectForm(context, ["forward_model"], schema, { skip: ["kind"] }),
+        hasExample ? element("div", { class: "buttons" }, button("Fill in a small example", useExample)) : null,
+        objectForm(context, ["forward_model"], schema, { skip: ["kind", "model", "version", "declared"], lead: ["settings"] }),
       ]
       : element("p", { class: "empty" }, "Choose what is calculated."));
   }
 
-  const choices = kinds.map(({ kind: one, description }) => {
-    const input = element("input", { type: "radio", name: "kind", value: one, checked: one === kind(), onchange: () => choose(one) });
-    return element("label", { class: "choice" }, input, element("span", {}, element("strong", {}, words(one)), element("small", {}, description)));
-  });
+  const isChosen = (one) => one.kind === kind() && (!one.model || one.model === model());
+  const inputs = kinds.map((one) => element("input", { type: "radio", name: "kind", value: one.model ?? one.kind, checked: isChosen(one), onchange: () => choose(one) }));
+  const choices = kinds.map((one, i) => element("label", { class: "choice" }, inputs[i],
+    element("span", {}, element("strong", {}, one.model ?? words(one.kind)), element("small", {}, one.model ? `Registered: ${one.description}` : one.description))));
   place.replaceChildren(
     element("fieldset", { class: "choices" }, element("legend", {}, "Forward model"), choices),
     errorPlace(["forward_model"]), form);
   draft.on("replace", () => {
-    for (const input of place.querySelectorAll("input[name=kind]")) input.checked = input.value === kind();
+    kinds.forEach((one, i) => { inputs[i].checked = isChosen(one); });
     draw();
   });
   draw();

@@ -1,0 +1,132 @@
+"""``model.yaml``: what the operator declares of a registered model.
+
+::
+
+    title: Footing on soft ground
+    forward_model: {kind: command, run: [ccx, -i, footing], templates: {footing.inp: footing.inp.in}, series: {...}}
+    parameters:
+      E: {unit: kPa, lower: 100, upper: 1e6, typical: [1000, 50000], description: Stiffness of the ground.}
+    settings:
+      increments: {type: integer, default: 20, lower: 1, upper: 1000}
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.forward.base import SeriesInfo
+from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.problem.text.reading import read_problem_file
+from geoswarm.solver.registered.settings import Setting, SettingName
+
+__all__ = ["FILE", "Declaration", "Declared", "DeclaredParameter", "DeclaredSeries", "read_declaration"]
+
+FILE = "model.yaml"
+ParameterName = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
+_KINDS = ("command", "python", "umbridge")
+
+
+class DeclaredParameter(BaseModel):
+    """A parameter as users see it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    symbol: str = Field("", max_length=20)
+    unit: str = Field("", max_length=50)
+    description: str = Field("", max_length=300)
+    default: float | None = None
+    lower: float | None = None
+    upper: float | None = None
+    typical: tuple[float, float] | None = None
+
+    @model_validator(mode="after")
+    def _ordered(self) -> DeclaredParameter:
+        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
+            raise ValueError(f"lower {self.lower:g} must be below upper {self.upper:g}")
+        if self.typical is not None and self.typical[0] >= self.typical[1]:
+            raise ValueError(f"typical must rise, got {self.typical[0]:g} to {self.typical[1]:g}")
+        return self
+
+    def info(self, name: str) -> ParameterInfo:
+        """As forward models tell it."""
+        return ParameterInfo(
+            name,
+            self.symbol or name,
+            self.unit,
+            self.description or name,
+            default=self.default,
+            lower=self.lower,
+            upper=self.upper,
+            typical=self.typical,
+        )
+
+
+class DeclaredSeries(BaseModel):
+    """A series as users see it, in base units."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    description: str = Field("", max_length=300)
+    x_unit: str = Field("", max_length=50)
+    y_unit: str = Field("", max_length=50)
+
+    def info(self, name: str) -> SeriesInfo:
+        """As forward models tell it."""
+        return SeriesInfo(name, self.description, "x", self.x_unit, name, self.y_unit, x_increasing=False)
+
+
+class Declared(BaseModel):
+    """What a problem keeps of the model that it names, so that its results can be read where the model is not."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    parameters: dict[ParameterName, DeclaredParameter] = Field(max_length=100)
+    series: dict[ParameterName, DeclaredSeries] = Field(max_length=1000)
+
+
+class Declaration(BaseModel):
+    """All of ``model.yaml``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    title: str = Field("", max_length=100)
+    description: str = Field("", max_length=2000)
+    forward_model: dict[str, Any]
+    parameters: dict[ParameterName, DeclaredParameter] = Field(min_length=1, max_length=100)
+    settings: dict[SettingName, Setting] = Field({}, max_length=100)
+
+    @model_validator(mode="after")
+    def _apart(self) -> Declaration:
+        twice = self.parameters.keys() & self.settings.keys()
+        if twice:
+            raise ValueError(f"{min(twice)} is a parameter and a setting; a name can only be one of the two")
+        kind = self.forward_model.get("kind")
+        if kind not in _KINDS:
+            raise ValueError(f"forward_model.kind must be one of {', '.join(_KINDS)}, not {kind!r}")
+        return self
+
+
+def read_declaration(folder: Path) -> Declaration:
+    """Read the ``model.yaml`` of a folder.
+
+    Raises
+    ------
+    ProblemError
+        It is missing or wrong; each issue has its path in the file.
+    """
+    path = folder / FILE
+    if not path.is_file():
+        raise ProblemError([Issue(str(path), "is missing")])
+    try:
+        return Declaration.model_validate(read_problem_file(path))
+    except ValidationError as error:
+        raise ProblemError(
+            [
+                Issue(".".join(map(str, detail["loc"])), detail["msg"].removeprefix("Value error, "))
+                for detail in error.errors(include_url=False)
+            ]
+        ) from None

@@ -1,0 +1,145 @@
+"""The forward model that a registered folder and some settings make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.external.errors import RunFailedError
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.forward.command import CommandSpec
+from geoswarm.solver.forward.command_model import CommandModel
+from geoswarm.solver.forward.registry import find_spec, parse_spec
+from geoswarm.solver.parameter_info import outside_limits
+from geoswarm.solver.problem.issues import issues_of
+from geoswarm.solver.registered.declaration import FILE, Declaration, Declared, DeclaredSeries
+from geoswarm.solver.registered.settings import Given, chosen, numbers_of, texts_of
+
+if TYPE_CHECKING:
+    from geoswarm.solver.registered.spec import RegisteredSpec
+
+__all__ = ["RegisteredModel", "declared_of", "program_of"]
+
+
+def program_of(folder: Path, declaration: Declaration, given: Mapping[str, Given]) -> ForwardModel:
+    """Build the model of the program in a registered folder.
+
+    Parameters
+    ----------
+    folder, declaration
+        Of the model.
+    given
+        Settings that were chosen, as the declaration allows.
+
+    Raises
+    ------
+    ProblemError
+        ``model.yaml`` or a file that it names is wrong; each issue has its path in it.
+    """
+    values = chosen(declaration.settings, given)
+    spec = _section(folder, declaration)
+    texts = texts_of(declaration.settings, values)
+    model: ForwardModel = CommandModel(spec, texts) if isinstance(spec, CommandSpec) else spec.build()
+    known = declaration.parameters.keys() | numbers_of(declaration.settings, values).keys()
+    for info in model.parameters:
+        if info.name not in known and info.default is None:
+            where = "parameters, nor among settings with a number"
+            raise ProblemError([Issue(f"{FILE}: parameters.{info.name}", f"is used, but not declared among {where}")])
+    return model
+
+
+def declared_of(folder: Path, declaration: Declaration) -> Declared:
+    """What problems keep of a model.
+
+    Raises
+    ------
+    ProblemError
+        As :func:`program_of`.
+    """
+    series = {
+        info.name: DeclaredSeries(description=info.description, x_unit=info.x_unit, y_unit=info.y_unit)
+        for info in program_of(folder, declaration, {}).series
+    }
+    return Declared(parameters=declaration.parameters, series=series)
+
+
+def _section(folder: Path, declaration: Declaration) -> ForwardModelSpec:
+    section: dict[str, Any] = declaration.forward_model
+    try:
+        spec = parse_spec(section)
+    except ValidationError as error:
+        schema = find_spec(str(section["kind"])).model_json_schema
+        raise ProblemError(issues_of(error, section, "forward_model", schema)) from None
+    return spec.with_files(folder, "forward_model")
+
+
+class RegisteredModel:
+    """A model of the operator's, with the parameters and series that it has declared.
+
+    Parameters
+    ----------
+    spec
+        Section of the problem, with what it has kept of the model.
+    declared
+        The same.
+    """
+
+    def __init__(self, spec: RegisteredSpec, declared: Declared) -> None:
+        self._spec = spec
+        self._parameters = {name: one.info(name) for name, one in declared.parameters.items()}
+        self._series = tuple(one.info(name) for name, one in declared.series.items())
+
+    @property
+    def parameters(self) -> tuple[ParameterInfo, ...]:
+        """Those that are declared."""
+        return tuple(self._parameters.values())
+
+    @property
+    def open_parameters(self) -> bool:
+        """False: a problem has those that are declared."""
+        return False
+
+    @property
+    def series(self) -> tuple[SeriesInfo, ...]:
+        """Those of the program."""
+        return self._series
+
+    def grid(self, series: str) -> FloatArray:
+        """No points, shape (0,): a curve has those that were observed."""
+        del series
+        return np.empty(0)
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:
+        """Values outside the declared limits."""
+        return outside_limits(self._parameters.values(), parameters)
+
+    def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+        """Build the calculation of series at x, each of shape (m_g,), base units; the model is needed at the first run.
+
+        A model that is not here, or has changed, fails every run (``not_started``).
+        """
+        run: ForwardRun | None = None
+        known: dict[str, float] = {}
+
+        def calculate(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+            nonlocal run, known
+            if run is None:
+                if why := self._spec.unavailable():
+                    raise RunFailedError("worker_lost", why)  # tried again: the worker will refuse the job
+                try:
+                    model, numbers = self._spec.program()
+                    run = model.prepare(points)
+                except ProblemError as error:
+                    raise RunFailedError("not_started", str(error)) from None
+                defaults = {info.name: info.default for info in self.parameters if info.default is not None}
+                known = {**defaults, **numbers}
+            given = {name: parameters[name] for name in self._parameters if name in parameters}
+            return run({**known, **given})
+
+        return calculate

@@ -1,0 +1,117 @@
+"""Forward model that the operator of this machine has registered: users name it, and give numbers and settings only.
+
+::
+
+    forward_model: {kind: registered, model: footing, settings: {increments: 40}}
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
+
+from geoswarm.solver.errors import Issue, ProblemError, UnknownForwardModelError
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.registered.declaration import Declared, read_declaration
+from geoswarm.solver.registered.folders import NAME, find_folder, version_of
+from geoswarm.solver.registered.settings import Given, SettingName, chosen, numbers_of, setting_issues
+
+if TYPE_CHECKING:
+    from geoswarm.solver.registered.model import RegisteredModel
+
+__all__ = ["RegisteredSpec"]
+
+
+class RegisteredSpec(ForwardModelSpec):
+    """A model that the operator of the service has registered."""
+
+    kind: Literal["registered"] = "registered"
+    model: Annotated[str, Field(pattern=NAME)] = Field(description="Name of the model.")
+    settings: dict[SettingName, Given] = Field({}, max_length=100, description="Settings that the model declares.")
+    # What a canonical problem has beside, so that its results can be read where the model is not: nobody writes it.
+    version: SkipJsonSchema[Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None] = Field(
+        None, description="SHA-256 of the model's files"
+    )
+    declared: SkipJsonSchema[Declared | None] = Field(None, description="its parameters and series")
+
+    @property
+    def runs_outside(self) -> bool:
+        """They are; the operator has accepted that."""
+        return True
+
+    def with_files(self, folder: Path | None, path: str) -> RegisteredSpec:
+        """With version, parameters and series of the model as it is here; as it was where it is not the same."""
+        from geoswarm.solver.registered.model import declared_of
+
+        del folder
+        if self.declared is not None and self.unavailable() is not None:
+            return self
+        try:
+            place = find_folder(self.model)
+            declaration = read_declaration(place)
+            declared = declared_of(place, declaration)
+            version = version_of(place)
+        except UnknownForwardModelError as error:
+            raise ProblemError([Issue(f"{path}.model", str(error))]) from None
+        except (ProblemError, OSError, ValueError) as error:
+            raise ProblemError([Issue(f"{path}.model", f"model {self.model} is broken: {error}")]) from None
+        issues = setting_issues(declaration.settings, self.settings, f"{path}.settings")
+        if self.version not in (None, version):
+            issues.append(Issue(f"{path}.version", self._changed(version)))
+        if issues:
+            raise ProblemError(issues)
+        return self.model_copy(update={"version": version, "declared": declared})
+
+    def unavailable(self) -> str | None:
+        """Why it cannot be run on this machine: there is no such model, or another version of it."""
+        try:
+            version = version_of(find_folder(self.model))
+        except (UnknownForwardModelError, OSError, ValueError) as error:
+            return str(error)
+        return None if self.version in (None, version) else self._changed(version)
+
+    def _changed(self, version: str) -> str:
+        return (
+            f"model {self.model} has version {version[:12]} on this machine, the problem wants "
+            f"{(self.version or '')[:12]}: its files have changed; put them back, or submit the problem anew"
+        )
+
+    def program(self) -> tuple[ForwardModel, dict[str, float]]:
+        """Build what runs, and the settings that are numbers.
+
+        Raises
+        ------
+        ProblemError
+            The model is not here, has changed, or its own files are wrong.
+        """
+        from geoswarm.solver.registered.model import program_of
+
+        why = self.unavailable()
+        if why is not None:
+            raise ProblemError([Issue("forward_model.model", why)])
+        place = find_folder(self.model)
+        declaration = read_declaration(place)
+        if issues := setting_issues(declaration.settings, self.settings, "forward_model.settings"):
+            raise ProblemError(issues)
+        values = chosen(declaration.settings, self.settings)
+        model = program_of(place, declaration, self.settings)
+        if self.version not in (None, version_of(place)):  # changed in this moment
+            raise ProblemError([Issue("forward_model.model", self._changed(version_of(place)))])
+        return model, numbers_of(declaration.settings, values)
+
+    def build(self) -> RegisteredModel:
+        """Build the forward model.
+
+        Raises
+        ------
+        ProblemError
+            The section was not completed by :meth:`with_files`.
+        """
+        from geoswarm.solver.registered.model import RegisteredModel
+
+        if self.declared is None:
+            raise ProblemError([Issue("forward_model.model", f"model {self.model} is not known here")])
+        return RegisteredModel(self, self.declared)
