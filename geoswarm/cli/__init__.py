@@ -4,6 +4,7 @@
 ``commands``    the table of commands; each is imported only when it is called
 ``start``       commands to begin with: starters, examples, the demonstration
 ``local``       commands that calculate here
+``model``       commands for programs as forward models
 ``service``     commands for the jobs of a service
 ``words``       tables, notes and errors: every error is one clear message and an exit code
 ``options``     options and arguments that several commands share

@@ -41,6 +41,9 @@ COMMANDS: dict[str, CommandEntry] = {
     "check": CommandEntry("local.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
     "evaluate": CommandEntry("local.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
     "run": CommandEntry("local.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
+    "model": CommandEntry("model.group", _PROBLEM, "Make a forward model of a program of your own, and try it."),
+    "import": CommandEntry("model.imports", _PROBLEM, "Make a problem of the files of another tool."),
+    "umbridge": CommandEntry("model.umbridge", _PROBLEM, "Serve the forward model of a problem to UM-Bridge clients."),
     "paper": CommandEntry("start.paper", _PROBLEM, "Run the published studies again and compare every number."),
     "examples": CommandEntry("start.examples", _PROBLEM, "List the examples that are installed, or write one out."),
     "demo": CommandEntry("start.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
@@ -87,6 +90,9 @@ COMMANDS: dict[str, CommandEntry] = {
         "local.reweight",
         _RESULTS,
         "Calculate the objectives that stored responses have under other weights; no forward run.",
+    ),
+    "models": CommandEntry(
+        "model.registered", _OPERATION, "List, show and check the models registered on this machine (GEOSWARM_MODELS)."
     ),
     "keys": CommandEntry("service.keys", _OPERATION, "Create, list and revoke API keys."),
     "prune": CommandEntry("service.prune", _OPERATION, "Delete old jobs for good."),

@@ -15,6 +15,7 @@ from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_tabl
 from geoswarm.cli.words.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
+    from geoswarm.solver.external.trial import TrialRun
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.runs.check import CheckReport
 
@@ -33,17 +34,34 @@ def check_command(problem: Path, as_json: bool) -> None:
     from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem)
+    from geoswarm.solver.external.trial import watched
     from geoswarm.solver.runs.check import check_problem  # a mistake in the problem is told before all this is imported
 
     compile_seconds = ready(loaded)
     warn_of_many_points(loaded)
-    check = check_problem(loaded)
+    with watched() as runs:
+        check = check_problem(loaded)
     if as_json:
         echo_json({"valid": True, **asdict(check), "compile_seconds": compile_seconds})
     else:
         _show(loaded, check)
+        for run in runs:
+            _show_program(run)
     if check.test_run.reason is not None:
         raise FailedRunError(f"the test run failed ({check.test_run.reason}): {check.test_run.message}")
+
+
+def _show_program(run: TrialRun) -> None:
+    """What a program of the user's wrote, and what was read of it."""
+    from geoswarm.cli.model.trial import facts_of_run
+
+    read = {
+        f"read {one.name}": one.error
+        or f"{len(one.x)} points of {one.file}, x from {number(float(one.x.min()))} to {number(float(one.x.max()))} "
+        f"{one.x_unit}"
+        for one in run.series
+    }
+    echo_facts("Program", facts_of_run(run) | read)
 
 
 def _show(problem: Problem, check: CheckReport) -> None:

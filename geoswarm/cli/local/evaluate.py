@@ -64,22 +64,16 @@ def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float
     BadInputError
         For a text of another form, an unknown or linked name, a name given twice, or a value that is no finite number.
     """
-    from geoswarm.solver.problem import LinkedParameter
-    from geoswarm.solver.words import did_you_mean
+    from geoswarm.solver.problem.given import given_mistake
 
     given: dict[str, float] = {}
     for text in settings:
         name, equals, value_text = (part.strip() for part in text.partition("="))
         if not equals or not name:
             raise BadInputError(f"--set {text!r}: give NAME=VALUE, for example --set lambda_star=0.1")
-        parameter = problem.parameters.get(name)
-        if parameter is None:
-            hint = did_you_mean(name, problem.parameters)
-            raise BadInputError(f"--set {name}: unknown parameter{hint}; known: {', '.join(problem.parameters)}")
-        if isinstance(parameter, LinkedParameter):
-            raise BadInputError(
-                f"--set {name}: it is linked ('{parameter.expression.text}') and follows from the others"
-            )
+        mistake = given_mistake(problem, name)
+        if mistake is not None:
+            raise BadInputError(f"--set {name}: {mistake}")
         if name in given:
             raise BadInputError(f"--set {name}: given twice")
         try:
@@ -100,21 +94,13 @@ def parameter_values(problem: Problem, given: Mapping[str, float]) -> dict[str, 
     BadInputError
         When a free parameter has neither a given nor an initial value.
     """
-    from geoswarm.solver.problem import FixedParameter, LinkedParameter
+    from geoswarm.solver.problem.given import values_from, without_value
 
-    missing = [p.name for p in problem.free if p.name not in given and p.initial is None]
+    missing = without_value(problem, given)
     if missing:
         options = " ".join(f"--set {name}=..." for name in missing)
         raise BadInputError(f"free parameters without a value (they have no 'initial' either): {options}")
-    parameters = problem.parameters.values()
-    values = {p.name: p.initial for p in problem.free if p.initial is not None}
-    values |= {p.name: p.value for p in parameters if isinstance(p, FixedParameter)} | dict(given)
-    pending = [p for p in parameters if isinstance(p, LinkedParameter)]
-    while pending:  # ends: a problem with linked parameters in a circle is refused
-        ready = [p for p in pending if p.expression.names <= values.keys()]
-        values |= {p.name: float(p.expression.value(values)) for p in ready}
-        pending = [p for p in pending if p.name not in values]
-    return {name: values[name] for name in problem.parameters}
+    return values_from(problem, given)
 
 
 def _doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:

@@ -9,6 +9,6 @@ _PACKAGES = ("matplotlib", "jinja2", "reportlab")
 
 def figures_missing(what: str) -> str | None:
     """Say which extra ``what`` needs for reports and figures; None when they can be made."""
-    from geoswarm.solver.extras import has, needs_extra
+    from geoswarm.solver.system.extras import has, needs_extra
 
     return next((needs_extra(what, package) for package in _PACKAGES if not has(package)), None)

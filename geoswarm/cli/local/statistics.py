@@ -153,7 +153,7 @@ def _follow_up(
 def _checked(document: dict[str, Any]) -> Problem:
     from geoswarm.solver.problem import parse_problem
 
-    return parse_problem(document)
+    return parse_problem(document, programs=True)  # of a file of the user's
 
 
 def _write_problem(problem: Problem, output: Path | None) -> None:

@@ -42,7 +42,10 @@ def examples_command(name: str | None, directory: Path | None, as_json: bool) ->
         echo_json({"name": name, "files": [str(path) for path in written]})
         return
     note(f"Written: {', '.join(str(path) for path in written)}")
-    note(f"Next: geoswarm run {directory / 'problem.yaml'}")
+    if describe_example(name).needs_engine:
+        note(f"Next: {directory / 'README.md'} says which program it needs, and how to run it")
+    else:
+        note(f"Next: geoswarm run {directory / 'problem.yaml'}")
 
 
 def _list(as_json: bool) -> None:
@@ -58,7 +61,8 @@ def _list(as_json: bool) -> None:
 def _write(name: str, directory: Path) -> list[Path]:
     """Write the files of an example, all of them or none."""
     with example_file(name) as problem:
-        contents = {source.name: source.read_bytes() for source in sorted(problem.parent.iterdir()) if source.is_file()}
+        sources = [path for path in sorted(problem.parent.rglob("*")) if path.is_file() and path.suffix != ".pyc"]
+        contents = {path.relative_to(problem.parent).as_posix(): path.read_bytes() for path in sources}
     there = [str(directory / file) for file in contents if (directory / file).exists()]
     if there:
         raise BadInputError(f"nothing was written, because these files exist: {', '.join(there)}")
@@ -67,6 +71,7 @@ def _write(name: str, directory: Path) -> list[Path]:
     explanation = contents["README.md"].replace(f"examples/{name}/".encode(), f"{directory.as_posix()}/".encode())
     contents["README.md"] = explanation
     for file, content in contents.items():
+        (directory / file).parent.mkdir(parents=True, exist_ok=True)
         (directory / file).write_bytes(content)
     return [directory / file for file in contents]
 

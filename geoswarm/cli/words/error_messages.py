@@ -112,7 +112,7 @@ def explain(error: BaseException, command: str | None = None) -> tuple[str, int]
 
 def _explain_missing(module: str, command: str | None) -> tuple[str, int] | None:
     """Name the extra that brings a module; None when no extra does."""
-    from geoswarm.solver.extras import extra_of, needs_extra
+    from geoswarm.solver.system.extras import extra_of, needs_extra
 
     if extra_of(module) is None:
         return None

@@ -17,6 +17,7 @@ WANTED = (
     *("list", "show", "cancel", "pause", "resume", "retry-failed", "export", "demo", "workers"),
     *("report", "statistics", "reweight", "paper", "keys", "prune"),
     *("sensitivity", "profile", "influence", "posterior", "examples"),
+    *("model", "models", "import", "umbridge"),
 )
 READING = (
     *("check", "evaluate", "run", "submit", "watch", "list", "show", "retry-failed", "workers"),

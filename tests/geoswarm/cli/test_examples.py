@@ -10,7 +10,17 @@ import pytest
 from geoswarm.cli import main
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-NAMES = ["combined", "formula", "isotropic_compression", "oedometer", "slope"]
+NAMES = [
+    *("calculix", "combined", "formula", "fortran_pest", "isotropic_compression", "oedometer", "opengeosys", "plaxis"),
+    *("python_spreadsheet", "slope"),
+]
+
+
+def files_of(folder: Path) -> dict[str, str]:
+    """Texts of an example by name; not what running its scripts, or compiling its program, has left there."""
+    left = (".pyc", "consolidation")
+    found = [path for path in folder.rglob("*") if path.is_file() and not path.name.endswith(left)]
+    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in found}
 
 
 def test_list_names_every_example_with_what_it_shows(capsys: pytest.CaptureFixture[str]) -> None:
@@ -39,11 +49,16 @@ def test_an_example_is_written_out_whole(name: str, tmp_path: Path, capsys: pyte
     folder = tmp_path / "new" / name
     assert main(["examples", name, str(folder), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    written = {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
-    there = {path.name: path.read_text(encoding="utf-8") for path in (EXAMPLES / name).iterdir()}
-    there["README.md"] = there["README.md"].replace(f"examples/{name}/problem.yaml", f"{folder}/problem.yaml")
+    written, there = files_of(folder), files_of(EXAMPLES / name)
+    there["README.md"] = there["README.md"].replace(f"examples/{name}/", f"{folder}/")
     assert written == there
-    assert sorted(document["files"]) == sorted(str(path) for path in folder.iterdir())
+    assert set(document["files"]) >= {str(folder / file) for file in written}
+
+
+def test_what_needs_a_program_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["examples", "calculix", str(tmp_path)]) == 0
+    assert f"Next: {tmp_path / 'README.md'} says which program it needs, and how to run it" in capsys.readouterr().err
+    assert "`ccx`" in (tmp_path / "README.md").read_text(encoding="utf-8")
 
 
 def test_it_runs_where_it_was_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -64,8 +79,8 @@ def test_existing_files_are_named_and_kept(tmp_path: Path, capsys: pytest.Captur
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["oedometre", "x"], "there is no example 'oedometre'; did you mean oedometer?; known: combined, formula, "),
-        (["xyz", "x"], "there is no example 'xyz'; known: combined, formula, "),
+        (["oedometre", "x"], "there is no example 'oedometre'; did you mean oedometer?; known: calculix, combined, "),
+        (["xyz", "x"], "there is no example 'xyz'; known: calculix, combined, "),
         (["slope"], "give the folder to write it to: geoswarm examples slope DIRECTORY"),
         (["slope", __file__], "is a file"),
     ],

@@ -13,7 +13,7 @@ import pytest
 
 from geoswarm.cli.commands import COMMANDS, cli
 from geoswarm.cli.words.error_messages import CommandContext, report
-from geoswarm.solver.extras import extra_of, needs_extra
+from geoswarm.solver.system.extras import extra_of, needs_extra
 from tests.contracts.repository import project
 from tests.installation import Installation, install
 from tests.solver.problems import decay_document
@@ -56,6 +56,13 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "init": [(["--output", "begun"], 0, None)],
     "inline": [(["problem.json"], 0, None)],
     "examples": [([], 0, None), (["formula", "formula"], 0, None)],
+    "model new": [(["--run", "a", "--input", "none", "--mark", "a=1", "--result", "b"], 2, None)],
+    "model try": [(["problem.json"], 2, None)],
+    "models list": [([], 0, None)],
+    "models show": [(["none"], 2, None)],
+    "models check": [(["none"], 2, None)],
+    "import pest": [(["case.pst", "--output", "made"], 2, "pest")],
+    "umbridge": [(["none.json"], 2, None)],
     "demo": [([], 2, "server")],
     "serve": [(["--port", "0"], 2, "server"), (["--broker", "redis://127.0.0.1:9/0"], 2, "server")],
     "worker": [(["--broker", "redis://127.0.0.1:9/0"], 2, "server")],
@@ -101,6 +108,7 @@ def folder(base: Installation, tmp_path_factory: pytest.TempPathFactory) -> Path
     sobol = decay_document(method={"kind": "sobol", "samples": 8}, stopping={})
     for name, document in {"problem": decay_document(), "sobol": sobol, "meshed": MESHED}.items():
         (made / f"{name}.json").write_text(json.dumps(document), encoding="utf-8")
+    (made / "case.pst").write_text("pcf\n", encoding="utf-8")
     (made / "slope.msh").write_text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", encoding="utf-8")
     done = base.geoswarm("run", "problem.json", "--output", "run", folder=made)
     assert done.returncode == 0, done.stderr
@@ -143,7 +151,7 @@ def test_a_run_says_before_it_begins_that_there_will_be_no_figures(base: Install
     assert sorted(path.suffix for path in (folder / "tables").iterdir()) == [".csv", ".csv", ".json", ".json", ".npz"]
 
 
-@pytest.mark.parametrize("extra", ["server", "plots", "mesh", "statistics", "parquet", "tracing"])
+@pytest.mark.parametrize("extra", ["server", "plots", "mesh", "statistics", "parquet", "tracing", "pest"])
 def test_every_package_of_an_extra_leads_to_an_extra_that_has_it(extra: str) -> None:
     extras = project()["project"]["optional-dependencies"]
     for requirement in extras[extra]:

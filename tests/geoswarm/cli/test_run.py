@@ -12,7 +12,7 @@ import pytest
 
 from geoswarm.cli import main
 from geoswarm.solver.runs import evaluators
-from geoswarm.solver.versions import versions
+from geoswarm.solver.system.versions import versions
 from tests.solver.problems import decay_document
 
 KEYS = ["state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed", "fit"]

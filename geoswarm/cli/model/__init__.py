@@ -1,0 +1,1 @@
+"""Commands for programs as forward models: ``geoswarm model new`` and ``geoswarm model try``."""

@@ -1,0 +1,19 @@
+"""``geoswarm model``: programs of your own as forward models."""
+
+from __future__ import annotations
+
+import click
+
+from geoswarm.cli.model.new import new_command
+from geoswarm.cli.model.trial import try_command
+
+__all__ = ["model_command"]
+
+
+@click.group("model")
+def model_command() -> None:
+    """Make a forward model of a program of your own, and try it."""
+
+
+model_command.add_command(new_command)
+model_command.add_command(try_command)

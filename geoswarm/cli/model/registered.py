@@ -1,0 +1,148 @@
+"""``geoswarm models``: the models that are registered on this machine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geoswarm.cli.model.trial import echo_run
+from geoswarm.cli.options import json_option
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
+from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
+
+if TYPE_CHECKING:
+    from geoswarm.solver.registered.declaration import Declaration, DeclaredParameter
+
+__all__ = ["models_command"]
+
+
+@click.group("models")
+def models_command() -> None:
+    """List, show and check the models registered on this machine (GEOSWARM_MODELS)."""
+
+
+@models_command.command("list")
+@json_option
+def list_models(as_json: bool) -> None:
+    """List the registered models with their versions."""
+    from geoswarm.solver.errors import ProblemError
+    from geoswarm.solver.registered.declaration import read_declaration
+    from geoswarm.solver.registered.folders import VARIABLE, find_folder, registered_names, version_of
+
+    rows: list[dict[str, str]] = []
+    for name in registered_names():
+        folder = find_folder(name)
+        try:
+            title = read_declaration(folder).title
+        except ProblemError as error:
+            title = f"broken: {error.issues[0]}"
+        rows.append({"model": name, "version": version_of(folder), "title": title, "folder": str(folder)})
+    if as_json:
+        echo_json(rows)
+    elif rows:
+        cells = [(row["model"], row["version"][:12], row["title"], row["folder"]) for row in rows]
+        echo_table(None, ("model", "version", "title", "folder"), cells)
+    else:
+        note(f"No model is registered: {VARIABLE} names folders, each folder in them with a model.yaml is a model.")
+
+
+@models_command.command("show")
+@click.argument("name")
+@json_option
+def show_model(name: str, as_json: bool) -> None:
+    """Show parameters, settings and series of a registered model."""
+    from geoswarm.solver.registered.folders import version_of
+    from geoswarm.solver.registered.model import declared_of
+
+    folder, declaration = _found(name)
+    declared = declared_of(folder, declaration)
+    version = version_of(folder)
+    if as_json:
+        document = {"model": name, "version": version, "folder": str(folder), **declaration.model_dump(mode="json")}
+        echo_json(document | {"series": declared.model_dump(mode="json")["series"]})
+        return
+    echo_facts(name, {"title": declaration.title or "-", "version": version, "folder": str(folder)})
+    rows = [(one, info.unit or "-", _limits(info), info.description) for one, info in declaration.parameters.items()]
+    echo_table("Parameters", ("parameter", "unit", "accepted", "description"), rows)
+    if declaration.settings:
+        settings = [(key, one.type, str(one.default), one.description) for key, one in declaration.settings.items()]
+        echo_table("Settings", ("setting", "type", "default", "description"), settings)
+    series = [(key, one.x_unit or "-", one.y_unit or "-", one.description) for key, one in declared.series.items()]
+    echo_table("Series", ("series", "x", "y", "description"), series)
+
+
+@models_command.command("check")
+@click.argument("name")
+@click.option("--set", "given", multiple=True, metavar="NAME=VALUE", help="Value of a parameter; may be repeated.")
+def check_model(name: str, given: tuple[str, ...]) -> None:
+    """Run a registered model once, at its defaults, typical values or the middle of its limits.
+
+    Shows what was written and read, and keeps the run folder. Exit code 1 when the run fails.
+    """
+    from geoswarm.solver.errors import ForwardError
+    from geoswarm.solver.external.trial import watched
+    from geoswarm.solver.forward.command_model import CommandModel, ProgramRun
+    from geoswarm.solver.registered.model import program_of
+    from geoswarm.solver.registered.settings import chosen, numbers_of
+
+    folder, declaration = _found(name)
+    model = program_of(folder, declaration, {})
+    values = {one: _value(one, info) for one, info in declaration.parameters.items()} | _given(declaration, given)
+    if not isinstance(model, CommandModel):
+        note(f"Model {name} is sound; it starts no program, so nothing was run.")
+        return
+    numbers = numbers_of(declaration.settings, chosen(declaration.settings, {}))
+    failure: str | None = None
+    with watched() as runs:
+        try:
+            ProgramRun(model, model.spec.series)({**values, **numbers}, lambda _found: {})
+        except ForwardError as error:
+            failure = f"the run failed ({error.reason}): {error}"
+    echo_table(None, ("parameter", "value"), [(one, number(value, 10)) for one, value in values.items()], right=(1,))
+    for run in runs:
+        echo_run(run, whole=False)
+    if failure is not None:
+        raise FailedRunError(failure)
+
+
+def _found(name: str) -> tuple[Any, Declaration]:
+    from geoswarm.solver.errors import UnknownForwardModelError
+    from geoswarm.solver.registered.declaration import read_declaration
+    from geoswarm.solver.registered.folders import find_folder
+
+    try:
+        folder = find_folder(name)
+    except UnknownForwardModelError as error:
+        raise BadInputError(str(error)) from None
+    return folder, read_declaration(folder)
+
+
+def _limits(info: DeclaredParameter) -> str:
+    low, high = info.lower, info.upper
+    parts = [f"at least {low:g}" if low is not None else "", f"at most {high:g}" if high is not None else ""]
+    return " and ".join(part for part in parts if part) or "any"
+
+
+def _value(name: str, info: DeclaredParameter) -> float:
+    """The default, else the middle of what is typical, else of the limits."""
+    if info.default is not None:
+        return info.default
+    ends = info.typical or (info.lower, info.upper)
+    low, high = ends
+    if low is None or high is None:
+        raise BadInputError(f"parameter {name} has neither a default nor a typical range; give --set {name}=VALUE")
+    return (low * high) ** 0.5 if low > 0.0 else (low + high) / 2.0
+
+
+def _given(declaration: Declaration, texts: tuple[str, ...]) -> dict[str, float]:
+    values: dict[str, float] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or name not in declaration.parameters:
+            raise BadInputError(f"--set {text}: give NAME=VALUE; parameters: {', '.join(declaration.parameters)}")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise BadInputError(f"--set {text}: '{value}' is not a number") from None
+    return values
