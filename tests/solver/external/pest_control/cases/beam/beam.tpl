@@ -1,0 +1,3 @@
+ptf %
+stiffness %e-1            % %e-2            %
+loads     %load           % %load2          %

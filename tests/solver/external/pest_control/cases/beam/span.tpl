@@ -1,0 +1,2 @@
+ptf ~
+~ span         ~ ~ PI         ~
