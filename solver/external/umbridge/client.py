@@ -1,0 +1,187 @@
+"""Requests to a server of the UM-Bridge protocol 1.0.
+
+Python's own ``http.client``, not the package umbridge: that one looks at no HTTP status, has no limit of time, and
+brings 17 packages, one of them called asyncio.
+"""
+
+from __future__ import annotations
+
+import http.client
+import json
+import math
+import re
+import socket
+import ssl
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import urlsplit
+
+from geoswarm.solver.external.errors import RunFailedError
+
+__all__ = ["LARGEST", "PROTOCOL", "Server", "address_of"]
+
+PROTOCOL = 1.0
+
+LARGEST = 256 * 2**20
+"""Bytes of the largest answer that is read."""
+
+_CONNECT_SECONDS = 10.0
+_PIECE = 2**20
+_BUSY = (502, 503, 504)
+_REASONS = ("diverged", "not_finite", "infeasible", "bad_output")
+"""Types of errors that say why: those of ``geoswarm umbridge``."""
+
+
+def address_of(url: str) -> tuple[str, str, int, str]:
+    """Return scheme, host, port and path of a server's address.
+
+    Raises
+    ------
+    ValueError
+
+    Examples
+    --------
+    >>> address_of("http://localhost:4242/models/")
+    ('http', 'localhost', 4242, '/models')
+    """
+    accepted = "write for example http://localhost:4242"
+    try:
+        parts = urlsplit(url.strip())
+        port = parts.port
+    except ValueError as error:
+        raise ValueError(f"'{url[:100]}' is no address: {error}; {accepted}") from None
+    if parts.scheme not in ("http", "https") or not parts.hostname or not url.isprintable():
+        raise ValueError(f"'{url[:100]}' is no address of a server; {accepted}")
+    if parts.username or parts.password or parts.query or parts.fragment:
+        raise ValueError(f"an address has a host, a port and a path only, no user, password or ?; {accepted}")
+    return parts.scheme, parts.hostname, port or (443 if parts.scheme == "https" else 80), parts.path.rstrip("/")
+
+
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A server.
+
+    Parameters
+    ----------
+    url
+        Its address.
+    seconds
+        Wall time of one request; None: any.
+    tries
+        How often it is called when it cannot be reached or is busy.
+    pause
+        Between tries [s].
+    """
+
+    url: str
+    seconds: float | None
+    tries: int
+    pause: float
+
+    def call(self, route: str, body: Mapping[str, Any] | None = None) -> Any:
+        """POST a body, or GET where there is none; return the answer.
+
+        Raises
+        ------
+        RunFailedError
+            ``not_started``: it cannot be reached. ``timeout``. ``program_failed``: an HTTP error, or it hung up.
+            ``bad_output``: the answer is no JSON.
+        """
+        text = None if body is None else json.dumps(body, allow_nan=False).encode()
+        for left in range(self.tries - 1, -1, -1):
+            try:
+                status, answer = self._once(route, text)
+            except (TimeoutError, RunFailedError):
+                raise
+            except (OSError, http.client.HTTPException) as error:
+                if left:
+                    time.sleep(self.pause)
+                    continue
+                raise self._lost(error) from None
+            if status in _BUSY and left:
+                time.sleep(self.pause)
+                continue
+            return self._read(route, status, answer)
+        raise AssertionError("at least one try")
+
+    def _once(self, route: str, body: bytes | None) -> tuple[int, bytes]:
+        scheme, host, port, path = address_of(self.url)
+        deadline = math.inf if self.seconds is None else time.monotonic() + self.seconds
+        wait = min(_CONNECT_SECONDS, self.seconds or _CONNECT_SECONDS)
+        connection = (
+            http.client.HTTPSConnection(host, port, timeout=wait, context=ssl.create_default_context())
+            if scheme == "https"
+            else http.client.HTTPConnection(host, port, timeout=wait)
+        )
+        try:
+            try:
+                connection.connect()
+            except TimeoutError:
+                raise RunFailedError("not_started", f"{self.url} cannot be reached: no answer in {wait:g} s") from None
+            channel = connection.sock
+            try:
+                _limit(channel, deadline)
+                headers = {"Content-Type": "application/json", "Accept": "application/json", "Connection": "close"}
+                connection.request("GET" if body is None else "POST", f"{path}{route}", body, headers)
+                response = connection.getresponse()
+                pieces: list[bytes] = []
+                size = 0
+                while size <= LARGEST:
+                    _limit(channel, deadline)
+                    piece = response.read1(_PIECE)
+                    if not piece:
+                        return response.status, b"".join(pieces)
+                    pieces.append(piece)
+                    size += len(piece)
+            except TimeoutError:
+                raise RunFailedError("timeout", f"{self.url}{route} has not answered in {self.seconds:g} s") from None
+            raise RunFailedError("bad_output", f"{self.url}{route} answered more than {LARGEST // 2**20} MB")
+        finally:
+            connection.close()
+
+    def _lost(self, error: OSError | http.client.HTTPException) -> RunFailedError:
+        if isinstance(error, ConnectionRefusedError | socket.gaierror) or (
+            isinstance(error, OSError) and not isinstance(error, ConnectionError | http.client.HTTPException)
+        ):
+            tried = f" ({self.tries} tries)" if self.tries > 1 else ""
+            why = getattr(error, "strerror", None) or str(error)
+            return RunFailedError("not_started", f"{self.url} cannot be reached: {why}{tried}; is the server running?")
+        return RunFailedError("program_failed", f"{self.url} hung up: {type(error).__name__}: {error}")
+
+    def _read(self, route: str, status: int, answer: bytes) -> Any:
+        text = answer.decode("utf-8", errors="replace")
+        try:
+            found = json.loads(_numbers(text))
+        except (ValueError, RecursionError):
+            found = None
+        told = found.get("error") if isinstance(found, dict) else None
+        if isinstance(told, dict) or status != 200:
+            kind = str(told.get("type", "")) if isinstance(told, dict) else ""
+            message = str(told.get("message", "")) if isinstance(told, dict) else " ".join(text.split())
+            words = ": ".join(part[:500] for part in (kind, message) if part) or "no word why"
+            reason = kind if kind in _REASONS else "program_failed"
+            raise RunFailedError(reason, f"{self.url}{route} answered with HTTP {status}: {words}")
+        if found is None:
+            raise RunFailedError("bad_output", f"{self.url}{route} answered no JSON: '{text[:100]}'")
+        return found
+
+
+def _limit(channel: socket.socket | None, deadline: float) -> None:
+    """Let the next wait for the socket end at the deadline."""
+    if channel is None or channel.fileno() < 0:
+        return
+    left = deadline - time.monotonic()
+    if left <= 0.0:
+        raise TimeoutError
+    channel.settimeout(None if math.isinf(left) else left)
+
+
+def _numbers(text: str) -> str:
+    """Python's nan and inf, which the server of umbridge writes, as Python's JSON has them."""
+    if not re.search(r"\b(?:nan|inf)\b", text):
+        return text
+    return re.sub(
+        r'"(?:[^"\\]|\\.)*"|\bnan\b|\binf\b', lambda m: {"nan": "NaN", "inf": "Infinity"}.get(m[0], m[0]), text
+    )
