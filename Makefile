@@ -16,7 +16,7 @@ PYTEST := $(BIN)/python -m pytest
 JOBS ?= 2
 export PYTHON
 
-.PHONY: help setup servers demo test test-all check format lock bench clean
+.PHONY: help setup servers engines engines-all demo test test-all check format lock bench clean
 
 help:  ## list the commands
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 20
@@ -36,6 +36,12 @@ $(WARM): $(INSTALLED) $(KERNELS)
 servers:  ## install the PostgreSQL and Redis that tests and benchmarks start for themselves
 	@scripts/install_servers.sh
 
+engines:  ## install the programs of others that the examples call
+	@scripts/install_engines.sh
+
+engines-all:
+	@scripts/install_engines.sh --all
+
 demo: setup  ## calibrate the published oedometer test in the embedded service (needs no server)
 	@$(BIN)/geoswarm demo
 
@@ -53,10 +59,10 @@ format: $(INSTALLED)  ## put the sources in the house's format and renew the gen
 	$(BIN)/ruff format --quiet .
 	$(BIN)/python scripts/generate_client.py
 
-test: setup servers check  ## all checks and the tests, without the long studies
+test: setup servers engines check  ## all checks and the tests, without the long studies
 	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "not slow"
 
-test-all: setup servers check  ## all checks and all tests, with the long studies
+test-all: setup servers engines-all check  ## all checks and all tests, with the long studies
 	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "slow or not slow"
 
 lock: $(INSTALLED)  ## renew requirements/: the newest versions that pyproject.toml admits, and their licences

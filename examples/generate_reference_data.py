@@ -20,7 +20,7 @@ import numpy as np
 
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.problem.text.reading import read_problem_file
-from geoswarm.solver.problem.units import convert
+from geoswarm.solver.units import convert
 
 __all__ = ["EXAMPLES", "Example", "generate", "main"]
 

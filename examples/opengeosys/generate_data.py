@@ -1,0 +1,14 @@
+"""Makes the readings anew: what OpenGeoSys gives at known parameters, with normal noise; their days stay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from geoswarm.solver.synthetic import write_readings
+
+HERE = Path(__file__).resolve().parent
+TRUTH = {"E_oed": 1800.0, "k": 2.0e-4}  # kPa, m/day
+SEED = 1584
+
+if __name__ == "__main__":
+    write_readings(HERE / "problem.yaml", TRUTH, SEED, "OpenGeoSys 6.5.9", decimals=2)
