@@ -39,8 +39,8 @@ from geoswarm import Client, GeoswarmError  # noqa: E402
 from geoswarm.records.job import Job  # noqa: E402
 from geoswarm.solver.calibration import Calibration  # noqa: E402
 from geoswarm.solver.problem import load_problem, parse_problem  # noqa: E402
-from geoswarm.solver.runner.processes import memory_below  # noqa: E402
 from geoswarm.solver.runs.local import calibrate  # noqa: E402
+from geoswarm.solver.system.processes import memory_below  # noqa: E402
 from tests.servers import PostgresServer, RedisServer, free_port  # noqa: E402
 
 WORKERS, PARTICLES, GENERATIONS, SECONDS = 2, 10, 10, 0.1

@@ -15,7 +15,10 @@ from geoswarm.solver.methods.registry import BUILT_IN, find_method, kinds_of
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "problem-file.md"
-KINDS = ("oedometer", "isotropic_compression", "section", "finite_element", "formula", "combined")
+KINDS = (
+    *("oedometer", "isotropic_compression", "section", "finite_element", "formula", "combined"),
+    *("python", "command", "umbridge", "registered"),
+)
 EXAMPLES = {"oedometer": "oedometer", "isotropic_compression": "isotropic_compression", "section": "slope"}
 
 INTRODUCTION = """\
@@ -124,6 +127,7 @@ success ends failed.
 | `bad_output` | what it gave cannot be read, or the model is broken |
 | `timeout`, `killed_memory` | it exceeded a limit |
 | `worker_lost` | its process or its worker ended |
+| `not_started`, `program_failed`, `no_output`, `no_licence` | of a [program](programs.md) |
 
 ```yaml
 failures:
@@ -156,7 +160,7 @@ def page() -> str:
     from geoswarm.solver.problem import MAX_BYTES, MAX_TABLE_BYTES, problem_schema
     from geoswarm.solver.problem.checks.feasibility import TRIED_POINTS
 
-    schema = problem_schema()
+    schema = problem_schema(programs=True)
     definitions = schema["$defs"]
     introduction = INTRODUCTION.format(
         example=(ROOT / "examples" / "oedometer" / "problem.yaml").read_text(encoding="utf-8"),
@@ -243,6 +247,26 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
         parts.append(
             "Series are named `part.series`. Parts share parameters by name; a parameter `part.name` is the value for "
             "that part alone and goes before the shared one."
+        )
+    elif kind == "python":
+        parts.append(
+            "The arguments of the function are the parameters; an argument `x` receives the observed points. It is "
+            "accepted by `geoswarm run` and Python, never by a service. What the function returns: [Python](python.md)."
+        )
+    elif kind == "command":
+        parts.append(
+            "Parameters are the names in the templates. It is accepted by `geoswarm run` and Python, never by a "
+            "service. All about it, with examples: [Programs](programs.md)."
+        )
+    elif kind == "umbridge":
+        parts.append(
+            "Parameters are the names in `inputs`. It is accepted by `geoswarm run` and Python, never by a service. "
+            "Failures, and the other direction: [UM-Bridge](umbridge.md)."
+        )
+    elif kind == "registered":
+        parts.append(
+            "Parameters, series and settings are those that the operator has declared; `geoswarm models show` and the "
+            "form of a new job list them. See [Programs](programs.md)."
         )
     elif kind == "finite_element":
         parts.append("What is not told here is as for `section`. Parameters are the names in the expressions.")
