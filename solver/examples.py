@@ -12,6 +12,7 @@ from pathlib import Path
 __all__ = ["ExampleSummary", "describe_example", "example_file", "example_names"]
 
 _PROBLEM, _EXPLANATION = "problem.yaml", "README.md"
+_ENGINES = ("command", "registered")
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,10 +24,22 @@ class ExampleSummary:
     forward_model: str
     method: str
 
+    @property
+    def needs_engine(self) -> bool:
+        """Whether it starts a program of others, which must be installed."""
+        return self.forward_model in _ENGINES
 
-def example_names() -> tuple[str, ...]:
-    """Names of the examples that this installation has, in alphabetical order."""
-    return tuple(sorted(one.name for one in _folder().iterdir() if one.joinpath(_PROBLEM).is_file()))
+
+def example_names(*, engines: bool = True) -> tuple[str, ...]:
+    """Names of the examples that this installation has, in alphabetical order.
+
+    Parameters
+    ----------
+    engines
+        Also those that need a program of others, which their explanations name.
+    """
+    names = sorted(one.name for one in _folder().iterdir() if one.joinpath(_PROBLEM).is_file())
+    return tuple(name for name in names if engines or not describe_example(name).needs_engine)
 
 
 @contextmanager

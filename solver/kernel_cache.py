@@ -25,7 +25,7 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
-from geoswarm.solver.file_locks import try_lock
+from geoswarm.solver.system.file_locks import try_lock
 
 __all__ = ["SOLVER", "alone", "cache_folder", "fingerprint", "part_of", "settle"]
 

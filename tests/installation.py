@@ -13,7 +13,7 @@ from typing import Literal
 
 from tests.contracts.repository import ROOT
 
-__all__ = ["Installation", "build", "install", "install_beside", "uv"]
+__all__ = ["Installation", "build", "install", "install_beside", "packages_in", "uv"]
 
 
 @dataclass(frozen=True)
@@ -96,3 +96,10 @@ def install_beside(folder: Path) -> Installation:
     borrowed = sysconfig.get_path("purelib")
     (installation.packages / "borrowed.pth").write_text(f"{borrowed}\n", encoding="utf-8")
     return installation
+
+
+def packages_in(folder: Path, *requirements: str, dependencies: bool = True) -> Path:
+    """Install packages into a folder of their own, for ``PYTHONPATH``; return it."""
+    more = () if dependencies else ("--no-deps",)
+    uv("pip", "install", "--quiet", "--python", sys.executable, "--target", folder, *more, *requirements)
+    return folder

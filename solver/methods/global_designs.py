@@ -8,8 +8,8 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.extras import has, needs_extra
 from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task
+from geoswarm.solver.system.extras import has, needs_extra
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.runner.processes import descendants
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.system.processes import descendants
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings

@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.processes import descendants, memory_of
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.system.processes import descendants, memory_of
 from tests.attacks.attacks import API, ATTACKS, line
 from tests.attacks.services import ROOT, Service, serving
 from tests.integration.engines import wait_for

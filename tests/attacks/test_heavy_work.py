@@ -10,7 +10,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from geoswarm.solver.runner.processes import descendants
+from geoswarm.solver.system.processes import descendants
 from tests.attacks.attacks import bad
 from tests.attacks.services import Service, serving, watched
 from tests.integration.engines import wait_for

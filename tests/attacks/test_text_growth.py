@@ -25,7 +25,7 @@ from geoswarm.solver.problem.tables.headings import guess_unit, units_in_comment
 from geoswarm.solver.problem.tables.lines import lines_of
 from geoswarm.solver.problem.tables.reading import TableError, cell_number, table_rows
 from geoswarm.solver.problem.text.json_places import duplicate_place
-from geoswarm.solver.problem.units import UnitError, convert
+from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean, typeset
 from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.logs import JsonFormatter, TextFormatter

@@ -16,6 +16,7 @@ HEADINGS = {
     "mesh": "Extra `mesh`",
     "statistics": "Extra `statistics`",
     "parquet": "Extra `parquet`",
+    "pest": "Extra `pest`",
     "bench": "Extra `bench`",
     "dev": "Extra `dev`",
 }

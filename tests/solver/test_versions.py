@@ -7,7 +7,7 @@ import platform
 import numpy as np
 import scipy
 
-from geoswarm.solver.versions import differences, versions
+from geoswarm.solver.system.versions import differences, versions
 
 
 def test_versions_are_those_that_are_imported() -> None:

@@ -16,11 +16,11 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import MeshError
-from geoswarm.solver.extras import needs_extra
 from geoswarm.solver.fem.mesh.checks import check_mesh
 from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
 from geoswarm.solver.fem.mesh.quadratic import EDGES, midpoints, six_node_triangles
 from geoswarm.solver.fem.mesh.split import split_along
+from geoswarm.solver.system.extras import needs_extra
 
 __all__ = ["load_meshio", "mesh_of_tables", "read_mesh"]
 

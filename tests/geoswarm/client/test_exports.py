@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import geoswarm
+import geoswarm.calibration
 import geoswarm.client
 from geoswarm.client import administration, bodies, errors, models, points
 from geoswarm.solver import arrays
@@ -17,10 +18,14 @@ from geoswarm.solver.forward import base
 ROOT = Path(__file__).parents[3]
 
 
-def test_every_name_of_the_package_is_that_of_the_client_or_of_the_forward_models() -> None:
+def test_every_name_of_the_package_has_its_home() -> None:
     assert {"Client", "AsyncClient", "GeoswarmError", "ForwardModelSpec"} <= set(geoswarm.__all__)
     for name in geoswarm.__all__:
-        home = next(home for home in (base, forward_errors, arrays, geoswarm.client) if name in home.__all__)
+        home = next(
+            home
+            for home in (geoswarm.calibration, base, forward_errors, arrays, geoswarm.client)
+            if name in home.__all__
+        )
         assert getattr(geoswarm, name) is getattr(home, name)
 
 
@@ -30,6 +35,10 @@ def test_whatever_a_plug_in_needs_is_there() -> None:
     for error in failures:
         if isinstance(error, type) and issubclass(error, forward_errors.ForwardError):
             assert error.__name__ in geoswarm.__all__
+
+
+def test_whatever_a_calibration_needs_is_there() -> None:
+    assert set(geoswarm.calibration.__all__) <= set(geoswarm.__all__)
 
 
 def test_names_outside_all_are_refused() -> None:

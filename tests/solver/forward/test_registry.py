@@ -19,7 +19,18 @@ from geoswarm.solver.forward.formula import FormulaSpec
 from geoswarm.solver.forward.registry import GROUP, find_spec, kinds, parse_spec
 from geoswarm.solver.problem import parse_problem, problem_schema
 
-BUILT_IN = ("formula", "combined", "oedometer", "isotropic_compression", "section", "finite_element")
+BUILT_IN = (
+    "formula",
+    "combined",
+    "oedometer",
+    "isotropic_compression",
+    "section",
+    "finite_element",
+    "command",
+    "python",
+    "umbridge",
+    "registered",
+)
 
 
 class LineSpec(ForwardModelSpec):

@@ -60,7 +60,7 @@ def points(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
     return {"points": {"x": x.tolist(), "y": y.tolist()}}
 
 
-@pytest.mark.parametrize("name", example_names())
+@pytest.mark.parametrize("name", example_names(engines=False))
 def test_the_examples_are_plausible(name: str) -> None:
     with example_file(name) as path:
         assert implausible(load_problem(path)) == ()

@@ -164,7 +164,7 @@ def test_sections_of_the_wrong_shape(section: str, value: Any, message: str) -> 
 
 
 def test_the_schema_knows_every_section_and_every_kind() -> None:
-    schema = problem_schema()
+    schema = problem_schema(programs=True)
     assert set(schema["properties"]) == {
         *("name", "forward_model", "parameters", "constraints", "observations", "method", "stopping", "seed"),
         *("weighting", "limits", "failures", "priority", "warm_start"),

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geoswarm.solver.problem import load_problem
-from geoswarm.solver.problem.units import COMMON, UnitError, _factor, _registered_factor, convert, same_unit
+from geoswarm.solver.units import COMMON, UnitError, _factor, _registered_factor, convert, same_unit
 
 OEDOMETER = Path(__file__).resolve().parents[3] / "examples" / "oedometer" / "problem.yaml"
 
@@ -100,7 +100,7 @@ def test_there_and_back(value: float, units: tuple[str, str]) -> None:
 
 
 def test_base_units_need_no_registry() -> None:
-    use = "from geoswarm.solver.problem.units import convert; convert([1.0], 'day', 'day')"
+    use = "from geoswarm.solver.units import convert; convert([1.0], 'day', 'day')"
     code = f"import sys; {use}; print('pint' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
