@@ -7,7 +7,7 @@ level, and there is one order of locks.
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Callable, MutableMapping, Sequence
 from dataclasses import replace
 from functools import partial
 from weakref import WeakKeyDictionary
@@ -140,11 +140,23 @@ class Runtime:
     def give_up(self, job_id: str, message: str) -> None:
         """End a job that cannot be worked on; one whose failures are run again is then what it was before."""
 
-        self._stop(job_id, JobBroken(message))
+        self._stop(job_id, lambda: JobBroken(message))
 
-    def refuse(self, job_id: str, message: str) -> None:
-        """Have a job wait that this worker cannot run, with the reason; one whose failures are run again ends that."""
-        self._stop(job_id, JobRefused(message))
+    def refuse(self, job_id: str, why: Callable[[], str | None]) -> None:
+        """Have a job wait that this worker cannot run; one whose failures are run again ends that.
+
+        Parameters
+        ----------
+        why
+            Tells the reason, None: there is none any more. It is asked when nobody else can change the job: a refusal
+            that comes late must not stop a job that was resumed because its model is there again.
+        """
+
+        def event() -> JobRefused | None:
+            message = why()
+            return None if message is None else JobRefused(message)
+
+        self._stop(job_id, event)
 
     def exchange(
         self,
@@ -267,12 +279,15 @@ class Runtime:
 
         self.store.write(work)
 
-    def _stop(self, job_id: str, event: JobBroken | JobRefused) -> None:
+    def _stop(self, job_id: str, why: Callable[[], JobBroken | JobRefused | None]) -> None:
         def work(connection: Connection) -> None:
             locked = lock_job(connection, job_id)
-            if locked is not None and locked.row.retry_to is not None:
+            event = None if locked is None else why()
+            if locked is None or event is None:
+                return
+            if locked.row.retry_to is not None:
                 finish_retry(connection, locked, None, gap=self.settings.lease_seconds)
-            elif locked is not None:
+            else:
                 self._save(connection, locked, [apply(locked.job(), event)])
 
         self.store.write(work)

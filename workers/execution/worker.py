@@ -135,10 +135,11 @@ class Worker:
         extra = {"job": job_id, "worker": self.identity.id}
         try:
             calibration = self._calibration(job_id)
-            refusal = None if calibration is None else calibration.problem.forward_model.unavailable()
-            if refusal is not None:
-                self._refuse(job_id, refusal)
-            elif calibration is not None and self._make_ready(job_id, calibration):
+            if calibration is None:
+                return
+            if calibration.problem.forward_model.unavailable() is not None:
+                self._refuse(job_id, calibration)
+            elif self._make_ready(job_id, calibration):
                 with self.slots.hold(_kind(calibration)) as free:
                     if free:
                         self._work(job_id, calibration)
@@ -276,9 +277,15 @@ class Worker:
         self._calibrations[job_id] = calibration
         return calibration
 
-    def _refuse(self, job_id: str, message: str) -> None:
-        log.warning("worker %s refuses job %s: %s", self.identity.id, job_id, message, extra={"job": job_id})
-        self.runtime.refuse(job_id, f"worker {self.identity.id} refuses: {message}")
+    def _refuse(self, job_id: str, calibration: Calibration) -> None:
+        def why() -> str | None:
+            message = calibration.problem.forward_model.unavailable()
+            if message is not None:
+                message = f"worker {self.identity.id} refuses: {message}"
+                log.warning("job %s: %s", job_id, message, extra={"job": job_id})
+            return message
+
+        self.runtime.refuse(job_id, why)
 
     def _give_up(self, job_id: str, message: str) -> None:
         try:
