@@ -112,6 +112,9 @@ def run_program(
         )
     except OSError as error:
         raise NotStartedError(f"{arguments[0]} cannot be started: {error.strerror or error}") from None
+    except BaseException:  # an interrupt while it starts
+        _kill_marked(mark)
+        raise
     with output.open("wb") as file:
         printed = _Printed(file)
         try:
@@ -255,8 +258,12 @@ def _kill_tree(process: subprocess.Popen[bytes], mark: str) -> None:
 def _kill_rest(session: int, mark: str) -> None:
     """Kill what is left of a program: its session, and in an evaluation process what has left that, by its mark."""
     _kill_session(session)
-    if not adopts_orphans():
-        return
+    if adopts_orphans():
+        _kill_marked(mark)
+
+
+def _kill_marked(mark: str) -> None:
+    """Kill what stands below this process and carries the mark of a run."""
     killed: set[int] = set()
     deadline = time.monotonic() + _KILL_SECONDS
     while True:

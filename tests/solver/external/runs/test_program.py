@@ -115,6 +115,7 @@ def test_an_interrupt_ends_the_program(tmp_path: Path) -> None:
         while not (tmp_path / "pid").exists() or not (tmp_path / "pid").read_text().strip():
             assert time.monotonic() < deadline
             time.sleep(0.02)
+        time.sleep(0.5)
         ours.send_signal(signal.SIGINT)
         ours.communicate(timeout=60)
     wait_until_gone(int((tmp_path / "pid").read_text()))
