@@ -21,6 +21,7 @@ from geoswarm.solver.runner.output import anonymous_file, tail
 from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.shared_state import BUILDING, IDLE
 from geoswarm.solver.runner.wire import ConnectionEnded, Frame, GarbledError, Outcome, unpack_outcomes
+from geoswarm.solver.system.processes import memory_of
 
 __all__ = ["Runner"]
 
@@ -54,7 +55,8 @@ class Runner:
         fcntl.fcntl(self._output, fcntl.F_SETFL, os.O_APPEND)
         self._fork_server = ForkServerLink(self._output, passed)
         self._process: EvaluationProcess | None = None
-        self._idle_memory = 0.0
+        self._idle_memory = 0.0  # pages shared with the fork server are shared out: what a limit is about
+        self._idle_resident = 0.0  # all its pages: quick to ask for
         self._kept_memory: float | None = None  # after the first runs
         self._memory_at = 0.0
 
@@ -286,6 +288,7 @@ class Runner:
         if self._process is None:
             self._process = self._fork_server.fork()
             self._idle_memory = self._fork_server.memory()
+            self._idle_resident = memory_of(self._process.pid)
             self._kept_memory = None
         return self._process
 
@@ -296,7 +299,7 @@ class Runner:
             if now - self._memory_at < GROWTH_SECONDS and self._kept_memory is not None:
                 return
             self._memory_at = now
-            kept = self._memory_used()
+            kept = memory_of(process.pid) - self._idle_resident  # it has nothing below it now
             if self._kept_memory is None:
                 self._kept_memory = kept
             if kept < 3.0 * self._kept_memory + MOST_GROWTH:

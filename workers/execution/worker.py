@@ -201,7 +201,8 @@ class Worker:
 
         A ring through the broker would come later than a look at the database.
         """
-        pause = min(max(0.03 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        longest = min(max(0.03 * typical, SHORTEST_LOOK), LONGEST_LOOK)
+        pause = SHORTEST_LOOK  # the others began when this worker did: most often they end with it
         now = time.monotonic()
         patience = min(turn.until, now + max(3.0 * typical, PATIENCE_SECONDS))
         others = now + LONGEST_LOOK  # when to look for other work
@@ -213,6 +214,7 @@ class Worker:
                     return False
                 others = now + LONGEST_LOOK
             self.stopping.wait(pause)
+            pause = min(1.2 * pause, longest)
             now = time.monotonic()
         return False
 
