@@ -12,8 +12,9 @@ INSTALLED := $(VENV)/.geoswarm-installed
 WARM := $(VENV)/.geoswarm-warm
 KERNELS := $(shell find solver -name '*.py' 2>/dev/null)
 PYTEST := $(BIN)/python -m pytest
-# Test processes at once. Each numerical library keeps to one thread (tests/conftest.py).
-JOBS ?= 2
+# Test processes at once: one more than two cores, as many tests wait for a service. Each numerical library keeps to
+# one thread (tests/conftest.py).
+JOBS ?= 3
 export PYTHON
 
 .PHONY: help setup servers engines engines-all demo test test-all check format lock bench clean

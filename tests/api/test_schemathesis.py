@@ -97,7 +97,7 @@ def check_answers(world: World, who: str, examples: int) -> int:
     return sent
 
 
-@pytest.mark.parametrize("who", ["bob", "reader", "nobody", "nothing"])
+@pytest.mark.parametrize("who", ["bob", "reader", "nobody", pytest.param("nothing", marks=pytest.mark.slow)])
 def test_made_up_requests_break_and_leak_nothing(world: World, who: str) -> None:
     assert check_answers(world, who, FEW) > 100
 

@@ -77,7 +77,11 @@ def test_what_is_asked_without_numbers(app: App, path: str, what: str) -> None:
 
 @pytest.mark.parametrize(
     ("what", "name"),
-    list(itertools.product(("/statistics", "/uncertainty", "/posterior"), ("noise", "threshold"))),
+    [
+        *itertools.product(("/statistics", "/uncertainty"), ("noise", "threshold")),
+        ("/posterior", "threshold"),
+        pytest.param("/posterior", "noise", marks=pytest.mark.slow),  # a sample for each number
+    ],
 )
 def test_numbers_in_queries(app: App, path: str, what: str, name: str) -> None:
     for number in NUMBERS:

@@ -99,6 +99,7 @@ def test_what_runs_is_the_installation(installed: Installation, folder: Path, en
     assert Path(done.stdout.strip()).is_relative_to(installed.packages)
 
 
+@pytest.mark.slow
 def test_the_service_and_its_workers_work(installed: Installation, folder: Path, environment: dict[str, str]) -> None:
     database = f"sqlite:///{folder / 'jobs.db'}"
     command = [str(installed.script), "serve", "--port", "0", "--workers", "1", "--database", database]

@@ -138,6 +138,7 @@ def test_a_new_user_builds_the_published_job_from_a_csv(embedded: Site, visit: V
     expect(page.locator('[data-path="name"]')).to_have_value("calibration")  # what was submitted is not kept
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_the_same_with_keys_and_workers(full: Site, visit: Visit, readings: Path) -> None:
     page, _ = visit(full, "/new", key=full.key("alice"))

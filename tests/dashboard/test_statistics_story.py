@@ -50,6 +50,7 @@ def check_follow_up(document: dict[str, Any]) -> None:
     assert document["name"].endswith("(μ* fixed, φ fixed)")
 
 
+@pytest.mark.slow
 def test_two_parameters_are_fixed_with_keys_and_workers(full: Site, visit: Visit) -> None:
     alice = full.service.on_behalf_of(Principal("alice", "submit"))
     job = ended(alice, five_parameters())

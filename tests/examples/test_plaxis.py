@@ -90,6 +90,7 @@ def test_the_script_makes_these_calls(plaxis: Plaxis, capsys: pytest.CaptureFixt
     assert not (plaxis.model / "embankment.p2dxdat" / "results").exists()  # each run has its own copy of the project
 
 
+@pytest.mark.slow
 def test_the_true_values_lie_in_the_intervals(
     plaxis: Plaxis, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

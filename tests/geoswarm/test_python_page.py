@@ -59,6 +59,7 @@ def test_the_readings_of_the_pile_are_those_of_its_model() -> None:
     np.testing.assert_allclose(stored[:, 1], 1000.0 * settlement, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_pile_finds_the_truth_by_script_and_problem_file() -> None:
     printed = ran(PILE / "fit.py", "-B")
     found = {name: float(value) for name, value in re.findall(r"^(\w+) +([\d.e+-]+)$", printed, re.MULTILINE)}

@@ -119,7 +119,8 @@ def finish(client: Client, job_id: str, evaluations: int = 1590) -> None:
     assert (job.evaluations, job.failed_evaluations, job.stop_reasons) == (evaluations, 0, ["max_evaluations"])
 
 
-@pytest.mark.parametrize("workers", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 4))])
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2, 4])
 def test_embedded_service_gives_the_in_process_history(workers: int, tmp_path: Path) -> None:
     with served("--database", f"sqlite:///{tmp_path / 'jobs.db'}", "--workers", str(workers)) as client:
         job = client.submit(WHOLE)

@@ -50,7 +50,7 @@ def wait_for_workers(engine: Engine, count: int) -> None:
     wait_for(lambda: sum(w.state != "lost" for w in engine.service.workers()) == count, f"{count} workers")
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_same_history_as_in_process_for_any_number_of_workers(database_url: str, workers: int) -> None:
     quick = line(stopping={"max_evaluations": 600, "stagnation_generations": 40})
     sampled = line(method={"kind": "monte_carlo", "samples": 120, "batch": 25}, stopping={})

@@ -85,6 +85,7 @@ def locked(installation: Installation, folder: Path) -> Iterator[dict[str, str]]
     aside.rename(compiled)
 
 
+@pytest.mark.slow
 def test_without_a_place_for_kernels_a_temporary_folder_is_told(
     installation: Installation, folder: Path, locked: dict[str, str]
 ) -> None:

@@ -10,7 +10,7 @@ from geoswarm.solver.identifiability import Linearisation, design, from_evaluati
 from geoswarm.solver.identifiability.optimum.polish import Polished, polish
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
-from tests.verification.nist.data import MGH09, PROBLEMS, THURBER, Certified
+from tests.verification.nist.data import BOXBOD, MGH09, PROBLEMS, THURBER, Certified
 
 pytestmark = pytest.mark.usefixtures("independent_noise")
 
@@ -25,7 +25,13 @@ def fit(case: Certified) -> tuple[Polished, Linearisation]:
     return polished, from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
 
 
-@pytest.mark.parametrize("case", PROBLEMS, ids=lambda case: case.name)
+QUICK = (MGH09, BOXBOD)
+
+
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, marks=() if case in QUICK else pytest.mark.slow, id=case.name) for case in PROBLEMS],
+)
 def test_swarm_and_polishing_reach_the_certified_values(case: Certified) -> None:
     polished, linearisation = fit(case)
     certified = np.array([row[0] for row in case.parameters.values()])
