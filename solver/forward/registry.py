@@ -42,9 +42,9 @@ BUILT_IN = {
     "isotropic_compression": "geoswarm.solver.forward.isotropic_compression:IsotropicCompressionSpec",
     "section": "geoswarm.solver.forward.cross_section:SectionSpec",
     "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",
-    "command": "geoswarm.solver.forward.command:CommandSpec",
-    "python": "geoswarm.solver.forward.python_function:PythonSpec",
-    "umbridge": "geoswarm.solver.forward.umbridge:UmbridgeSpec",
+    "command": "geoswarm.solver.forward.programs.command:CommandSpec",
+    "python": "geoswarm.solver.forward.programs.python_function:PythonSpec",
+    "umbridge": "geoswarm.solver.forward.programs.umbridge:UmbridgeSpec",
     "registered": "geoswarm.solver.registered.spec:RegisteredSpec",
 }
 """Forward models of this package, as pyproject.toml declares them."""

@@ -13,8 +13,8 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
-from geoswarm.solver.forward.command import CommandSpec
-from geoswarm.solver.forward.command_model import CommandModel
+from geoswarm.solver.forward.programs.command import CommandSpec
+from geoswarm.solver.forward.programs.command_model import CommandModel
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.parameter_info import outside_limits
 from geoswarm.solver.problem.issues import issues_of

@@ -82,7 +82,7 @@ def check_model(name: str, given: tuple[str, ...]) -> None:
     """
     from geoswarm.solver.errors import ForwardError
     from geoswarm.solver.external.trial import watched
-    from geoswarm.solver.forward.command_model import CommandModel, ProgramRun
+    from geoswarm.solver.forward.programs.command_model import CommandModel, ProgramRun
     from geoswarm.solver.registered.model import program_of
     from geoswarm.solver.registered.settings import chosen, numbers_of
 

@@ -23,7 +23,7 @@ from geoswarm.solver.external.errors import OutputError
 from geoswarm.solver.external.outputs.base import OutputReader, Point
 from geoswarm.solver.external.outputs.lines import opened
 from geoswarm.solver.external.outputs.paths import below
-from geoswarm.solver.external.outputs.quantities import ColumnName, Quantity, column_number, column_of
+from geoswarm.solver.external.outputs.tables.quantities import ColumnName, Quantity, column_number, column_of
 
 __all__ = ["NumpyReader"]
 

@@ -29,9 +29,9 @@ from geoswarm.solver.external.outputs.issues import issues_of
 from geoswarm.solver.external.outputs.json_reader import JsonReader
 from geoswarm.solver.external.outputs.mesh.reader import MeshReader
 from geoswarm.solver.external.outputs.numpy_reader import NumpyReader
-from geoswarm.solver.external.outputs.pest import PestReader
+from geoswarm.solver.external.outputs.pest.reader import PestReader
 from geoswarm.solver.external.outputs.search import SearchReader
-from geoswarm.solver.external.outputs.table import TableReader
+from geoswarm.solver.external.outputs.tables.reader import TableReader
 
 __all__ = ["READERS", "SeriesReader", "format_of", "parse_series"]
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from geoswarm.solver.external.errors import TemplateError
 from geoswarm.solver.external.inputs.files import read_template_file
 from geoswarm.solver.external.inputs.pest_template import parse_pest_template
-from geoswarm.solver.external.outputs.instruction_parser import parse_instructions
 from geoswarm.solver.external.outputs.paths import relative_path
+from geoswarm.solver.external.outputs.pest.instructions import parse_instructions
 from geoswarm.solver.external.pest_control.case import PestCase, PestControlError
 
 __all__ = ["Copies", "beside", "instruction_names", "model_file", "other_files", "template_with"]

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from geoswarm.solver.external.errors import OutputError, TemplateError
 from geoswarm.solver.external.inputs.pest_template import parse_pest_template
 from geoswarm.solver.external.inputs.template import parse_template
-from geoswarm.solver.external.outputs.instruction_parser import parse_instructions
+from geoswarm.solver.external.outputs.pest.instructions import parse_instructions
 from geoswarm.solver.external.outputs.series import parse_series
 
 INSTRUCTIONS = "pif $\n$a$ w !h! t3 !dum!\nl1 [g]1:3 (f)2:4\n"

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.external.inputs.pest_template import parse_pest_template
-from geoswarm.solver.external.outputs.instruction_parser import parse_instructions
-from geoswarm.solver.external.outputs.instruction_reader import follow
+from geoswarm.solver.external.outputs.pest.follow import follow
+from geoswarm.solver.external.outputs.pest.instructions import parse_instructions
 
 CASES: dict[str, Any] = json.loads(Path(__file__).with_name("pyemu_cases.json").read_text(encoding="utf-8"))
 

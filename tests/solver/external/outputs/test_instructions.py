@@ -8,7 +8,7 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.external.errors import TemplateError
-from geoswarm.solver.external.outputs.instruction_parser import (
+from geoswarm.solver.external.outputs.pest.instructions import (
     Advance,
     Fixed,
     Free,
@@ -17,7 +17,7 @@ from geoswarm.solver.external.outputs.instruction_parser import (
     Whitespace,
     parse_instructions,
 )
-from geoswarm.solver.external.outputs.pest import PestReader
+from geoswarm.solver.external.outputs.pest.reader import PestReader
 from geoswarm.solver.external.outputs.series import parse_series
 from tests.solver.external.outputs.reading import assert_bad, series
 

@@ -22,7 +22,7 @@ from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.units import UnitError, base_unit
 
 if TYPE_CHECKING:
-    from geoswarm.solver.forward.python_function import PythonSpec
+    from geoswarm.solver.forward.programs.python_function import PythonSpec
 
 __all__ = ["PythonModel"]
 

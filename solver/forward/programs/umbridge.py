@@ -26,7 +26,7 @@ from geoswarm.solver.external.umbridge.client import address_of
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 
 if TYPE_CHECKING:
-    from geoswarm.solver.forward.umbridge_model import UmbridgeModel
+    from geoswarm.solver.forward.programs.umbridge_model import UmbridgeModel
 
 __all__ = ["UmbridgeSeries", "UmbridgeSpec"]
 
@@ -128,7 +128,7 @@ class UmbridgeSpec(ForwardModelSpec):
         ProblemError
             The unit of a series is unknown.
         """
-        from geoswarm.solver.forward.umbridge_model import UmbridgeModel
+        from geoswarm.solver.forward.programs.umbridge_model import UmbridgeModel
 
         return UmbridgeModel(self)
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from geoswarm.solver.external.errors import OutputError, OutputReason, place
-from geoswarm.solver.external.outputs.instruction_parser import (
+from geoswarm.solver.external.outputs.numbers import number_of, reason_of
+from geoswarm.solver.external.outputs.pest.instructions import (
     DUMMY,
     Advance,
     Fixed,
@@ -18,7 +19,6 @@ from geoswarm.solver.external.outputs.instruction_parser import (
     Tab,
     Whitespace,
 )
-from geoswarm.solver.external.outputs.numbers import number_of, reason_of
 from geoswarm.solver.words import visible
 
 __all__ = ["Value", "follow"]

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from geoswarm.solver.expressions import Expression, parse_expression
 from geoswarm.solver.external.errors import OutputError, OutputReason, place
 from geoswarm.solver.external.outputs.base import Point
-from geoswarm.solver.external.outputs.cells import Separator, cell_splitter, guessed_separator
 from geoswarm.solver.external.outputs.numbers import looks_like_number, number_of, reason_of
-from geoswarm.solver.external.outputs.quantities import Quantity, bound, column_number, column_of
+from geoswarm.solver.external.outputs.tables.cells import Separator, cell_splitter, guessed_separator
+from geoswarm.solver.external.outputs.tables.quantities import Quantity, bound, column_number, column_of
 from geoswarm.solver.words import visible
 
 __all__ = ["Chosen", "TableShape", "has_number", "split_row", "table_points"]

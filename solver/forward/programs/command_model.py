@@ -32,7 +32,7 @@ from geoswarm.solver.system.environment import clean_environment
 from geoswarm.solver.units import base_unit, convert
 
 if TYPE_CHECKING:
-    from geoswarm.solver.forward.command import CommandSpec
+    from geoswarm.solver.forward.programs.command import CommandSpec
 
 __all__ = ["CommandModel", "ProgramRun"]
 

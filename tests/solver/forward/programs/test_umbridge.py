@@ -15,7 +15,7 @@ from geoswarm.solver.forward.base import ForwardRun
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem import parse_problem
 from tests.servers import free_port
-from tests.solver.forward.umbridge_servers import HANG, HANG_UP, Scripted, scripted
+from tests.solver.forward.programs.umbridge_servers import HANG, HANG_UP, Scripted, scripted
 
 POINTS = {"travel": np.array([1.0, 1.5, 3.0])}
 

@@ -27,7 +27,7 @@ from geoswarm.solver.external.python.signature import Signature, SignatureError,
 from geoswarm.solver.forward.base import ForwardModelSpec
 
 if TYPE_CHECKING:
-    from geoswarm.solver.forward.python_model import PythonModel
+    from geoswarm.solver.forward.programs.python_model import PythonModel
 
 __all__ = ["PythonSeries", "PythonSpec"]
 
@@ -118,7 +118,7 @@ class PythonSpec(ForwardModelSpec):
         ProblemError
             The unit of a series is unknown.
         """
-        from geoswarm.solver.forward.python_model import PythonModel
+        from geoswarm.solver.forward.programs.python_model import PythonModel
 
         return PythonModel(self)
 

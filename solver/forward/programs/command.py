@@ -32,7 +32,7 @@ from geoswarm.solver.external.runs.verdict import Fail, Success
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 
 if TYPE_CHECKING:
-    from geoswarm.solver.forward.command_model import CommandModel
+    from geoswarm.solver.forward.programs.command_model import CommandModel
 
 __all__ = ["CommandSpec"]
 
@@ -188,6 +188,6 @@ class CommandSpec(ForwardModelSpec):
         ProblemError
             A template cannot be understood.
         """
-        from geoswarm.solver.forward.command_model import CommandModel
+        from geoswarm.solver.forward.programs.command_model import CommandModel
 
         return CommandModel(self)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from geoswarm.solver.external.outputs.base import Point
 from geoswarm.solver.external.outputs.numbers import number_of, reason_of
-from geoswarm.solver.external.outputs.rows import Chosen, TableShape, has_number, split_row
+from geoswarm.solver.external.outputs.tables.rows import Chosen, TableShape, has_number, split_row
 
 __all__ = ["block_points"]
 

@@ -17,7 +17,7 @@ from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.units import UnitError, base_unit, convert
 
 if TYPE_CHECKING:
-    from geoswarm.solver.forward.umbridge import UmbridgeSpec
+    from geoswarm.solver.forward.programs.umbridge import UmbridgeSpec
 
 __all__ = ["UmbridgeModel"]
 
