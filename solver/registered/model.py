@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.errors import RunFailedError
-from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun
 from geoswarm.solver.forward.programs.command import CommandSpec
 from geoswarm.solver.forward.programs.command_model import CommandModel
+from geoswarm.solver.forward.programs.foreign import ForeignModel
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.parameter_info import outside_limits
 from geoswarm.solver.problem.issues import issues_of
@@ -79,7 +79,7 @@ def _section(folder: Path, declaration: Declaration) -> ForwardModelSpec:
     return spec.with_files(folder, "forward_model")
 
 
-class RegisteredModel:
+class RegisteredModel(ForeignModel):
     """A model of the operator's, with the parameters and series that it has declared.
 
     Parameters
@@ -92,28 +92,10 @@ class RegisteredModel:
 
     def __init__(self, spec: RegisteredSpec, declared: Declared) -> None:
         self._spec = spec
-        self._parameters = {name: one.info(name) for name, one in declared.parameters.items()}
-        self._series = tuple(one.info(name) for name, one in declared.series.items())
-
-    @property
-    def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Those that are declared."""
-        return tuple(self._parameters.values())
-
-    @property
-    def open_parameters(self) -> bool:
-        """False: a problem has those that are declared."""
-        return False
-
-    @property
-    def series(self) -> tuple[SeriesInfo, ...]:
-        """Those of the program."""
-        return self._series
-
-    def grid(self, series: str) -> FloatArray:
-        """No points, shape (0,): a curve has those that were observed."""
-        del series
-        return np.empty(0)
+        super().__init__(
+            (one.info(name) for name, one in declared.parameters.items()),
+            (one.info(name) for name, one in declared.series.items()),
+        )
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """Values outside the declared limits."""

@@ -1,4 +1,4 @@
-"""Forward models that we did not write: sections and models.
+"""Forward models that we did not write: sections and models, with :mod:`.foreign` below them.
 
 =====================  ======================================
 ``command``            a program that reads and writes files

@@ -27,7 +27,8 @@ from geoswarm.solver.external.runs.sources import Sources
 from geoswarm.solver.external.runs.verdict import OUTPUT as RULE_OUTPUT
 from geoswarm.solver.external.runs.verdict import FileState, judge, states
 from geoswarm.solver.external.trial import is_watched, note
-from geoswarm.solver.forward.base import ForwardRun, NotedResponse, ParameterInfo, SeriesInfo
+from geoswarm.solver.forward.base import ForwardRun, NotedResponse, ParameterInfo
+from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units
 from geoswarm.solver.system.environment import clean_environment
 from geoswarm.solver.units import base_unit, convert
 
@@ -52,8 +53,8 @@ _LINES = 12  # of what a program printed that are shown with a failure
 _HIDDEN = "***"
 
 
-class CommandModel:
-    """A program as a forward model.
+class CommandModel(ForeignModel):
+    """A program as a forward model; its parameters are all names in the templates.
 
     Parameters
     ----------
@@ -65,32 +66,20 @@ class CommandModel:
     Raises
     ------
     ProblemError
-        A template cannot be understood.
+        A template cannot be understood, or the unit of a series is unknown.
     """
 
     def __init__(self, spec: CommandSpec, texts: Mapping[str, str] | None = None) -> None:
         self.spec = spec
         self.texts = dict(texts or {})
         self.templates = _templates(spec)
-        self._parameters = _parameters(self.templates)
-        self._series = {
-            name: _info(name, reader.file, reader.x_unit, reader.y_unit) for name, reader in spec.series.items()
-        }
-
-    @property
-    def parameters(self) -> tuple[ParameterInfo, ...]:
-        """All names in the templates."""
-        return self._parameters
+        series = series_in_base_units(spec.series, lambda reader: f"Read from {reader.file}.")
+        super().__init__(_parameters(self.templates), series)
 
     @property
     def open_parameters(self) -> bool:
         """True: a problem may declare helpers, and what only files of parameters hold."""
         return True
-
-    @property
-    def series(self) -> tuple[SeriesInfo, ...]:
-        """Series in the order of the section."""
-        return tuple(self._series.values())
 
     def unused(self, names: Collection[str]) -> tuple[str, ...]:
         """Those of some parameters that no file gets."""
@@ -98,16 +87,6 @@ class CommandModel:
             return ()
         used = {name for template in self.templates.values() for name in _used(template, names)}
         return tuple(name for name in names if name not in used)
-
-    def grid(self, series: str) -> FloatArray:
-        """No points, shape (0,): a curve has those that were observed."""
-        del series
-        return np.empty(0)
-
-    def check(self, parameters: Mapping[str, float]) -> str | None:
-        """Nothing is inadmissible: the program will tell."""
-        del parameters
-        return None
 
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
         """Build the calculation of series at x, each of shape (m_g,), base units.
@@ -389,20 +368,3 @@ def _replaced(text: str, values: Mapping[str, str]) -> str:
     for name, value in values.items():
         text = text.replace(f"{{{name}}}", value)
     return text
-
-
-def _info(name: str, file: str, x_unit: str, y_unit: str) -> SeriesInfo:
-    return SeriesInfo(
-        name=name,
-        description=f"Read from {file}.",
-        x_quantity="x",
-        x_unit=_base(x_unit),
-        y_quantity=name,
-        y_unit=_base(y_unit),
-        x_increasing=False,
-    )
-
-
-def _base(unit: str) -> str:
-    found = base_unit(unit)
-    return "" if found == "dimensionless" else found

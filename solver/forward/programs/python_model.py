@@ -11,15 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.external.python.answers import Wanted, responses_of
 from geoswarm.solver.external.python.failures import failure_of
 from geoswarm.solver.external.python.loading import folder_importable, load_function
 from geoswarm.solver.external.python.session import function_of_session
 from geoswarm.solver.external.python.signature import POINTS, Signature
-from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
-from geoswarm.solver.units import UnitError, base_unit
+from geoswarm.solver.forward.base import ForwardRun, ParameterInfo
+from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.programs.python_function import PythonSpec
@@ -27,8 +26,10 @@ if TYPE_CHECKING:
 __all__ = ["PythonModel"]
 
 
-class PythonModel:
+class PythonModel(ForeignModel):
     """A Python function as a forward model.
+
+    Its parameters are the arguments, but x and those whose default is no number.
 
     Parameters
     ----------
@@ -44,49 +45,17 @@ class PythonModel:
     def __init__(self, spec: PythonSpec) -> None:
         self._spec = spec
         self._signature = spec.signature or Signature()
-        self._parameters = tuple(
+        arguments = (
             ParameterInfo(name, name, "", f"Argument of {spec.function}.", default)
             for name, default in self._signature.parameters.items()
         )
-        issues: list[Issue] = []
-        self._series: dict[str, SeriesInfo] = {}
-        for name, section in spec.series.items():
-            bases = []
-            for axis, unit in (("x_unit", section.x_unit), ("y_unit", section.y_unit)):
-                try:
-                    bases.append(_base(unit))
-                except UnitError as error:
-                    issues.append(Issue(f"forward_model.series.{name}.{axis}", str(error)))
-            if len(bases) == 2:
-                description = section.description or f"Returned by {spec.function}."
-                self._series[name] = SeriesInfo(name, description, "x", bases[0], name, bases[1], x_increasing=False)
-        if issues:
-            raise ProblemError(issues)
-
-    @property
-    def parameters(self) -> tuple[ParameterInfo, ...]:
-        """The arguments of the function, but x and those whose default is no number."""
-        return self._parameters
+        returned = f"Returned by {spec.function}."
+        super().__init__(arguments, series_in_base_units(spec.series, lambda section: section.description or returned))
 
     @property
     def open_parameters(self) -> bool:
         """Whether the function takes ``**kwargs``."""
         return self._signature.open
-
-    @property
-    def series(self) -> tuple[SeriesInfo, ...]:
-        """Series in the order of the section."""
-        return tuple(self._series.values())
-
-    def grid(self, series: str) -> FloatArray:
-        """No points, shape (0,): a curve has those that were observed."""
-        del series
-        return np.empty(0)
-
-    def check(self, parameters: Mapping[str, float]) -> str | None:
-        """Nothing is inadmissible: the function will tell."""
-        del parameters
-        return None
 
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
         """Build the calculation of series at x, each of shape (m_g,), base units; nothing is imported yet."""
@@ -158,8 +127,3 @@ class _Calls:
         if isinstance(error, NameError) and self._folder is not None:
             return "(its file is imported: what stands below if __name__ == '__main__' is not there)"
         return ""
-
-
-def _base(unit: str) -> str:
-    found = base_unit(unit)
-    return "" if found == "dimensionless" else found

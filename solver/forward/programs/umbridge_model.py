@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.external.interpolation import at_points
 from geoswarm.solver.external.umbridge.answers import checked_info, checked_sizes, vectors
 from geoswarm.solver.external.umbridge.client import Server
-from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
-from geoswarm.solver.units import UnitError, base_unit, convert
+from geoswarm.solver.forward.base import ForwardRun, ParameterInfo
+from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units
+from geoswarm.solver.units import base_unit, convert
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.programs.umbridge import UmbridgeSpec
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["UmbridgeModel"]
 
 
-class UmbridgeModel:
-    """A model behind the UM-Bridge protocol as a forward model.
+class UmbridgeModel(ForeignModel):
+    """A model behind the UM-Bridge protocol as a forward model; its parameters are those of ``inputs``.
 
     Parameters
     ----------
@@ -38,52 +38,24 @@ class UmbridgeModel:
 
     def __init__(self, spec: UmbridgeSpec) -> None:
         self._spec = spec
-        self._parameters = tuple(
+        inputs = (
             ParameterInfo(name, name, "", f"Input {place} of {spec.name}.")
             for place, vector in enumerate(spec.inputs)
             for name in vector
         )
-        issues: list[Issue] = []
-        self._series: dict[str, SeriesInfo] = {}
-        self._x: dict[str, FloatArray] = {}
-        for name, section in spec.series.items():
-            bases = []
-            for axis, unit in (("x_unit", section.x_unit), ("y_unit", section.y_unit)):
-                try:
-                    bases.append(base_unit(unit))
-                except UnitError as error:
-                    issues.append(Issue(f"forward_model.series.{name}.{axis}", str(error)))
-            if len(bases) == 2:
-                self._x[name] = convert(section.x, section.x_unit, bases[0])
-                x_unit, y_unit = ("" if base == "dimensionless" else base for base in bases)
-                description = section.description or f"Output {section.output} of {spec.name}."
-                self._series[name] = SeriesInfo(name, description, "x", x_unit, name, y_unit, x_increasing=False)
-        if issues:
-            raise ProblemError(issues)
-
-    @property
-    def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Those of ``inputs``."""
-        return self._parameters
-
-    @property
-    def open_parameters(self) -> bool:
-        """False: the server gets those of ``inputs``."""
-        return False
-
-    @property
-    def series(self) -> tuple[SeriesInfo, ...]:
-        """Series in the order of the section."""
-        return tuple(self._series.values())
+        super().__init__(
+            inputs,
+            series_in_base_units(
+                spec.series, lambda section: section.description or f"Output {section.output} of {spec.name}."
+            ),
+        )
+        self._x = {
+            name: convert(section.x, section.x_unit, base_unit(section.x_unit)) for name, section in spec.series.items()
+        }
 
     def grid(self, series: str) -> FloatArray:
         """The points of the section, shape (n,), base unit, in rising order."""
         return np.sort(self._x[series])
-
-    def check(self, parameters: Mapping[str, float]) -> str | None:
-        """Nothing is inadmissible: the server will tell."""
-        del parameters
-        return None
 
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
         """Build the calculation of series at x, each of shape (m_g,), base units; the server is not called yet."""
