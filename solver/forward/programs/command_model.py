@@ -85,7 +85,7 @@ class CommandModel(ForeignModel):
         """Those of some parameters that no file gets."""
         if self.spec.write:
             return ()
-        used = {name for template in self.templates.values() for name in _used(template, names)}
+        used = {name for template in self.templates.values() for name in template.used(names)}
         return tuple(name for name in names if name not in used)
 
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
@@ -345,11 +345,6 @@ def _parameters(templates: Mapping[str, AnyTemplate]) -> tuple[ParameterInfo, ..
         ParameterInfo(name, name, "", f"Used by {', '.join(targets)}.", any_case=name not in exact)
         for name, targets in users.items()
     )
-
-
-def _used(template: AnyTemplate, names: Collection[str]) -> Collection[str]:
-    """Those of some parameters that a template writes."""
-    return template.used(names) if isinstance(template, PestTemplate) else template.names
 
 
 def _uses_slot(model: CommandModel) -> bool:
