@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Protocol, TypeAlias, runtime_checkable
 from pydantic import BaseModel, ConfigDict, JsonValue
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = [
@@ -157,6 +158,22 @@ class ForwardModelSpec(BaseModel, ABC):
     def unavailable(self) -> str | None:
         """Why it cannot be run on this machine though its section is sound, in words; None: it can."""
         return None
+
+    def require_available(self, path: str = "forward_model") -> None:
+        """Refuse what cannot be run on this machine.
+
+        Parameters
+        ----------
+        path
+            Of this section in the problem, for the message.
+
+        Raises
+        ------
+        ProblemError
+            It says why.
+        """
+        if why := self.unavailable():
+            raise ProblemError([Issue(path, why)])
 
     def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
         """The same section with the contents of the files that it names in place of their names.

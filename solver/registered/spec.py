@@ -89,17 +89,14 @@ class RegisteredSpec(ForwardModelSpec):
         """
         from geoswarm.solver.registered.model import program_of
 
-        why = self.unavailable()
-        if why is not None:
-            raise ProblemError([Issue("forward_model.model", why)])
+        self.require_available("forward_model.model")
         place = find_folder(self.model)
         declaration = read_declaration(place)
         if issues := setting_issues(declaration.settings, self.settings, "forward_model.settings"):
             raise ProblemError(issues)
         values = chosen(declaration.settings, self.settings)
         model = program_of(place, declaration, self.settings)
-        if self.version not in (None, version_of(place)):  # changed in this moment
-            raise ProblemError([Issue("forward_model.model", self._changed(version_of(place)))])
+        self.require_available("forward_model.model")  # changed in this moment
         return model, numbers_of(declaration.settings, values)
 
     def build(self) -> RegisteredModel:

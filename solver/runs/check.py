@@ -10,7 +10,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
-from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
@@ -116,8 +116,7 @@ def check_problem(
     """
     if extreme := extreme_issues(problem):
         raise ProblemError(extreme)
-    if why := problem.forward_model.unavailable():
-        raise ProblemError([Issue("forward_model", why)])
+    problem.forward_model.require_available()
     calibration = Calibration(problem, choose_seed(problem.seed))
     proposals = calibration.start().positions
     point = middle(calibration)

@@ -137,8 +137,7 @@ class JobService(JobRecords):
             raise ProblemError([Issue("forward_model", PROGRAMS_REFUSED)])
         if extreme := extreme_issues(problem):
             raise ProblemError(extreme)
-        if why := problem.forward_model.unavailable():
-            raise ProblemError([Issue("forward_model", why)])
+        problem.forward_model.require_available()
         owner = self.principal.owner
         # Each owner has keys of their own: nobody may find another's job by guessing one.
         stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
