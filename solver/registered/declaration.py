@@ -12,12 +12,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.external.runs.fingerprints import FileStamp, settled
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.problem.text.reading import read_problem_file
@@ -107,11 +109,17 @@ class Declaration(BaseModel):
         kind = self.forward_model.get("kind")
         if kind not in _KINDS:
             raise ValueError(f"forward_model.kind must be one of {', '.join(_KINDS)}, not {kind!r}")
+        folder = Path(str(self.forward_model.get("folder") or ""))
+        if folder.is_absolute() or ".." in folder.parts:
+            raise ValueError(
+                f"forward_model.folder must lie in the model's own folder, whose files are its version; got '{folder}': "
+                "put the files there, or a link to them"
+            )
         return self
 
 
 def read_declaration(folder: Path) -> Declaration:
-    """Read the ``model.yaml`` of a folder.
+    """Read the ``model.yaml`` of a folder; one that has not changed is not read again.
 
     Raises
     ------
@@ -119,8 +127,20 @@ def read_declaration(folder: Path) -> Declaration:
         It is missing or wrong; each issue has its path in the file.
     """
     path = folder / FILE
-    if not path.is_file():
-        raise ProblemError([Issue(str(path), "is missing")])
+    try:
+        stamp = settled(path)
+    except OSError:
+        raise ProblemError([Issue(str(path), "is missing")]) from None
+    return _read(path) if stamp is None else _kept(path, stamp)
+
+
+@lru_cache(maxsize=256)
+def _kept(path: Path, stamp: FileStamp) -> Declaration:
+    del stamp
+    return _read(path)
+
+
+def _read(path: Path) -> Declaration:
     try:
         return Declaration.model_validate(read_problem_file(path))
     except ValidationError as error:

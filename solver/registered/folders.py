@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from geoswarm.solver.errors import UnknownForwardModelError
-from geoswarm.solver.external.runs.sources import files_below, fingerprint
+from geoswarm.solver.external.runs.fingerprints import files_below, fingerprint
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["NAME", "VARIABLE", "find_folder", "registered_names", "version_of"]
@@ -19,8 +19,6 @@ VARIABLE = "GEOSWARM_MODELS"
 """Folders, with the system's separator between them; each folder in one of them with a ``model.yaml`` is a model."""
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
-
-_versions: dict[tuple[tuple[str, int, int, int, int], ...], str] = {}  # by what the system tells of the files
 
 
 def _folders() -> Iterator[Path]:
@@ -65,15 +63,8 @@ def version_of(folder: Path) -> str:
     OSError, ValueError
         A file cannot be read, or there are too many.
     """
-    files = files_below(folder)
-    states = [(path, path.stat()) for path in files]
-    key = tuple((str(one), s.st_size, s.st_mtime_ns, s.st_ctime_ns, s.st_ino) for one, s in states)
-    if key not in _versions:
-        digest = hashlib.sha256()
-        for path in files:
-            digest.update(path.relative_to(folder).as_posix().encode() + b"\0")
-            digest.update(fingerprint(path).encode())
-        if len(_versions) > 1000:
-            _versions.clear()
-        _versions[key] = digest.hexdigest()
-    return _versions[key]
+    digest = hashlib.sha256()
+    for path in files_below(folder):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0")
+        digest.update(fingerprint(path).encode())
+    return digest.hexdigest()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,13 +19,14 @@ from geoswarm.solver.forward.programs.foreign import ForeignModel
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.parameter_info import outside_limits
 from geoswarm.solver.problem.issues import issues_of
-from geoswarm.solver.registered.declaration import FILE, Declaration, Declared, DeclaredSeries
+from geoswarm.solver.registered.declaration import FILE, Declaration, Declared, DeclaredSeries, read_declaration
+from geoswarm.solver.registered.folders import version_of
 from geoswarm.solver.registered.settings import Given, chosen, numbers_of, texts_of
 
 if TYPE_CHECKING:
     from geoswarm.solver.registered.spec import RegisteredSpec
 
-__all__ = ["RegisteredModel", "declared_of", "program_of"]
+__all__ = ["RegisteredModel", "declared_at", "declared_of", "program_of"]
 
 
 def program_of(folder: Path, declaration: Declaration, given: Mapping[str, Given]) -> ForwardModel:
@@ -67,6 +69,28 @@ def declared_of(folder: Path, declaration: Declaration) -> Declared:
         for info in program_of(folder, declaration, {}).series
     }
     return Declared(parameters=declaration.parameters, series=series)
+
+
+@lru_cache(maxsize=256)
+def declared_at(folder: Path, version: str) -> Declared:
+    """What problems keep of a version of a model: found once, as nothing of it changes.
+
+    Parameters
+    ----------
+    version
+        Of the folder, as it is now.
+
+    Raises
+    ------
+    ProblemError
+        As :func:`program_of`.
+    ValueError
+        The files are being changed.
+    """
+    declared = declared_of(folder, read_declaration(folder))
+    if version_of(folder) != version:
+        raise ValueError("its files are being changed; try again when that is done")
+    return declared
 
 
 def _section(folder: Path, declaration: Declaration) -> ForwardModelSpec:

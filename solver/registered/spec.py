@@ -44,16 +44,15 @@ class RegisteredSpec(ForwardModelSpec):
 
     def with_files(self, folder: Path | None, path: str) -> RegisteredSpec:
         """With version, parameters and series of the model as it is here; as it was where it is not the same."""
-        from geoswarm.solver.registered.model import declared_of
+        from geoswarm.solver.registered.model import declared_at
 
         del folder
         if self.declared is not None and self.unavailable() is not None:
             return self
         try:
             place = find_folder(self.model)
-            declaration = read_declaration(place)
-            declared = declared_of(place, declaration)
             version = version_of(place)
+            declaration, declared = read_declaration(place), declared_at(place, version)
         except UnknownForwardModelError as error:
             raise ProblemError([Issue(f"{path}.model", str(error))]) from None
         except (ProblemError, OSError, ValueError) as error:

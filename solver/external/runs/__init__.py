@@ -1,10 +1,11 @@
 """One run of a user's program.
 
-===========  ========================================================================
-``sources``  the files that each run gets, read once
-``folder``   a new folder for each run, and which of them are kept
-``program``  starts a program, bounds its time and output, ends its process tree
-``slots``    how many runs at once on this machine
-``verdict``  whether a run has succeeded, and else why not
-===========  ========================================================================
+================  ========================================================================
+``fingerprints``  what tells one version of a file from another
+``sources``       the files that each run gets, read once
+``folder``        a new folder for each run, and which of them are kept
+``program``       starts a program, bounds its time and output, ends its process tree
+``slots``         how many runs at once on this machine
+``verdict``       whether a run has succeeded, and else why not
+================  ========================================================================
 """

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from geoswarm.solver.external.errors import RunFailedError
+from geoswarm.solver.external.runs.fingerprints import fingerprint
 from geoswarm.solver.external.runs.folder import RunFolder
 from geoswarm.solver.external.runs.verdict import FileState, states
 
-__all__ = ["Sources", "files_below", "fingerprint"]
+__all__ = ["Sources"]
 
 LARGEST = 16 * 1024 * 1024
 """Larger files are copied from where they lie."""
-
-MOST_FILES = 10_000
-SAMPLED = 64 * 1024 * 1024
-_PIECE, _PIECES = 256 * 1024, 64
 
 
 class Sources:
@@ -70,43 +65,3 @@ class Sources:
             if name in self._kept and now[name] != self._states[name]:
                 raise RunFailedError("not_started", f"{name} in {self._base} has changed since the calibration began")
             folder.place(self._base / name, name, link=name in self._linked)
-
-
-def fingerprint(path: Path) -> str:
-    """SHA-256 of a file, or of the names and contents of a folder.
-
-    Of a file above 64 MB: of its size and of 65 pieces of 256 kB, its beginning and end among them; the whole of a mesh
-    of gigabytes would take half a minute each time that a problem is read.
-    """
-    if not path.is_dir():
-        with path.open("rb") as file:
-            size = file.seek(0, os.SEEK_END)
-            if size > SAMPLED:
-                digest = hashlib.sha256(f"{size}\n".encode())
-                for piece in range(_PIECES + 1):
-                    file.seek((size - _PIECE) * piece // _PIECES)
-                    digest.update(file.read(_PIECE))
-                return digest.hexdigest()
-            file.seek(0)
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    digest = hashlib.sha256()
-    for one in files_below(path):
-        digest.update(f"{one.relative_to(path).as_posix()}\0{fingerprint(one)}\n".encode())
-    return digest.hexdigest()
-
-
-def files_below(folder: Path) -> list[Path]:
-    """All files below a folder, those of linked folders included, in the order of their names.
-
-    Raises
-    ------
-    ValueError
-        There are more than 10 000, or a link leads back to a folder above it.
-    """
-    found: list[Path] = []
-    for base, folders, names in os.walk(folder, followlinks=True):
-        folders[:] = [name for name in folders if name != "__pycache__"]
-        found += [path for name in names if (path := Path(base) / name).is_file()]
-        if len(found) > MOST_FILES:
-            raise ValueError(f"{folder} has more than {MOST_FILES} files, or a link in it leads back to it")
-    return sorted(found)

@@ -26,8 +26,8 @@ from geoswarm.solver.external.inputs.files import read_template_file
 from geoswarm.solver.external.inputs.parameter_files import ParameterFileKind
 from geoswarm.solver.external.outputs.paths import RelativePath
 from geoswarm.solver.external.outputs.series import SeriesReader
+from geoswarm.solver.external.runs.fingerprints import fingerprint
 from geoswarm.solver.external.runs.folder import Keep
-from geoswarm.solver.external.runs.sources import fingerprint
 from geoswarm.solver.external.runs.verdict import Fail, Success
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from geoswarm.solver.external.errors import RunFailedError
+from geoswarm.solver.external.runs.fingerprints import SAMPLED, fingerprint
 from geoswarm.solver.external.runs.folder import MOST_FAILED, Keep, RunFolder, private_folder, tidy
 from geoswarm.solver.external.runs.slots import slot
-from geoswarm.solver.external.runs.sources import SAMPLED, Sources, fingerprint
+from geoswarm.solver.external.runs.sources import Sources
 
 
 def names(folder: Path) -> list[str]:
