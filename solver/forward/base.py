@@ -175,6 +175,10 @@ class ForwardModelSpec(BaseModel, ABC):
         if why := self.unavailable():
             raise ProblemError([Issue(path, why)])
 
+    def shown(self, text: str) -> str:
+        """A message or log of a run as users of a service may see it: it may tell of a machine that is not theirs."""
+        return text
+
     def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
         """The same section with the contents of the files that it names in place of their names.
 

@@ -86,6 +86,12 @@ class CombinedSpec(ForwardModelSpec):
         """Why a part cannot be run here."""
         return next((why for part in self.parts.values() if (why := part.unavailable())), None)
 
+    def shown(self, text: str) -> str:
+        """As users of all parts may see it."""
+        for part in self.parts.values():
+            text = part.shown(text)
+        return text
+
     @property
     def only_here(self) -> bool:
         """When a part can."""

@@ -6,6 +6,7 @@
 ``settings``     values of a few types that users may choose
 ``folders``      where registered models are found, and what version they are
 ``model``        the forward model
+``shown``        what users of a service see of its messages
 ``schema``       what forms need to know
 ===============  ==============================================================
 """

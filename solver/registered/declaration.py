@@ -112,8 +112,8 @@ class Declaration(BaseModel):
         folder = Path(str(self.forward_model.get("folder") or ""))
         if folder.is_absolute() or ".." in folder.parts:
             raise ValueError(
-                f"forward_model.folder must lie in the model's own folder, whose files are its version; got '{folder}': "
-                "put the files there, or a link to them"
+                f"forward_model.folder must lie in the folder of the model, whose files are its version: "
+                f"put the files there, or a link, not '{folder}'"
             )
         return self
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.errors import ForwardError, Issue, ProblemError, in_words, message_of
 from geoswarm.solver.external.errors import RunFailedError
-from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, NotedResponse
 from geoswarm.solver.forward.programs.command import CommandSpec
 from geoswarm.solver.forward.programs.command_model import CommandModel
 from geoswarm.solver.forward.programs.foreign import ForeignModel
@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 __all__ = ["RegisteredModel", "declared_at", "declared_of", "program_of"]
 
 
-def program_of(folder: Path, declaration: Declaration, given: Mapping[str, Given]) -> ForwardModel:
+def program_of(
+    folder: Path, declaration: Declaration, given: Mapping[str, Given], *, private: bool = False
+) -> ForwardModel:
     """Build the model of the program in a registered folder.
 
     Parameters
@@ -38,6 +40,8 @@ def program_of(folder: Path, declaration: Declaration, given: Mapping[str, Given
         Of the model.
     given
         Settings that were chosen, as the declaration allows.
+    private
+        Whether others than the operator read its messages.
 
     Raises
     ------
@@ -47,7 +51,7 @@ def program_of(folder: Path, declaration: Declaration, given: Mapping[str, Given
     values = chosen(declaration.settings, given)
     spec = _section(folder, declaration)
     texts = texts_of(declaration.settings, values)
-    model: ForwardModel = CommandModel(spec, texts) if isinstance(spec, CommandSpec) else spec.build()
+    model: ForwardModel = CommandModel(spec, texts, private=private) if isinstance(spec, CommandSpec) else spec.build()
     known = declaration.parameters.keys() | numbers_of(declaration.settings, values).keys()
     for info in model.parameters:
         if info.name not in known and info.default is None:
@@ -128,24 +132,40 @@ class RegisteredModel(ForeignModel):
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
         """Build the calculation of series at x, each of shape (m_g,), base units; the model is needed at the first run.
 
-        A model that is not here, or has changed, fails every run (``not_started``).
+        Runs of a model that is not here, or has changed, fail (``worker_lost``), and those of one that cannot be built
+        (``not_started``). Messages are those that users of a service may see.
         """
+        shown = self._spec.shown
         run: ForwardRun | None = None
-        known: dict[str, float] = {}
 
         def calculate(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
-            nonlocal run, known
-            if run is None:
-                if why := self._spec.unavailable():
-                    raise RunFailedError("worker_lost", why)  # tried again: the worker will refuse the job
-                try:
-                    model, numbers = self._spec.program()
-                    run = model.prepare(points)
-                except ProblemError as error:
-                    raise RunFailedError("not_started", str(error)) from None
-                defaults = {info.name: info.default for info in self.parameters if info.default is not None}
-                known = {**defaults, **numbers}
-            given = {name: parameters[name] for name in self._parameters if name in parameters}
-            return run({**known, **given})
+            nonlocal run
+            try:
+                run = run or self._program(points)
+                response = run(parameters)
+            except ForwardError as error:
+                raise RunFailedError(error.reason, shown(message_of(error))) from None
+            except MemoryError:
+                raise
+            except Exception as error:  # noqa: BLE001  anybody's function, or a fault of ours: it may name a folder
+                told = shown(f"the forward model raised {in_words(error)}")
+                raise RunFailedError("bad_output", told) from None
+            return NotedResponse(response, shown(response.note)) if isinstance(response, NotedResponse) else response
+
+        return calculate
+
+    def _program(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+        """Build what runs, with the defaults of parameters and the settings that are numbers; raises ForwardError."""
+        if why := self._spec.unavailable():
+            raise RunFailedError("worker_lost", why)  # tried again: the worker will refuse the job
+        try:
+            model, numbers = self._spec.program()
+            run = model.prepare(points)
+        except ProblemError as error:
+            raise RunFailedError("not_started", str(error)) from None
+        known = {info.name: info.default for info in self.parameters if info.default is not None} | numbers
+
+        def calculate(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+            return run({**known, **{name: parameters[name] for name in self._parameters if name in parameters}})
 
         return calculate

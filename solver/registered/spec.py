@@ -7,17 +7,19 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 from pydantic.json_schema import SkipJsonSchema
 
-from geoswarm.solver.errors import Issue, ProblemError, UnknownForwardModelError
+from geoswarm.solver.errors import Issue, ProblemError, SolverError, UnknownForwardModelError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.registered.declaration import Declared, read_declaration
 from geoswarm.solver.registered.folders import NAME, find_folder, version_of
 from geoswarm.solver.registered.settings import Given, SettingName, chosen, numbers_of, setting_issues
+from geoswarm.solver.registered.shown import without_paths
 
 if TYPE_CHECKING:
     from geoswarm.solver.registered.model import RegisteredModel
@@ -47,16 +49,19 @@ class RegisteredSpec(ForwardModelSpec):
         from geoswarm.solver.registered.model import declared_at
 
         del folder
-        if self.declared is not None and self.unavailable() is not None:
-            return self
         try:
             place = find_folder(self.model)
             version = version_of(place)
+        except (UnknownForwardModelError, OSError, ValueError) as error:
+            if self.declared is not None:
+                return self
+            raise self._broken(path, error) from None
+        if self.declared is not None and self.version not in (None, version):
+            return self
+        try:
             declaration, declared = read_declaration(place), declared_at(place, version)
-        except UnknownForwardModelError as error:
-            raise ProblemError([Issue(f"{path}.model", str(error))]) from None
         except (ProblemError, OSError, ValueError) as error:
-            raise ProblemError([Issue(f"{path}.model", f"model {self.model} is broken: {error}")]) from None
+            raise self._broken(path, error) from None
         issues = setting_issues(declaration.settings, self.settings, f"{path}.settings")
         if self.version not in (None, version):
             issues.append(Issue(f"{path}.version", self._changed(version)))
@@ -69,8 +74,26 @@ class RegisteredSpec(ForwardModelSpec):
         try:
             version = version_of(find_folder(self.model))
         except (UnknownForwardModelError, OSError, ValueError) as error:
-            return str(error)
+            return self.shown(str(error))
         return None if self.version in (None, version) else self._changed(version)
+
+    def shown(self, text: str) -> str:
+        """A message or log without the folders of this machine, and without the address of a server behind it."""
+        if "/" not in text:
+            return text
+        folders: list[Path] = []
+        with contextlib.suppress(SolverError, OSError):
+            folders.append(find_folder(self.model))
+            section = read_declaration(folders[0]).forward_model
+            address = section.get("url")
+            if isinstance(address, str):
+                text = text.replace(address.strip().rstrip("/"), f"the server of {self.model}")
+        return without_paths(text, self.model, folders)
+
+    def _broken(self, path: str, error: Exception) -> ProblemError:
+        unknown = isinstance(error, UnknownForwardModelError)
+        message = str(error) if unknown else f"model {self.model} is broken: {error}"
+        return ProblemError([Issue(f"{path}.model", self.shown(message))])
 
     def _changed(self, version: str) -> str:
         return (
@@ -94,7 +117,7 @@ class RegisteredSpec(ForwardModelSpec):
         if issues := setting_issues(declaration.settings, self.settings, "forward_model.settings"):
             raise ProblemError(issues)
         values = chosen(declaration.settings, self.settings)
-        model = program_of(place, declaration, self.settings)
+        model = program_of(place, declaration, self.settings, private=True)
         self.require_available("forward_model.model")  # changed in this moment
         return model, numbers_of(declaration.settings, values)
 

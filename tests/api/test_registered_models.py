@@ -42,7 +42,7 @@ HOSTILE: list[dict[str, Any]] = [
     {"files": ["/etc/passwd"]},
     {"folder": "/"},
     {"kind": "command", "run": ["touch", "hacked"], "series": {"y": {"file": "a", "x": 1, "y": 2}}},
-    {"kind": "python", "file": "/tmp/x.py", "function": "f", "series": {"y": {}}},
+    {"kind": "python", "file": "/srv/x.py", "function": "f", "series": {"y": {}}},
     {"version": "0" * 64},
     {"version": "0" * 64, "declared": {"parameters": {"slope": {}}, "series": {"y": {}}}},
     {"declared": {"parameters": {"slope": {"unit": "x" * 1000}}, "series": {"y": {}}}},
@@ -100,3 +100,26 @@ def test_a_canonical_problem_is_accepted_again(document: dict[str, Any], app: Ap
     stored = app.get(f"{API}/jobs/{first.json()['id']}/problem").json()
     assert len(stored["forward_model"]["version"]) == 64
     assert app.post(f"{API}/jobs", json=stored).status_code == 201
+
+
+def test_what_fails_is_told_without_folders_and_given_values(
+    document: dict[str, Any], app: App, tmp_path: Path
+) -> None:
+    model = tmp_path / "models" / "good"
+    (model / "zoo.py").write_text("import os, sys; print(os.getcwd(), os.environ['ZOO_TRIES']); sys.exit(3)")
+    answer = app.post(
+        f"{API}/problems/check", json=document | {"forward_model": {"kind": "registered", "model": "good"}}
+    )
+    assert answer.status_code == 200, answer.text
+    message = answer.json()["test_run"]["message"]
+    assert "ended with exit status 3" in message
+    assert "***" in message
+    assert str(tmp_path) not in answer.text
+
+    (model / "input.in").unlink()
+    answer = app.post(
+        f"{API}/problems/check", json=document | {"forward_model": {"kind": "registered", "model": "good"}}
+    )
+    assert answer.status_code == 422, answer.text
+    assert "model good is broken" in answer.text
+    assert str(tmp_path) not in answer.text

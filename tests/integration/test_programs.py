@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem.text.writing import problem_yaml
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.service.job_service import JobService
@@ -83,6 +84,20 @@ def test_histories_are_the_same_everywhere(
             with celery_workers(settings, concurrency=concurrency):
                 job = wait_until_ended(engine.service, engine.service.submit(problem)[0].id)
                 assert found(engine.service, job.id) == told
+
+
+def test_what_a_function_prints_and_raises_is_told_without_folders(zoo_models: Path, tmp_path: Path) -> None:
+    source = "import sys\ndef f(slope):\n    print(__file__, file=sys.stderr)\n    return open(__file__ + '.csv')\n"
+    (zoo_models / "good" / "model.py").write_text(source)
+    section = {"kind": "python", "file": "model.py", "function": "f", "series": {"y": {}}}
+    declared = {"forward_model": section, "parameters": {"slope": {}}}
+    (zoo_models / "good" / "model.yaml").write_text(problem_yaml(declared))
+    with embedded(tmp_path) as service:
+        job = wait_until_ended(service, service.submit(zoo_problem("good"))[0].id)
+        found = service.evaluation(job.id, 0, 0)
+        assert found.log == "good/model.py\n"
+        assert "No such file or directory: 'good/model.py.csv'" in (found.message or "")
+        assert str(tmp_path) not in f"{job} {found}"
 
 
 def test_a_model_that_has_changed_is_refused_until_it_is_put_back(zoo_models: Path, tmp_path: Path) -> None:

@@ -142,7 +142,8 @@ class ClaimRunner:
                 number = len(results) - first
                 self._note(generation, particles[number], outcome.evaluation)
                 times = (self._clock + outcome.began, self._clock + outcome.ended)
-                results.append(Result(particles[number], attempts[number], outcome.evaluation, *times, outcome.log))
+                shown = None if outcome.log is None else self._calibration.problem.forward_model.shown(outcome.log)
+                results.append(Result(particles[number], attempts[number], outcome.evaluation, *times, shown))
                 self._since = outcome.ended
         except NeverMind as end:
             return particles[end.index]

@@ -22,6 +22,7 @@ from geoswarm.solver.external.inputs.template import SLOT, Template, parse_templ
 from geoswarm.solver.external.interpolation import at_points
 from geoswarm.solver.external.runs.folder import Keep, RunFolder, private_folder, tidy
 from geoswarm.solver.external.runs.program import Ended, NotStartedError, run_program
+from geoswarm.solver.external.runs.secrets import Secrets, private_values
 from geoswarm.solver.external.runs.slots import slot
 from geoswarm.solver.external.runs.sources import Sources
 from geoswarm.solver.external.runs.verdict import OUTPUT as RULE_OUTPUT
@@ -50,7 +51,6 @@ NO_LICENCE = "no_licence"
 _COLLECTIONS, _PIECES = (".pvd", ".pvtu", ".xdmf"), (".vtu", ".pvtu", ".h5", ".hdf5")
 
 _LINES = 12  # of what a program printed that are shown with a failure
-_HIDDEN = "***"
 
 
 class CommandModel(ForeignModel):
@@ -62,6 +62,8 @@ class CommandModel(ForeignModel):
         Its section, with the contents of its files.
     texts
         Further names that are replaced in arguments and environment, ``{name}``.
+    private
+        Whether messages hide the values of its environment: it is not that of who reads them.
 
     Raises
     ------
@@ -69,8 +71,9 @@ class CommandModel(ForeignModel):
         A template cannot be understood, or the unit of a series is unknown.
     """
 
-    def __init__(self, spec: CommandSpec, texts: Mapping[str, str] | None = None) -> None:
+    def __init__(self, spec: CommandSpec, texts: Mapping[str, str] | None = None, *, private: bool = False) -> None:
         self.spec = spec
+        self.private = private
         self.texts = dict(texts or {})
         self.templates = _templates(spec)
         series = series_in_base_units(spec.series, lambda reader: f"Read from {reader.file}.")
@@ -132,7 +135,7 @@ class ProgramRun:
 
     def __init__(self, model: CommandModel, series: Collection[str]) -> None:
         spec = self._spec = model.spec
-        self._templates, self._texts = model.templates, model.texts
+        self._templates, self._texts, self._private = model.templates, model.texts, model.private
         self._readers = {name: spec.series[name] for name in series}
         try:
             self._sources = Sources(Path(spec.folder or "."), spec.files, spec.link, spec.versions or {})
@@ -223,6 +226,11 @@ class ProgramRun:
     ) -> dict[str, FloatArray]:
         """One call in a folder of its own."""
         spec = self._spec
+        replaced = {**self._texts, "slot": str(number), "python": sys.executable}
+        call = [_replaced(argument, replaced) for argument in arguments]
+        given = {name: _replaced(value, replaced) for name, value in spec.environment.items()}
+        passed = [value for name in spec.pass_ if (value := os.environ.get(name))]
+        secrets = Secrets(passed, private_values(spec.environment, given) if self._private else ())
         try:
             folder = RunFolder(self.parent)
         except OSError as error:
@@ -230,11 +238,8 @@ class ProgramRun:
                 "not_started", f"no run folder can be made in {self.parent}: {error.strerror}"
             ) from None
         keep: Keep = "all" if is_watched() else spec.keep
-        call, ended, failure = list(arguments), None, None
+        ended, failure = None, None
         try:
-            replaced = {**self._texts, "slot": str(number), "python": sys.executable}
-            call = [_replaced(argument, replaced) for argument in arguments]
-            given = {name: _replaced(value, replaced) for name, value in spec.environment.items()}
             environment = {**clean_environment(os.environ, spec.pass_), **given}
             self._fill(folder, parameters, number)
             before = states(folder.path, (*self._outputs, *self._looked_at))
@@ -246,12 +251,12 @@ class ProgramRun:
         except (NotStartedError, InputError, OutputError, ForwardError, OSError) as error:
             if isinstance(error, RunFailedError) and error.reason == NO_LICENCE and not is_watched():
                 keep = "none"  # it waits, and is called again
-            failure = self._failure(error, ended, folder, keep)
+            failure = _failure(error, ended, folder, keep, secrets)
             raise failure from None
         finally:
             kept = folder.finish(keep, failed=failure is not None)
             if kept is not None and is_watched():
-                words, printed = (None, "") if ended is None else (ended.words, self._shown(ended.tail))
+                words, printed = (None, "") if ended is None else (ended.words, secrets.hidden(ended.tail))
                 why = None if failure is None else str(failure)
                 note(tuple(call), kept, self._written, words, printed, why, self._readers)
 
@@ -286,30 +291,23 @@ class ProgramRun:
             convert(y, reader.y_unit, base_unit(reader.y_unit)),
         )
 
-    def _failure(self, error: Exception, ended: Ended | None, folder: RunFolder, keep: Keep) -> RunFailedError:
-        """With what the program printed last, and where its folder is."""
-        reason, message = "not_started", str(error)
-        if isinstance(error, InputError):
-            reason = "infeasible"
-        elif isinstance(error, OutputError | ForwardError):
-            reason = error.reason
-        elif isinstance(error, OSError):
-            message = f"the run folder cannot be filled: {error.filename or folder.path}: {error.strerror or error}"
-        told = [self._shown(message)]
-        printed = [] if ended is None else self._shown(ended.tail).rstrip().splitlines()[-_LINES:]
-        if printed:
-            told.append("it printed:\n" + "\n".join(f"  {line}" for line in printed))
-        if keep != "none":
-            told.append(f"run folder: {folder.kept_as(failed=True)}")
-        return RunFailedError(reason, "\n".join(told))
 
-    def _shown(self, text: str) -> str:
-        """A text without the values of variables that are handed on."""
-        for name in self._spec.pass_:
-            value = os.environ.get(name)
-            if value and len(value) > 2:
-                text = text.replace(value, _HIDDEN)
-        return text
+def _failure(error: Exception, ended: Ended | None, folder: RunFolder, keep: Keep, secrets: Secrets) -> RunFailedError:
+    """With what the program printed last, and where its folder is."""
+    reason, message = "not_started", str(error)
+    if isinstance(error, InputError):
+        reason = "infeasible"
+    elif isinstance(error, OutputError | ForwardError):
+        reason = error.reason
+    elif isinstance(error, OSError):
+        message = f"the run folder cannot be filled: {error.filename or folder.path}: {error.strerror or error}"
+    told = [secrets.hidden(message, "" if ended is None else ended.words)]
+    printed = [] if ended is None else secrets.hidden(ended.tail).rstrip().splitlines()[-_LINES:]
+    if printed:
+        told.append("it printed:\n" + "\n".join(f"  {line}" for line in printed))
+    if keep != "none":
+        told.append(f"run folder: {folder.kept_as(failed=True)}")
+    return RunFailedError(reason, "\n".join(told))
 
 
 def _mark(spec: CommandSpec) -> str:

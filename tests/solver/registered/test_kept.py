@@ -99,7 +99,7 @@ def test_files_outside_of_the_folder_belong_to_no_version(good: Path, folder: st
     assert caught.value.issues == (
         Issue(
             "",
-            "forward_model.folder must lie in the model's own folder, whose files are its version; "
-            f"got '{folder}': put the files there, or a link to them",
+            "forward_model.folder must lie in the folder of the model, whose files are its version: "
+            f"put the files there, or a link, not '{folder}'",
         ),
     )
