@@ -46,31 +46,25 @@ def assert_zoo(service: JobService, folder: Path) -> None:
 
 
 @pytest.mark.slow
-def test_each_failure_has_its_reason_embedded(zoo_models: Path, tmp_path: Path) -> None:  # noqa: ARG001
+@pytest.mark.usefixtures("zoo_models")
+def test_each_failure_has_its_reason_embedded(tmp_path: Path) -> None:
     with embedded(tmp_path) as service:
         assert_zoo(service, tmp_path)
 
 
 @pytest.mark.slow
-def test_each_failure_has_its_reason_with_celery(
-    zoo_models: Path,  # noqa: ARG001
-    tmp_path: Path,
-    fresh_postgres_url: str,
-    fresh_redis_url: str,
-) -> None:
+@pytest.mark.usefixtures("zoo_models")
+def test_each_failure_has_its_reason_with_celery(tmp_path: Path, fresh_postgres_url: str, fresh_redis_url: str) -> None:
     settings = Settings(database_url=fresh_postgres_url, broker_url=fresh_redis_url, **STEADY)
     with open_engine(settings) as engine, celery_workers(settings, concurrency=2):
         assert_zoo(engine.service, tmp_path)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("zoo_models")
 @pytest.mark.parametrize("name", ["good", "exit_3"])
 def test_histories_are_the_same_everywhere(
-    name: str,
-    zoo_models: Path,  # noqa: ARG001
-    tmp_path: Path,
-    fresh_postgres_url: str,
-    fresh_redis_url: str,
+    name: str, tmp_path: Path, fresh_postgres_url: str, fresh_redis_url: str
 ) -> None:
     problem = zoo_problem(name, **SEARCH)
     history = [record.evaluation for record in calibrate(problem).history]

@@ -27,8 +27,9 @@ def sleepers(folder: Path) -> set[int]:
     return found
 
 
+@pytest.mark.usefixtures("zoo_models")
 @pytest.mark.parametrize("name", ZOO)
-def test_each_failure_has_its_reason(name: str, zoo_models: Path, tmp_path: Path) -> None:  # noqa: ARG001
+def test_each_failure_has_its_reason(name: str, tmp_path: Path) -> None:
     expected = ZOO[name]
     result = calibrate(zoo_problem(name), workers=2)
     bad = [r.evaluation for r in result.history if r.evaluation.parameters[0] > 0]

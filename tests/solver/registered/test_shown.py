@@ -94,7 +94,8 @@ def message(name: str = "good") -> str:
     return Calibration(problem, 1).evaluate_values({"slope": 0.5}).message or ""
 
 
-def test_a_failed_run_tells_neither_folders_nor_values(models: Path, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("models")
+def test_a_failed_run_tells_neither_folders_nor_values(tmp_path: Path) -> None:
     told = message()
     first, _, printed = told.partition("\n")
     assert first.endswith("ended with exit status 2")  # no value, though one that is passed is 2
