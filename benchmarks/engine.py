@@ -13,6 +13,8 @@
 All methods of a round run one after the other; medians and ratios are over the rounds.
 """
 
+# ruff: noqa: E402  the number of threads must be set before the numerical libraries are imported
+
 from __future__ import annotations
 
 import argparse
@@ -34,14 +36,13 @@ sys.path[:0] = [str(ROOT), str(MODELS)]
 os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(MODELS)])
 os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
-# Imported late: the number of threads must be set before the numerical libraries are loaded.
-from geoswarm import Client, GeoswarmError  # noqa: E402
-from geoswarm.records.job import Job  # noqa: E402
-from geoswarm.solver.calibration import Calibration  # noqa: E402
-from geoswarm.solver.problem import load_problem, parse_problem  # noqa: E402
-from geoswarm.solver.runs.local import calibrate  # noqa: E402
-from geoswarm.solver.system.processes import memory_below  # noqa: E402
-from tests.servers import PostgresServer, RedisServer, free_port  # noqa: E402
+from geoswarm import Client, GeoswarmError
+from geoswarm.records.job import Job
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.system.processes import memory_below
+from tests.servers import PostgresServer, RedisServer, free_port
 
 WORKERS, PARTICLES, GENERATIONS, SECONDS = 2, 10, 10, 0.1
 OEDOMETER = ROOT / "examples" / "oedometer" / "problem.yaml"

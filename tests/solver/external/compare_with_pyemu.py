@@ -1,9 +1,8 @@
 """Write pyemu_cases.json: what pyEMU 1.7.0 reads and writes for the cases below, which our readers are compared with.
 
-pyEMU is no dependency: the script runs in an environment of its own.
+The script runs in an environment of its own.
 
-    uv venv /tmp/pyemu && uv pip install --python /tmp/pyemu/bin/python pyemu==1.7.0
-    /tmp/pyemu/bin/python tests/solver/external/compare_with_pyemu.py
+    uv run --no-project --with pyemu==1.7.0 python tests/solver/external/compare_with_pyemu.py
 
 A value of null says that pyEMU refuses the case: tabs and continued lines it does not know, nor Fortran's D exponents.
 """

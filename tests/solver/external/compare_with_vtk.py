@@ -2,8 +2,7 @@
 
 VTK is no dependency: the script runs in an environment of its own.
 
-    uv venv /tmp/vtk && uv pip install --python /tmp/vtk/bin/python vtk numpy
-    /tmp/vtk/bin/python tests/solver/external/compare_with_vtk.py
+    uv run --no-project --with vtk,numpy python tests/solver/external/compare_with_vtk.py
 """
 
 from __future__ import annotations
