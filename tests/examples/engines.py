@@ -14,6 +14,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,6 +33,7 @@ __all__ = [
     "copy_of",
     "find_engine",
     "from_pypi",
+    "assert_identified",
     "assert_same_readings",
 ]
 
@@ -111,6 +113,17 @@ def calibrated(problem: Path, output: Path, capsys: pytest.CaptureFixture[str]) 
     assert document["fit"]["kind"] == "describes", document["fit"]["sentence"]
     found = document["linearisation"]["parameters"]
     return {name: Identified(one["value"], *one["interval"]) for name, one in found.items()}
+
+
+def assert_identified(
+    problem: Path, output: Path, capsys: pytest.CaptureFixture[str], truth: Mapping[str, float], *, ratio: float
+) -> None:
+    """Assert that the values which made the readings lie in the intervals found, whose ends are this far apart."""
+    found = calibrated(problem, output, capsys)
+    assert found.keys() == truth.keys()
+    for name, value in truth.items():
+        assert found[name].lower < value < found[name].upper, name
+        assert found[name].upper / found[name].lower < ratio, name
 
 
 def assert_same_readings(name: str, made: Path, digit: float) -> None:

@@ -13,7 +13,7 @@ import pytest
 from geoswarm.cli import main
 from geoswarm.solver.forward.cross_section import SectionModel
 from geoswarm.solver.problem import load_problem, parse_problem
-from tests.examples.engines import HERE, assert_same_readings, calibrated, copy_of, find_engine
+from tests.examples.engines import HERE, assert_identified, assert_same_readings, copy_of, find_engine
 
 TRUTH = {"E_upper": 8000.0, "E_lower": 25000.0}
 POINTS = {"centre": 0.0, "at_2m": 2.0, "at_5m": 5.0}
@@ -28,11 +28,7 @@ def problem(tmp_path: Path) -> Path:
 def test_the_true_values_lie_in_the_intervals(
     problem: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    found = calibrated(problem, tmp_path / "out", capsys)
-    assert found.keys() == TRUTH.keys()
-    for name, value in TRUTH.items():
-        assert found[name].lower < value < found[name].upper
-        assert found[name].upper / found[name].lower < 1.15
+    assert_identified(problem, tmp_path / "out", capsys, TRUTH, ratio=1.15)
 
 
 def test_the_readings_are_those_of_the_program(problem: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.problem import load_problem
-from tests.examples.engines import HERE, assert_same_readings, calibrated, copy_of, from_pypi
+from tests.examples.engines import HERE, assert_identified, assert_same_readings, copy_of, from_pypi
 
 TRUTH = {"E_oed": 1800.0, "k": 2.0e-4}
 LOAD, HEIGHT = 50.0, 5.0
@@ -29,11 +29,7 @@ def problem(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_the_true_values_lie_in_the_intervals(
     problem: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    found = calibrated(problem, tmp_path / "out", capsys)
-    assert found.keys() == TRUTH.keys()
-    for name, value in TRUTH.items():
-        assert found[name].lower < value < found[name].upper
-        assert found[name].upper / found[name].lower < 1.05
+    assert_identified(problem, tmp_path / "out", capsys, TRUTH, ratio=1.05)
 
 
 def test_the_readings_are_those_of_the_program(problem: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from geoswarm.cli import main
 from geoswarm.solver.problem import load_problem
-from tests.examples.engines import HERE, assert_same_readings, calibrated, copy_of, find_engine
+from tests.examples.engines import HERE, assert_identified, assert_same_readings, copy_of, find_engine
 
 TRUTH = {"Cc": 0.45, "sigma_p": 75.0}
 
@@ -28,11 +28,7 @@ def problem(tmp_path: Path) -> Path:
 def test_the_true_values_lie_in_the_intervals(
     problem: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    found = calibrated(problem, tmp_path / "out", capsys)
-    assert found.keys() == TRUTH.keys()
-    for name, value in TRUTH.items():
-        assert found[name].lower < value < found[name].upper
-        assert found[name].upper / found[name].lower < 1.05
+    assert_identified(problem, tmp_path / "out", capsys, TRUTH, ratio=1.05)
 
 
 def test_the_readings_are_those_of_the_program(problem: Path) -> None:
