@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,6 +19,8 @@ __all__ = [
     "job_argument",
     "json_option",
     "problem_argument",
+    "read_values",
+    "values_option",
 ]
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
@@ -43,6 +46,44 @@ problem_argument = click.argument("problem", type=click.Path(path_type=Path), me
 
 job_argument = click.argument("job", metavar="ID")
 """A job's id, its first characters where they name one job only, or ``latest``."""
+
+
+def values_option(help: str) -> Callable[[Decorated], Decorated]:
+    """Add ``--set``, which may be repeated; :func:`read_values` reads what is given."""
+    return click.option("--set", "given", multiple=True, metavar="NAME=VALUE", help=f"{help}; may be repeated.")
+
+
+def read_values(given: Sequence[str], mistake: Callable[[str], str | None]) -> dict[str, float]:
+    """Read the ``NAME=VALUE`` texts of ``--set``.
+
+    Parameters
+    ----------
+    mistake
+        What is wrong with giving a value to a name, or None.
+
+    Raises
+    ------
+    BadInputError
+        For a text of another form, a mistake, a name given twice, or a value that is no finite number.
+    """
+    values: dict[str, float] = {}
+    for text in given:
+        name, equals, value_text = (part.strip() for part in text.partition("="))
+        if not equals or not name:
+            raise BadInputError(f"--set {text!r}: give NAME=VALUE, for example --set lambda_star=0.1")
+        if (wrong := mistake(name)) is not None:
+            raise BadInputError(f"--set {name}: {wrong}")
+        if name in values:
+            raise BadInputError(f"--set {name}: given twice")
+        try:
+            value = float(value_text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise BadInputError(f"--set {name}: {value_text!r} is not a finite number")
+        values[name] = value
+    return values
+
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for scripts.")
 

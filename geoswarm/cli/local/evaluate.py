@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.options import json_option, problem_argument, read_values, values_option
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
@@ -18,20 +18,14 @@ if TYPE_CHECKING:
     from geoswarm.solver.calibration import Evaluation
     from geoswarm.solver.problem import Problem
 
-__all__ = ["evaluate_command"]
+__all__ = ["evaluate_command", "given_values", "parameter_values"]
 
 
 @click.command("evaluate")
 @problem_argument
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Value of a free or fixed parameter, in base units (kN, m, day, degree); may be repeated.",
-)
+@values_option("Value of a free or fixed parameter, in base units (kN, m, day, degree)")
 @json_option
-def evaluate_command(problem: Path, settings: tuple[str, ...], as_json: bool) -> None:
+def evaluate_command(problem: Path, given: tuple[str, ...], as_json: bool) -> None:
     """Run one forward calculation with given parameters.
 
     A free parameter without --set takes its 'initial' value from the problem file. Linked parameters follow from the
@@ -43,7 +37,7 @@ def evaluate_command(problem: Path, settings: tuple[str, ...], as_json: bool) ->
     from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem)
-    values = parameter_values(loaded, parse_settings(loaded, settings))
+    values = parameter_values(loaded, given_values(loaded, given))
     for warning in _doubts(loaded, values):
         note(f"Warning: {warning}")
     ready(loaded)
@@ -56,34 +50,17 @@ def evaluate_command(problem: Path, settings: tuple[str, ...], as_json: bool) ->
         _show(loaded, values, evaluation)
 
 
-def parse_settings(problem: Problem, settings: Sequence[str]) -> dict[str, float]:
-    """Read ``name=value`` texts.
+def given_values(problem: Problem, given: Sequence[str]) -> dict[str, float]:
+    """Read the texts of ``--set`` for parameters of a problem.
 
     Raises
     ------
     BadInputError
-        For a text of another form, an unknown or linked name, a name given twice, or a value that is no finite number.
+        As :func:`read_values`; also for an unknown or linked name.
     """
     from geoswarm.solver.problem.given import given_mistake
 
-    given: dict[str, float] = {}
-    for text in settings:
-        name, equals, value_text = (part.strip() for part in text.partition("="))
-        if not equals or not name:
-            raise BadInputError(f"--set {text!r}: give NAME=VALUE, for example --set lambda_star=0.1")
-        mistake = given_mistake(problem, name)
-        if mistake is not None:
-            raise BadInputError(f"--set {name}: {mistake}")
-        if name in given:
-            raise BadInputError(f"--set {name}: given twice")
-        try:
-            value = float(value_text)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise BadInputError(f"--set {name}: {value_text!r} is not a finite number")
-        given[name] = value
-    return given
+    return read_values(given, partial(given_mistake, problem))
 
 
 def parameter_values(problem: Problem, given: Mapping[str, float]) -> dict[str, float]:

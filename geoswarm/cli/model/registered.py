@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from geoswarm.cli.model.trial import echo_run
-from geoswarm.cli.options import json_option
+from geoswarm.cli.options import json_option, read_values, values_option
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
 
@@ -74,7 +75,7 @@ def show_model(name: str, as_json: bool) -> None:
 
 @models_command.command("check")
 @click.argument("name")
-@click.option("--set", "given", multiple=True, metavar="NAME=VALUE", help="Value of a parameter; may be repeated.")
+@values_option("Value of a parameter")
 def check_model(name: str, given: tuple[str, ...]) -> None:
     """Run a registered model once, at its defaults, typical values or the middle of its limits.
 
@@ -88,7 +89,8 @@ def check_model(name: str, given: tuple[str, ...]) -> None:
 
     folder, declaration = _found(name)
     model = program_of(folder, declaration, {})
-    values = {one: _value(one, info) for one, info in declaration.parameters.items()} | _given(declaration, given)
+    values = read_values(given, partial(_mistake, declaration))
+    values = {one: values[one] if one in values else _value(one, info) for one, info in declaration.parameters.items()}
     if not isinstance(model, CommandModel):
         note(f"Model {name} is sound; it starts no program, so nothing was run.")
         return
@@ -135,14 +137,8 @@ def _value(name: str, info: DeclaredParameter) -> float:
     return (low * high) ** 0.5 if low > 0.0 else (low + high) / 2.0
 
 
-def _given(declaration: Declaration, texts: tuple[str, ...]) -> dict[str, float]:
-    values: dict[str, float] = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not equals or name not in declaration.parameters:
-            raise BadInputError(f"--set {text}: give NAME=VALUE; parameters: {', '.join(declaration.parameters)}")
-        try:
-            values[name] = float(value)
-        except ValueError:
-            raise BadInputError(f"--set {text}: '{value}' is not a number") from None
-    return values
+def _mistake(declaration: Declaration, name: str) -> str | None:
+    from geoswarm.solver.words import did_you_mean
+
+    known = declaration.parameters
+    return None if name in known else f"unknown parameter{did_you_mean(name, known)}; known: {', '.join(known)}"

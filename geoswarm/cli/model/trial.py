@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.local.evaluate import parameter_values, parse_settings
-from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.local.evaluate import given_values, parameter_values
+from geoswarm.cli.options import json_option, problem_argument, values_option
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, number
 
@@ -25,16 +25,10 @@ _FILES = 10
 
 @click.command("try")
 @problem_argument
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Value of a free or fixed parameter; may be repeated. Else 'initial', or the middle of the bounds.",
-)
+@values_option("Value of a free or fixed parameter, else 'initial', or the middle of the bounds")
 @click.option("--all", "whole", is_flag=True, help=f"Show all points of each series, not the first {_ROWS} only.")
 @json_option
-def try_command(problem: Path, settings: tuple[str, ...], whole: bool, as_json: bool) -> None:
+def try_command(problem: Path, given: tuple[str, ...], whole: bool, as_json: bool) -> None:
     """Run the program of a problem once, and show what it read and wrote.
 
     Each point of a series stands beside the line of the file that it was read from. The run folder is kept. Exit code 1
@@ -46,7 +40,7 @@ def try_command(problem: Path, settings: tuple[str, ...], whole: bool, as_json: 
 
     loaded = load_problem(problem)
     calibration = Calibration(loaded, loaded.seed or 0)
-    values = _values(loaded, calibration, settings)
+    values = _values(loaded, calibration, given)
     with watched() as runs:
         evaluation = calibration.evaluate_values(values)
     if not runs:
@@ -64,12 +58,12 @@ def try_command(problem: Path, settings: tuple[str, ...], whole: bool, as_json: 
         raise FailedRunError(f"the run failed ({evaluation.reason}): {evaluation.message}")
 
 
-def _values(problem: Problem, calibration: Any, settings: tuple[str, ...]) -> dict[str, float]:
+def _values(problem: Problem, calibration: Any, given: tuple[str, ...]) -> dict[str, float]:
     """Given values, else initial ones, else the middle of the bounds."""
     from geoswarm.solver.runs.check import middle
 
     free = dict(zip(problem.free_names, middle(calibration).tolist(), strict=True))
-    return parameter_values(problem, {**free, **parse_settings(problem, settings)})
+    return parameter_values(problem, {**free, **given_values(problem, given)})
 
 
 def facts_of_run(run: TrialRun) -> dict[str, str]:

@@ -131,6 +131,22 @@ def test_models_are_listed_shown_and_checked(
     assert "ended with exit status 0" in capsys.readouterr().out
     assert main(["models", "check", "exit_1", "--set", "slope=1"]) == 1
     assert "no convergence in increment 7" in capsys.readouterr().err
+    for given, mistake in [
+        (["slop=1"], "--set slop: unknown parameter; did you mean slope?; known: slope"),
+        (["slope"], "--set 'slope': give NAME=VALUE"),
+        (["slope=nan"], "--set slope: 'nan' is not a finite number"),
+        (["slope=1", "slope=2"], "--set slope: given twice"),
+    ]:
+        assert main(["models", "check", "good", *(word for one in given for word in ("--set", one))]) == 2
+        assert mistake in capsys.readouterr().err
+    text = (folder / "models" / "good" / "model.yaml").read_text()
+    (folder / "models" / "good" / "model.yaml").write_text(
+        text.partition("parameters:")[0] + "parameters: {slope: {}}\n"
+    )
+    assert main(["models", "check", "good"]) == 2
+    assert "has neither a default nor a typical range; give --set slope=VALUE" in capsys.readouterr().err
+    assert main(["models", "check", "good", "--set", "slope=2"]) == 0
+    assert "ended with exit status 0" in capsys.readouterr().out
     assert main(["models", "show", "goood"]) == 2
     assert "did you mean good?" in capsys.readouterr().err
     assert main(["models", "show", "exit_3"]) == 2
