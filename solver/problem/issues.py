@@ -113,14 +113,15 @@ def describe(value: Any) -> str:
 def _steps(detail: ErrorDetails, section: Any) -> list[str | int]:
     """Steps of a location that are in the data; pydantic puts tags of unions between them."""
     steps: list[str | int] = []
-    value = section
+    value, there = section, True
     for step in detail["loc"]:
-        if (isinstance(value, Mapping) and step in value) or (
+        there = (isinstance(value, Mapping) and step in value) or (
             isinstance(value, list) and isinstance(step, int) and step < len(value)
-        ):
-            value = value[step]  # type: ignore[index]  # a list has an int here: checked above
+        )
+        if there:
+            value = value[step]
             steps.append(step)
-    if detail["loc"] and detail["type"] in _ABSENT and steps[-1:] != [detail["loc"][-1]]:
+    if not there and detail["type"] in _ABSENT:
         steps.append(detail["loc"][-1])
     return steps
 

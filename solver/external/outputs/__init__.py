@@ -1,7 +1,7 @@
 """What is read of a program's files after it ran: readers of series, one a kind of file.
 
 ===================================  =======================================================
-``series``, ``issues``               which reader a section asks for, and what is wrong with it
+``series``                           which reader a section asks for
 ``base``                             what all readers have in common
 ``lines``, ``numbers``, ``paths``    files of text, numbers as programs write them, names of files
 ``tables``                           tables, also repeated in a listing

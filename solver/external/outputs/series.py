@@ -16,16 +16,13 @@ table                 anything else
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Annotated, Any, TypeAlias
 
-from pydantic import Discriminator, Tag, TypeAdapter, ValidationError
+from pydantic import Discriminator, Tag
 
-from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.outputs.base import OutputReader
 from geoswarm.solver.external.outputs.hdf5_reader import Hdf5Reader
-from geoswarm.solver.external.outputs.issues import issues_of
 from geoswarm.solver.external.outputs.json_reader import JsonReader
 from geoswarm.solver.external.outputs.mesh.reader import MeshReader
 from geoswarm.solver.external.outputs.numpy_reader import NumpyReader
@@ -33,7 +30,7 @@ from geoswarm.solver.external.outputs.pest.reader import PestReader
 from geoswarm.solver.external.outputs.search import SearchReader
 from geoswarm.solver.external.outputs.tables.reader import TableReader
 
-__all__ = ["READERS", "SeriesReader", "format_of", "parse_series"]
+__all__ = ["READERS", "SeriesReader", "format_of"]
 
 READERS: dict[str, type[OutputReader]] = {
     "table": TableReader,
@@ -84,34 +81,3 @@ SeriesReader: TypeAlias = Annotated[
     ),
 ]
 """The section of one series, for fields of pydantic models."""
-
-_ADAPTER: TypeAdapter[OutputReader] = TypeAdapter(SeriesReader)
-
-
-def parse_series(name: str, section: Any) -> OutputReader:
-    """Make the reader of a section.
-
-    Parameters
-    ----------
-    name
-        Path of the section in the problem, for messages: ``forward_model.series.crest``.
-
-    Raises
-    ------
-    ProblemError
-        The section is wrong; each issue has its path, and says what is accepted.
-
-    Examples
-    --------
-    >>> parse_series("series.crest", {"file": "results.csv", "x": "time", "y": "uy_A"}).files
-    ('results.csv',)
-    """
-    if not isinstance(section, Mapping):
-        raise ProblemError([Issue(name, "must be a mapping, such as {file: results.csv, x: time, y: uy_A}")])
-    told_by = READERS.get(format_of(section), TableReader).told_by
-    try:
-        return _ADAPTER.validate_json(json.dumps(dict(section)), strict=True)
-    except ValidationError as error:
-        raise ProblemError(issues_of(error, dict(section), name, told_by)) from error
-    except (TypeError, ValueError) as error:
-        raise ProblemError([Issue(name, f"holds what no problem file can: {error}")]) from error

@@ -17,7 +17,7 @@ from geoswarm.solver.external.errors import OutputError, TemplateError
 from geoswarm.solver.external.inputs.pest_template import parse_pest_template
 from geoswarm.solver.external.inputs.template import parse_template
 from geoswarm.solver.external.outputs.pest.instructions import parse_instructions
-from geoswarm.solver.external.outputs.series import parse_series
+from tests.solver.external.outputs.reading import reader_of
 
 INSTRUCTIONS = "pif $\n$a$ w !h! t3 !dum!\nl1 [g]1:3 (f)2:4\n"
 SECTIONS: dict[str, dict[str, Any]] = {
@@ -77,7 +77,7 @@ def test_readers_raise_output_errors_only(name: str, data: st.DataObject) -> Non
     begin = data.draw(st.integers(0, len(whole)))
     end = data.draw(st.integers(begin, min(begin + 20, len(whole))))
     content = whole[:begin] + data.draw(st.binary(max_size=20)) + whole[end:]
-    reader = parse_series("series.s", section)
+    reader = reader_of(section)
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / section["file"]).write_bytes(content)
         try:

@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter, ValidationError
 
+from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.external.errors import OutputError
-from geoswarm.solver.external.outputs.series import parse_series
+from geoswarm.solver.external.outputs.base import OutputReader
+from geoswarm.solver.external.outputs.series import SeriesReader
+from geoswarm.solver.problem.issues import issues_of
 
-__all__ = ["assert_bad", "assert_points", "series"]
+__all__ = ["assert_bad", "assert_points", "reader_of", "series"]
+
+ADAPTER: TypeAdapter[dict[str, OutputReader]] = TypeAdapter(dict[str, SeriesReader])
+
+
+def reader_of(section: Any) -> OutputReader:
+    """Make the reader of the section ``series.s``, and tell mistakes, as it is done for problem files."""
+    sections = {"s": section}
+    try:
+        return ADAPTER.validate_json(json.dumps(sections), strict=True)["s"]
+    except ValidationError as error:
+        raise ProblemError(issues_of(error, sections, "series", ADAPTER.json_schema)) from None
 
 
 def series(folder: Path, content: str | bytes | None = None, /, **section: Any) -> list[tuple[float, float]]:
@@ -20,7 +36,7 @@ def series(folder: Path, content: str | bytes | None = None, /, **section: Any) 
     if content is not None:
         data = content if isinstance(content, bytes) else content.encode("utf-8")
         (folder / section["file"]).write_bytes(data)
-    reader = parse_series("series.s", section)
+    reader = reader_of(section)
     x, y = reader.read(folder)
     assert x.dtype == y.dtype == "float64"
     assert len(x) == len(y) == len(reader.traced(folder))

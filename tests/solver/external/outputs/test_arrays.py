@@ -11,8 +11,7 @@ import pytest
 from geoswarm.solver.external.errors import OutputError
 from geoswarm.solver.external.outputs import hdf5_reader
 from geoswarm.solver.external.outputs.hdf5_reader import Dataset, parse_dataset
-from geoswarm.solver.external.outputs.series import parse_series
-from tests.solver.external.outputs.reading import assert_bad, series
+from tests.solver.external.outputs.reading import assert_bad, reader_of, series
 
 TIME, UY = np.array([0.0, 1.5]), np.array([1.0, 2.5])
 
@@ -86,7 +85,7 @@ def test_without_h5py_the_package_is_named(tmp_path: Path, monkeypatch: pytest.M
         raise ImportError(name)
 
     (tmp_path / "out.h5").write_bytes(b"x")
-    reader = parse_series("series.s", {"file": "out.h5", "x": "t", "y": "u"})
+    reader = reader_of({"file": "out.h5", "x": "t", "y": "u"})
     monkeypatch.setattr(hdf5_reader, "has", lambda _: False)
     monkeypatch.setattr(hdf5_reader.importlib, "import_module", missing)
     assert "pip install" in str(reader.lacks)

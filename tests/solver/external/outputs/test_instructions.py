@@ -18,8 +18,7 @@ from geoswarm.solver.external.outputs.pest.instructions import (
     parse_instructions,
 )
 from geoswarm.solver.external.outputs.pest.reader import PestReader
-from geoswarm.solver.external.outputs.series import parse_series
-from tests.solver.external.outputs.reading import assert_bad, series
+from tests.solver.external.outputs.reading import assert_bad, reader_of, series
 
 FILE = """\
 HEADS
@@ -127,18 +126,18 @@ def test_the_file_of_instructions_lies_beside_the_problem(tmp_path: Path) -> Non
     (tmp_path / "case" / "out.ins").write_bytes(b"pif $\r\nl2 [h]11:15\r\n")
     (tmp_path / "out.txt").write_text(FILE, encoding="ascii")
     section = {"file": "out.txt", "instructions": "out.ins", "observations": {"h": 10.0}}
-    reader = parse_series("series.s", section)
+    reader = reader_of(section)
     assert isinstance(reader, PestReader)
     assert (reader.files, reader.sources) == (("out.txt",), ("out.ins",))
     whole = reader.with_sources(tmp_path / "case")
     assert whole.sources == ()
     assert whole.traced(tmp_path) == [(2, " bore 1   12.50 m above datum")]
-    assert parse_series("series.s", whole.model_dump()).read(tmp_path)[1].tolist() == [12.5]
+    assert reader_of(whole.model_dump()).read(tmp_path)[1].tolist() == [12.5]
     assert_bad(tmp_path, None, "out.ins: cannot be read", **section)
     with pytest.raises(TemplateError, match=r"out\.ins: cannot be read"):
         reader.with_sources(tmp_path)
-    wrong = parse_series("series.s", section | {"observations": {"hh": 1.0}})
+    wrong = reader_of(section | {"observations": {"hh": 1.0}})
     with pytest.raises(TemplateError, match=r"out\.ins: observation hh is not read; did you mean h"):
         wrong.with_sources(tmp_path / "case")
     with pytest.raises(ProblemError, match=r"series\.s: instructions: observation g is not read"):
-        parse_series("series.s", section | {"instructions": "pif $\nl1 !h!\n", "observations": {"g": 1.0}})
+        reader_of(section | {"instructions": "pif $\nl1 !h!\n", "observations": {"g": 1.0}})

@@ -11,8 +11,7 @@ import pytest
 
 from geoswarm.solver.external.errors import OutputError
 from geoswarm.solver.external.outputs.mesh import snapshots
-from geoswarm.solver.external.outputs.series import parse_series
-from tests.solver.external.outputs.reading import assert_bad, assert_points, series
+from tests.solver.external.outputs.reading import assert_bad, assert_points, reader_of, series
 
 NODES = np.array([[0.0, 0, 0], [4, 0, 0], [4, 2, 0], [0, 2, 0], [8, 0, 0], [8, 2, 0]])
 QUAD, TRIANGLES = [[0, 1, 2, 3]], [[1, 4, 5], [1, 5, 2]]
@@ -52,7 +51,7 @@ def test_a_point_over_time(tmp_path: Path) -> None:
     assert series(tmp_path, **at, field="p")[1] == pytest.approx((1.0, 6.0))
     assert series(tmp_path, **at, field="eps")[1] == pytest.approx((1.0, 0.3))
     assert series(tmp_path, **at, field="u", component="magnitude")[1][1] == pytest.approx(np.hypot(5.0, 8.0))
-    trace = parse_series("series.s", at | {"field": "p"}).traced(tmp_path)
+    trace = reader_of(at | {"field": "p"}).traced(tmp_path)
     assert trace[1][0] == 0
     assert trace[1][1].startswith("element 1 (triangle) of steps/r_1.vtu at time 1: p = ")
 
@@ -171,7 +170,7 @@ def test_results_that_are_not_finite(tmp_path: Path) -> None:
 
 def test_without_meshio_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     body().write(tmp_path / "r.vtu")
-    reader = parse_series("series.s", {"file": "r.vtu", "point": [1.0, 1.0], **U})
+    reader = reader_of({"file": "r.vtu", "point": [1.0, 1.0], **U})
     assert reader.lacks is None
 
     def missing(name: str) -> None:

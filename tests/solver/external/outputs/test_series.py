@@ -6,11 +6,15 @@ import pickle
 from typing import Any
 
 import pytest
-from pydantic import BaseModel, TypeAdapter
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.external.errors import InputError, OutputError, TemplateError
-from geoswarm.solver.external.outputs.series import READERS, SeriesReader, format_of, parse_series
+from geoswarm.solver.external.outputs.series import READERS, SeriesReader, format_of
+from geoswarm.solver.forward.programs.command import CommandSpec
+from geoswarm.solver.forward.registry import parse_spec
+from geoswarm.solver.problem.issues import issues_of
+from tests.solver.external.outputs.reading import reader_of
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "table": {"file": "a.csv", "x": 1, "y": "-column4"},
@@ -32,14 +36,14 @@ class Problem(BaseModel):
 @pytest.mark.parametrize("name", READERS)
 def test_fields_tell_the_reader(name: str) -> None:
     section = SECTIONS[name] | {"x_unit": "day", "y_unit": "m"}
-    reader = parse_series("series.s", section)
+    reader = reader_of(section)
     assert type(reader) is READERS[name]
     assert format_of(reader) == format_of(section) == name
     assert (reader.files, reader.x_unit, reader.y_unit) == ((section["file"],), "day", "m")
-    assert parse_series("series.s", reader.model_dump(mode="json")) == reader
+    assert reader_of(reader.model_dump(mode="json")) == reader
     assert pickle.loads(pickle.dumps(reader)) == reader  # noqa: S301  made here
     with_format = section | {"format": name}
-    assert parse_series("series.s", with_format) == reader
+    assert reader_of(with_format) == reader
 
 
 def test_the_union_is_a_field_with_a_schema() -> None:
@@ -54,10 +58,10 @@ def test_the_union_is_a_field_with_a_schema() -> None:
     ("name", "change", "message"),
     [
         ("table", {"colums": [[1, 2]]}, "series.s: unknown key colums; did you mean columns?; a table (file, x and y)"),
-        ("table", {"x": None}, "series.s.x: must be a whole number or text, not null"),
+        ("table", {"x": None}, "series.s.x: must be a whole number, not null\nseries.s.x: must be text, not null"),
         ("table", {"x": 0}, "series.s.x: column 0 does not exist; columns count from 1"),
         ("table", {"x": " "}, "series.s.x: is empty"),
-        ("table", {"x": True}, "series.s.x: must be a whole number or text, not true"),
+        ("table", {"x": True}, "series.s.x: must be a whole number, not true\nseries.s.x: must be text, not true"),
         ("table", {"file": "/etc/passwd"}, "series.s.file: '/etc/passwd' must be relative to the folder of the run"),
         ("table", {"file": "C:/a.csv"}, "must be relative"),
         ("table", {"file": "../a.csv"}, "must stay in the folder of the run; .. is not accepted"),
@@ -71,14 +75,14 @@ def test_the_union_is_a_field_with_a_schema() -> None:
         ("table", {"decimal": ",", "separator": ","}, "both a comma"),
         ("table", {"row": 5}, "row counts lines after a heading; give each"),
         ("table", {"each": "(", "row": 5}, "'(' is no regular expression"),
-        ("table", {"each": "a" * 1001}, "series.s.each: must be at most 1000 characters long"),
+        ("table", {"each": "a" * 1001}, "series.s.each: may have at most 1000 characters"),
         ("table", {"each": "t (?P<time>.)", "x": "tim"}, "x: no column tim; did you mean time?; there are time, row"),
         ("table", {"each": "a", "where": "node == 5"}, "where: no column node"),
         ("table", {"each": "a", "row": 1, "where": "column1 == 5"}, "row and where both choose"),
         ("table", {"each": "a", "header": 1}, "header is for a single table"),
         ("table", {"where": "column1 + 5"}, "must be a comparison"),
         ("table", {"rows": 0}, "series.s.rows: must be at least 1, not 0"),
-        ("table", {"columns": [[1, "a"]]}, "series.s.columns[0][1]: must be a whole number, not 'a'"),
+        ("table", {"columns": [[1, "a"]]}, "series.s.columns[0][1]: must be a whole number, not text 'a'"),
         ("table", {"comment": [""]}, "a comment begins with a sign"),
         ("table", {"encoding": "utf-7"}, "series.s.encoding: must be 'utf-8', 'latin-1', 'cp1252' or"),
         ("table", {"format": "excel"}, "format must be one of table, search, pest"),
@@ -93,7 +97,7 @@ def test_the_union_is_a_field_with_a_schema() -> None:
         ("json", {"y": "u[x]"}, "series.s.y: 'u[x]' is no path at character 2"),
         ("hdf5", {"y": "u[1, 2]"}, "one * and otherwise whole numbers are expected"),
         ("mesh", {"points": [[0, 0]]}, "give either point"),
-        ("mesh", {"point": [1]}, "series.s.point: must be at least 2 entries long, not a list of 1"),
+        ("mesh", {"point": [1]}, "series.s.point: needs at least 2 entries"),
         ("mesh", {"time": 1.0}, "time and along are for points"),
         ("mesh", {"point": None, "points": [[0, 0], [0, 0, 0]]}, "or all of them three"),
         ("mesh", {"point": None, "points": [[0, 0]], "along": "z"}, "needs points with three coordinates"),
@@ -101,23 +105,29 @@ def test_the_union_is_a_field_with_a_schema() -> None:
         (
             "mesh",
             {"component": "magnitud"},
-            "component: must be 'x', 'y', 'z' or 'magnitude' or a whole number, not",
+            "component: must be 'x', 'y', 'z' or 'magnitude', not text 'magnitud'; did you mean magnitude?",
         ),
     ],
 )
 def test_mistakes_name_the_key(name: str, change: dict[str, Any], message: str) -> None:
     with pytest.raises(ProblemError) as caught:
-        parse_series("series.s", SECTIONS[name] | change)
+        reader_of(SECTIONS[name] | change)
     assert message in str(caught.value)
 
 
 def test_what_is_missing_is_named() -> None:
-    with pytest.raises(ProblemError, match=r"series\.s\.y: is missing; a table \(file, x and y\) needs it"):
-        parse_series("series.s", {"file": "a.csv", "x": 1})
+    with pytest.raises(ProblemError, match=r"^series\.s\.y: is missing$"):
+        reader_of({"file": "a.csv", "x": 1})
     with pytest.raises(ProblemError, match=r"series\.s: must be a mapping"):
-        parse_series("series.s", "a.csv")
-    with pytest.raises(ProblemError, match="holds what no problem file can"):
-        parse_series("series.s", {"file": object(), "x": 1, "y": 2})
+        reader_of("a.csv")
+
+
+def test_a_missing_key_with_the_name_of_its_series_has_a_path_of_its_own() -> None:
+    section = {"kind": "command", "run": ["x"], "series": {"y": {"file": "a.csv", "x": 1}}}
+    with pytest.raises(ValidationError) as caught:
+        parse_spec(section)
+    found = issues_of(caught.value, section, "forward_model", CommandSpec.model_json_schema)
+    assert [str(issue) for issue in found] == ["forward_model.series.y.y: is missing"]
 
 
 def test_errors_survive_the_way_between_processes() -> None:

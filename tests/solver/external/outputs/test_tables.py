@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from geoswarm.solver.external.outputs.series import parse_series
-from tests.solver.external.outputs.reading import assert_bad, series
+from tests.solver.external.outputs.reading import assert_bad, reader_of, series
 
 POINTS = [(0.0, -1.0), (1.5, -2.5)]
 
@@ -109,7 +108,7 @@ def test_mistakes_name_file_and_line(tmp_path: Path, content: str, message: str,
 
 def test_lines_of_points_are_traced(tmp_path: Path) -> None:
     (tmp_path / "out.txt").write_text("t y\n\n0 1\n# note\n2 3\n", encoding="ascii")
-    reader = parse_series("series.s", {"file": "out.txt", "x": "t", "y": "y"})
+    reader = reader_of({"file": "out.txt", "x": "t", "y": "y"})
     assert reader.traced(tmp_path) == [(3, "0 1"), (5, "2 3")]
 
 

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.external.outputs.lines import LONGEST_LINE
-from geoswarm.solver.external.outputs.series import parse_series
-from tests.solver.external.outputs.reading import assert_bad, series
+from tests.solver.external.outputs.reading import assert_bad, reader_of, series
 
 TABLE = {"x": "t", "y": "y"}
 SEARCH = {"find": r"(?P<x>\S+) (?P<y>\S+)$"}
@@ -77,7 +76,7 @@ def test_endless_lines_are_refused(tmp_path: Path) -> None:
 def test_large_files_are_streamed(tmp_path: Path) -> None:
     line = b"1.0 2.0 " + b"filling " * 100 + b"\n"
     (tmp_path / "out.txt").write_bytes(b"t y\n" + line * 20_000)  # 16 MB
-    reader = parse_series("series.s", {"file": "out.txt", **TABLE})
+    reader = reader_of({"file": "out.txt", **TABLE})
     tracemalloc.start()
     try:
         x, y = reader.read(tmp_path)
