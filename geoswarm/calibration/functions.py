@@ -22,7 +22,7 @@ from geoswarm.solver.external.python.loading import file_being_imported, fingerp
 from geoswarm.solver.external.python.session import keep_function
 from geoswarm.solver.external.python.signature import Signature, SignatureError, signature_in, signature_of
 
-__all__ = ["GUARD", "InProcessWarning", "function_section", "refuse_while_imported", "warn_in_process"]
+__all__ = ["InProcessWarning", "function_section", "refuse_while_imported", "warn_in_process"]
 
 GUARD = 'if __name__ == "__main__":'
 

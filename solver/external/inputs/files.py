@@ -6,7 +6,7 @@ from pathlib import Path
 
 from geoswarm.solver.external.errors import TemplateError
 
-__all__ = ["MAX_TEMPLATE_BYTES", "read_template_file", "write_input_file"]
+__all__ = ["read_template_file", "write_input_file"]
 
 MAX_TEMPLATE_BYTES = 64 * 2**20
 """Largest template; bigger files that do not change are linked."""

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 from geoswarm.solver.external.errors import InputError
 from geoswarm.solver.external.inputs.numbers import number_text
 
-__all__ = ["WIDEST", "Precision", "number_in_space"]
+__all__ = ["Precision", "number_in_space"]
 
 Precision: TypeAlias = Literal["single", "double"]
 

@@ -19,7 +19,7 @@ from geoswarm.solver.external.outputs.base import Point, ScaledReader
 from geoswarm.solver.external.outputs.json_paths import parse_json_path
 from geoswarm.solver.external.outputs.lines import decoded, opened
 
-__all__ = ["MAX_JSON_BYTES", "JsonReader"]
+__all__ = ["JsonReader"]
 
 MAX_JSON_BYTES = 256 * 2**20
 """Largest JSON file: it is held as a whole."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 import warnings
 
-__all__ = ["LONGEST_MATCHED", "LONGEST_PATTERN", "compiled"]
+__all__ = ["LONGEST_MATCHED", "compiled"]
 
 LONGEST_MATCHED = 10_000
 """Bytes of a line in a file that is searched with a regular expression."""

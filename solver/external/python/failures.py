@@ -10,7 +10,7 @@ from typing import get_args
 from geoswarm.solver.errors import FailureReason, ForwardError, in_words, message_of
 from geoswarm.solver.external.errors import RunFailedError
 
-__all__ = ["failure_of", "place_of"]
+__all__ = ["failure_of"]
 
 _MOST_LINES = 4
 _LONGEST = 2000  # characters of a message that anybody's code has made
@@ -39,10 +39,10 @@ def failure_of(error: BaseException, file: str, called: str, hint: str = "") -> 
         told = f"{called} ended the program (sys.exit({error.code!r}))"
     if len(told) > _LONGEST:
         told = f"{told[:_LONGEST]} ..."
-    return RunFailedError(reason, "\n".join([told, *place_of(error.__traceback__, file), *([hint] if hint else [])]))
+    return RunFailedError(reason, "\n".join([told, *_place_of(error.__traceback__, file), *([hint] if hint else [])]))
 
 
-def place_of(trace: TracebackType | None, file: str) -> list[str]:
+def _place_of(trace: TracebackType | None, file: str) -> list[str]:
     """Return the last lines of a file that a traceback goes through, the innermost last.
 
     Returns

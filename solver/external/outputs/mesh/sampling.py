@@ -14,7 +14,7 @@ from geoswarm.solver.external.outputs.mesh.elements import element
 from geoswarm.solver.external.outputs.mesh.snapshots import Piece, Snapshot
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["Component", "Place", "Sampler"]
+__all__ = ["Place", "Sampler"]
 
 Component = Literal["x", "y", "z", "magnitude"] | int
 
