@@ -6,6 +6,7 @@
 ``problems``   from a function or a problem, and options, to a checked problem
 ``calibrate``  runs a calibration
 ``evaluate``   makes one forward calculation
+``folder``     writes results
 ``result``     what a calibration has found
 ``runs``       its history as columns
 ``plot``       measured and calculated series

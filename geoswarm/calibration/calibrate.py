@@ -8,12 +8,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geoswarm.calibration.folder import opened_folder, write_folder
 from geoswarm.calibration.functions import InProcessWarning, refuse_while_imported, warn_in_process
 from geoswarm.calibration.problems import Model, Observations, options_of, problem_of
 from geoswarm.calibration.result import Result, lacking_for_reports
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Progress, Step
-from geoswarm.solver.errors import Issue, ProblemError, SolverError
+from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.python.loading import NOT_IMPORTED
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
@@ -129,7 +130,7 @@ def calibrate(
     )
     problem, reason = problem_of(model, options)
     workers = _told(problem, reason, workers)
-    folder = None if output is None else _opened(Path(output), problem, resume)
+    folder = None if output is None else opened_folder(Path(output), problem, resume=resume)
     run_seed = None if folder is None else folder.run.seed
     keeper = _Importable(folder or Keeper())
     with _closing(folder):
@@ -154,17 +155,6 @@ def _told(problem: Problem, reason: str | None, workers: int) -> int:
     return workers
 
 
-def _opened(folder: Path, problem: Problem, resume: bool) -> RunFolder:
-    from geoswarm.solver.report.folder.run_folder import open_run_folder
-
-    opened = open_run_folder(folder, problem, seed=None, offer=None, resume=resume)
-    if opened is None:
-        raise SolverError(
-            f"the run in {folder} is finished; read it (geoswarm statistics {folder}), or leave out resume"
-        )
-    return opened
-
-
 @contextmanager
 def _closing(folder: RunFolder | None) -> Iterator[None]:
     try:
@@ -179,10 +169,7 @@ def _write(folder: RunFolder, result: Result) -> None:
     lacking = lacking_for_reports()
     if lacking is not None:
         warnings.warn(f"tables only, no report and no figures: {lacking}", UserWarning, stacklevel=3)
-        folder.finish(result.found)
-    else:
-        folder.finish(result.found, result._report.optimum)
-        result._report.save(folder.folder)
+    write_folder(folder, result.found, result._report if lacking is None else None)
     folder.complete()
 
 

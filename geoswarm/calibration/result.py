@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from geoswarm.calibration.folder import opened_folder, write_folder
 from geoswarm.calibration.runs import Runs
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
@@ -88,7 +90,7 @@ class Result:
 
     @property
     def evaluations(self) -> int:
-        """Number of evaluations."""
+        """Number of evaluations; without the generation whose failure has ended the calibration (``failures``)."""
         return self.found.evaluations
 
     @property
@@ -142,11 +144,9 @@ class Result:
         SolverError
             No forward run succeeded, or the threshold is wrong.
         """
-        from geoswarm.solver.report.document.build import report_of_result
-
-        report = self._report
-        if threshold is not None:
-            report = report_of_result(self.problem, self.found, threshold=threshold)
+        if threshold is not None and (isinstance(threshold, bool) or not isinstance(threshold, Real)):
+            raise TypeError(f"threshold is {threshold!r}; a number above 0 is accepted, in base units squared")
+        report = self._report if threshold is None else self._report.with_threshold(threshold)
         if report.statistics is None:
             raise self._nothing()
         return report.statistics
@@ -161,20 +161,15 @@ class Result:
         SolverError
             The folder cannot be written, or holds a run that was cut off.
         """
-        from geoswarm.solver.report.folder.run_folder import open_run_folder
-
         lacking = lacking_for_reports()
         if lacking is not None:
             raise ImportError(lacking)
-        opened = open_run_folder(Path(folder), self.problem, seed=self.seed, offer=None, resume=False)
-        if opened is None:
-            raise AssertionError  # only with resume
+        report = self._report
+        opened = opened_folder(Path(folder), self.problem, seed=self.seed)
         try:
-            written = opened.finish(self.found, self._report.optimum) + self._report.save(opened.folder)
-            opened.complete()
+            return write_folder(opened, self.found, report)
         finally:
-            opened.close()
-        return written
+            opened.complete()  # whatever happened: there is no run to go on with
 
     def plot(self, axes: Axes | Iterable[Axes] | None = None) -> list[Axes]:
         """Draw measured and calculated values of each series, in the units of the observation.
@@ -202,7 +197,7 @@ class Result:
 
     def __repr__(self) -> str:
         found = self.found
-        if found.parameters is None:
+        if found.parameters is None or found.error is not None:
             return f"<Result {self.state}: {found.error}>"
         values = ", ".join(f"{name} = {value:.6g}" for name, value in found.parameters.items())
         stopped = ", ".join(found.stop_reasons) or self.state

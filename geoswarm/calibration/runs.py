@@ -27,8 +27,9 @@ class Runs(Mapping[str, npt.NDArray[Any]]):
     """Every evaluation, in the order of generation and particle: columns by name, each of shape (n,).
 
     ``generation``, ``particle``, ``state``, ``objective``, the free parameters, ``misfit.SERIES``, ``reason`` and
-    ``message`` of a failure, ``seconds``: those of ``evaluations.csv`` (``geoswarm run --output``). Numbers that a
-    failed evaluation lacks are nan, texts that are not there are empty.
+    ``message`` of a failure, ``seconds``: those of ``evaluations.csv`` (``geoswarm run --output``). A parameter that is
+    called like another column is ``parameter.NAME``. Numbers that a failed evaluation lacks are nan, texts that are not
+    there are empty. The arrays are read only; ``copy()`` gives one to change.
 
     Examples
     --------
@@ -47,15 +48,18 @@ class Runs(Mapping[str, npt.NDArray[Any]]):
         header = evaluation_header(self._problem)
         rows = [evaluation_row(self._problem, r.generation, r.particle, r.evaluation) for r in self._history]
         values = zip(*rows, strict=True) if rows else ([] for _ in header)
-        return {name: _column(name, list(column)) for name, column in zip(header, values, strict=True)}
+        return {name: _fixed(_column(name, list(column))) for name, column in zip(header, values, strict=True)}
 
     @cached_property
     def responses(self) -> dict[str, FloatArray]:
         """Calculated values by series, shape (n, m_g), base units; nan where an evaluation has failed."""
         return {
-            o.series: np.array(
-                [r.evaluation.responses.get(o.series, np.full(o.x.size, np.nan)) for r in self._history]
-            ).reshape(-1, o.x.size)
+            o.series: _fixed(
+                np.array(
+                    [r.evaluation.responses.get(o.series, np.full(o.x.size, np.nan)) for r in self._history],
+                    dtype=np.float64,
+                ).reshape(-1, o.x.size)
+            )
             for o in self._problem.observations
         }
 
@@ -92,6 +96,12 @@ class Runs(Mapping[str, npt.NDArray[Any]]):
         import pandas
 
         return pandas.DataFrame(self._columns)
+
+
+def _fixed(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """An array that nobody changes by mistake: it is given to all who ask."""
+    array.flags.writeable = False
+    return array
 
 
 def _column(name: str, values: list[Any]) -> npt.NDArray[Any]:

@@ -83,6 +83,7 @@ class Report:
         self.samples = samples
         self.optimum = optimum
         self.uncertainty = uncertainty
+        self._linearisation, self._noise = linearisation, noise
         self.statistics: Statistics | None = None
         if samples.size:
             calibration = Calibration(problem, record.seed)
@@ -96,6 +97,25 @@ class Report:
                 at_optimum=uncertainty.findings.responses if optimum is None else optimum.polished.evaluation.responses,
                 elsewhere=() if optimum is None else optimum.elsewhere,
             )
+
+    def with_threshold(self, threshold: float) -> Report:
+        """Return the same with another threshold; nothing is calculated again that does not hang on it.
+
+        Raises
+        ------
+        StatisticsError
+            When the threshold is wrong.
+        """
+        return Report(
+            self.problem,
+            self.record,
+            self.samples,
+            threshold=threshold,
+            optimum=self.optimum,
+            linearisation=self._linearisation,
+            noise=self._noise,
+            uncertainty=self.uncertainty,
+        )
 
     @cached_property
     def figures(self) -> FigureSet:
