@@ -56,10 +56,14 @@ class Team:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         if kind is not None:
-            self._stopping.set()
+            self.abandon()
         self.threads.shutdown(cancel_futures=True)
         for runner in self._runners:
             runner.close()
+
+    def abandon(self) -> None:
+        """Have what is evaluated now killed: nobody will read it."""
+        self._stopping.set()
 
     def evaluate(self, positions: FloatArray) -> list[Evaluation]:
         """Evaluate positions, shape (n, d), in order, with the further tries of the problem.

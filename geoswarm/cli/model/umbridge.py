@@ -13,6 +13,8 @@ from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import echo_table, note
 
 if TYPE_CHECKING:
+    from http.server import ThreadingHTTPServer
+
     from geoswarm.cli.model.umbridge_server import Bridge
 
 __all__ = ["umbridge_command"]
@@ -37,26 +39,30 @@ def umbridge_command(problem: Path, host: str, port: int, workers: int) -> None:
     Model 'forward' of the protocol 1.0: one input vector, the free parameters in the order of the problem; one output
     vector for each observed series, at the observed points and in the units of the observations. Ctrl-C stops it.
     """
-    from geoswarm.cli.model.umbridge_server import Bridge, make_server
+    from geoswarm.cli.model.umbridge_server import Bridge
     from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem)
     ready(loaded)
-    bridge = Bridge(loaded, workers)
     try:
-        server = make_server(bridge, host, port)
+        with Bridge(loaded, workers) as bridge, _bound(bridge, host, port) as server:
+            _tell(bridge, host, server.server_address[1])
+            if host not in _HERE:
+                note(f"Warning: who reaches {host} can run this model; there is no key.")
+            server.serve_forever(poll_interval=0.1)
+    except KeyboardInterrupt:
+        note("Stopped.")
+
+
+def _bound(bridge: Bridge, host: str, port: int) -> ThreadingHTTPServer:
+    from geoswarm.cli.model.umbridge_server import make_server
+
+    try:
+        return make_server(bridge, host, port)
     except OSError as error:
         raise BadInputError(
             f"{host}:{port} cannot be listened on: {error.strerror or error}; give another --port"
         ) from None
-    with server:
-        _tell(bridge, host, server.server_address[1])
-        if host not in _HERE:
-            note(f"Warning: who reaches {host} can run this model; there is no key.")
-        try:
-            server.serve_forever(poll_interval=0.1)
-        except KeyboardInterrupt:
-            note("Stopped.")
 
 
 def _tell(bridge: Bridge, host: str, port: int) -> None:

@@ -25,7 +25,7 @@ def checked_info(answer: Any, name: str, url: str) -> None:
     """
     version = answer.get("protocolVersion") if isinstance(answer, dict) else None
     models = answer.get("models") if isinstance(answer, dict) else None
-    if not isinstance(version, int | float) or not isinstance(models, list):
+    if not isinstance(version, int | float) or not abs(version) < 1e6 or not isinstance(models, list):
         raise RunFailedError("bad_output", f"{url} is no server of UM-Bridge: {str(answer)[:100]}")
     if int(version) != int(PROTOCOL):
         raise RunFailedError("bad_output", f"{url} speaks version {version:g} of the protocol, not {PROTOCOL:g}")

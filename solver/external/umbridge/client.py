@@ -15,9 +15,10 @@ import ssl
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 from urllib.parse import urlsplit
 
+from geoswarm.solver.errors import FailureReason
 from geoswarm.solver.external.errors import RunFailedError
 
 __all__ = ["LARGEST", "PROTOCOL", "Server", "address_of"]
@@ -30,7 +31,7 @@ LARGEST = 256 * 2**20
 _CONNECT_SECONDS = 10.0
 _PIECE = 2**20
 _BUSY = (502, 503, 504)
-_REASONS = ("diverged", "not_finite", "infeasible", "bad_output")
+_REASONS = frozenset(get_args(FailureReason))
 """Types of errors that say why: those of ``geoswarm umbridge``."""
 
 
@@ -93,8 +94,6 @@ class Server:
         for left in range(self.tries - 1, -1, -1):
             try:
                 status, answer = self._once(route, text)
-            except (TimeoutError, RunFailedError):
-                raise
             except (OSError, http.client.HTTPException) as error:
                 if left:
                     time.sleep(self.pause)
@@ -119,23 +118,28 @@ class Server:
             try:
                 connection.connect()
             except TimeoutError:
-                raise RunFailedError("not_started", f"{self.url} cannot be reached: no answer in {wait:g} s") from None
+                raise OSError(f"no answer in {wait:g} s") from None
             channel = connection.sock
             try:
                 _limit(channel, deadline)
                 headers = {"Content-Type": "application/json", "Accept": "application/json", "Connection": "close"}
                 connection.request("GET" if body is None else "POST", f"{path}{route}", body, headers)
                 response = connection.getresponse()
+                told = response.length
                 pieces: list[bytes] = []
                 size = 0
                 while size <= LARGEST:
                     _limit(channel, deadline)
                     piece = response.read1(_PIECE)
                     if not piece:
+                        if told is not None and size < told:
+                            raise http.client.IncompleteRead(b"", told - size)
                         return response.status, b"".join(pieces)
                     pieces.append(piece)
                     size += len(piece)
             except TimeoutError:
+                if self.seconds is None:  # the system has given up the connection
+                    raise ConnectionAbortedError("the connection has timed out") from None
                 raise RunFailedError("timeout", f"{self.url}{route} has not answered in {self.seconds:g} s") from None
             raise RunFailedError("bad_output", f"{self.url}{route} answered more than {LARGEST // 2**20} MB")
         finally:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,6 +26,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import load_problem, parse_problem
 from tests.installation import packages_in
 from tests.servers import free_port
+from tests.solver.external.test_failures import sleepers
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "umbridge.md").read_text(encoding="utf-8")
@@ -64,7 +69,7 @@ def served(document: dict[str, Any] = SERVED) -> Iterator[str]:
 
 
 def asked(url: str, route: str, **body: Any) -> tuple[int, Any]:
-    answer = httpx.post(f"{url}{route}", json={"name": "forward", **body}, trust_env=False)
+    answer = httpx.post(f"{url}{route}", json={"name": "forward", **body}, trust_env=False, timeout=60.0)
     return answer.status_code, answer.json()
 
 
@@ -116,6 +121,129 @@ def test_requests_that_are_none() -> None:
         assert asked(url, "/InputSizes")[0] == 200
 
 
+def raw(url: str, request: str) -> bytes:
+    """All that a server sends on one connection."""
+    host, _, port = url.removeprefix("http://").rpartition(":")
+    with socket.create_connection((host.strip("[]"), int(port)), timeout=20) as connection:
+        connection.sendall(request.encode())
+        connection.shutdown(socket.SHUT_WR)
+        return b"".join(iter(lambda: connection.recv(65536), b""))
+
+
+def test_what_stands_in_a_request_is_never_taken_for_another() -> None:
+    inner = "POST /InputSizes HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\r\n{}"
+    with served() as url:
+        found = raw(url, f"GET /Info HTTP/1.1\r\nHost: a\r\nContent-Length: {len(inner)}\r\n\r\n{inner}")
+        chunked = raw(
+            url, f"POST /Info HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{{}}\r\n0\r\n\r\n{inner}"
+        )
+        negative = raw(url, "POST /Info HTTP/1.1\r\nHost: a\r\nContent-Length: -1\r\n\r\n")
+    assert found.count(b"HTTP/1.1 ") == chunked.count(b"HTTP/1.1 ") == negative.count(b"HTTP/1.1 ") == 1
+    assert b"protocolVersion" in found
+    assert b"HTTP/1.1 411 " in chunked
+    assert b"HTTP/1.1 411 " in negative
+    assert b"must have a Content-Length of at most 1048576 bytes" in negative
+
+
+def test_web_pages_are_not_answered() -> None:
+    """The browser sends what any page asks for, as plain text also to other sites."""
+    body, headers = json.dumps({"name": "forward", "input": [[1, 2]]}), {"Origin": "http://elsewhere.example"}
+    with served() as url:
+        answer = httpx.post(f"{url}/Evaluate", content=body, headers=headers, trust_env=False)
+    assert (answer.status_code, answer.json()["error"]["message"]) == (403, "web pages are not answered")
+
+
+def test_a_fault_of_the_server_is_told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def broken(*_: Any) -> None:
+        raise RuntimeError("out of order")
+
+    with served() as url:
+        monkeypatch.setattr(Calibration, "evaluate", broken)
+        status, found = asked(url, "/Evaluate", input=[[1.0, 2.0]])
+    assert (status, found) == (500, {"error": {"type": "InternalError", "message": "RuntimeError: out of order"}})
+    assert "out of order" in capsys.readouterr().err
+
+
+def has_version_6() -> bool:
+    with socket.socket(socket.AF_INET6) as own:
+        try:
+            own.bind(("::1", 0))
+        except OSError:
+            return False
+        return True
+
+
+@pytest.mark.skipif(not has_version_6(), reason="many containers have no address of version 6")
+def test_addresses_of_version_6_are_served() -> None:
+    server = make_server(Bridge(parse_problem(SERVED)), "::1", 0)
+    with server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+        thread.start()
+        try:
+            url = f"http://[::1]:{server.server_address[1]}"
+            assert httpx.get(f"{url}/Info", trust_env=False).status_code == 200
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+GLOBAL = """\
+import time
+kept = None
+
+def curve(x, a):
+    global kept
+    kept = a
+    time.sleep(0.1)
+    return kept * x
+"""
+
+
+def of_a_function(folder: Path, source: str, **changes: Any) -> Path:
+    """A problem file with a function of one parameter."""
+    (folder / "model.py").write_text(source)
+    document = {
+        "forward_model": {"kind": "python", "file": "model.py", "function": "curve", "series": {"y": {}}},
+        "parameters": {"a": {"lower": 0, "upper": 100}},
+        "observations": [{"series": "y", "points": {"x": [1, 2], "y": [1, 2]}}],
+        "stopping": {"max_evaluations": 10},
+    }
+    path = folder / "problem.json"
+    path.write_text(json.dumps(document | changes))
+    return path
+
+
+def test_functions_at_the_same_time_do_not_meet(tmp_path: Path) -> None:
+    path = of_a_function(tmp_path, GLOBAL)
+    with command(path, "--port", "0", "--workers", "3") as (url, _), ThreadPoolExecutor(6) as clients:
+        found = list(clients.map(lambda a: asked(url, "/Evaluate", input=[[a]]), range(12)))
+    assert found == [(200, {"output": [[float(a), 2.0 * a]]}) for a in range(12)]
+
+
+def test_limits_of_the_problem_hold(tmp_path: Path) -> None:
+    source = "import time\ndef curve(x, a):\n    time.sleep(600 if a > 1 else 0)\n    return a * x\n"
+    path = of_a_function(tmp_path, source, limits={"seconds_per_evaluation": 1})
+    with command(path, "--port", "0") as (url, _):
+        status, found = asked(url, "/Evaluate", input=[[2.0]])
+        assert (status, found["error"]["type"]) == (500, "timeout")
+        assert "limits.seconds_per_evaluation" in found["error"]["message"]
+        assert asked(url, "/Evaluate", input=[[0.5]]) == (200, {"output": [[0.5, 1.0]]})
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_its_end_is_that_of_the_programs(how: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    program = {"kind": "command", "run": ["sleep", "600"], "write": {"p.json": "json"}}
+    program["series"] = {"y": {"file": "out.csv", "x": 1, "y": 2}}
+    path = of_a_function(tmp_path, "", forward_model=program)
+    with ThreadPoolExecutor(1) as client, command(path, "--port", "0", ending=how) as (url, said):
+        answer = client.submit(asked, url, "/Evaluate", input=[[2.0]])
+        waited(lambda: sleepers(tmp_path), None)
+    waited(lambda: not sleepers(tmp_path), None)
+    assert isinstance(answer.exception(), httpx.TransportError) or answer.result()[0] == 503
+    assert "Traceback" not in said()
+
+
 def test_our_own_client_finds_the_same_through_our_own_server() -> None:
     series = {
         "root": {"output": 0, "x": [1, 4]},
@@ -153,8 +281,8 @@ def test_a_port_in_use_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 
 @contextmanager
-def command(*arguments: str | Path) -> Iterator[tuple[str, Any]]:
-    """The command in a process of its own, its address, and what it has said."""
+def command(*arguments: str | Path, ending: signal.Signals = signal.SIGTERM) -> Iterator[tuple[str, Any]]:
+    """The command in a process of its own, its address, and what it has said; ended by a signal."""
     words = [sys.executable, "-P", "-m", "geoswarm", "umbridge", *map(str, arguments)]
     output = Path(arguments[0]).with_suffix(".log")
     with output.open("wb") as file:
@@ -163,19 +291,20 @@ def command(*arguments: str | Path) -> Iterator[tuple[str, Any]]:
         url = waited(lambda: re.search(r"serves UM-Bridge at (http://\S+?);", output.read_text()), process)[1]
         yield url, output.read_text
     finally:
-        process.terminate()
+        process.send_signal(ending)
         process.wait(20)
 
 
 def environment(*folders: Path) -> dict[str, str]:
     path = ":".join(map(str, folders))
-    return {"PYTHONPATH": path, "PATH": "/usr/bin:/bin", "HOME": str(Path.home()), "NO_PROXY": "*"}
+    kept = {name: os.environ[name] for name in ("HOME", "TMPDIR") if name in os.environ}
+    return {"PYTHONPATH": path, "PATH": "/usr/bin:/bin", "NO_PROXY": "*"} | kept
 
 
-def waited(look: Any, process: subprocess.Popen[bytes]) -> Any:
+def waited(look: Any, process: subprocess.Popen[bytes] | None) -> Any:
     until = time.monotonic() + 60.0
     while time.monotonic() < until:
-        assert process.poll() is None
+        assert process is None or process.poll() is None
         if found := look():
             return found
         time.sleep(0.05)

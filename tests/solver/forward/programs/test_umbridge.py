@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import http.client
 import json
 import time
 from pathlib import Path
@@ -15,7 +16,7 @@ from geoswarm.solver.forward.base import ForwardRun
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem import parse_problem
 from tests.servers import free_port
-from tests.solver.forward.programs.umbridge_servers import HANG, HANG_UP, Scripted, scripted
+from tests.solver.forward.programs.umbridge_servers import CUT_OFF, HANG, HANG_UP, Scripted, scripted
 
 POINTS = {"travel": np.array([1.0, 1.5, 3.0])}
 
@@ -85,10 +86,13 @@ FAILURES: list[tuple[dict[str, Any], str, str]] = [
     ({"Evaluate": (500, "500 Internal\nServer Error")}, "program_failed", "HTTP 500: 500 Internal Server Error"),
     ({"Evaluate": (400, {"error": {"type": "InvalidInput", "message": "no"}})}, "program_failed", "InvalidInput: no"),
     ({"Evaluate": (500, {"error": {"type": "diverged", "message": "step 3"}})}, "diverged", "diverged: step 3"),
+    ({"Evaluate": (500, {"error": {"type": "timeout", "message": "60 s"}})}, "timeout", "HTTP 500: timeout: 60 s"),
     ({"Evaluate": (302, "")}, "program_failed", "HTTP 302: no word why"),
     ({"Evaluate": HANG_UP}, "program_failed", "hung up"),
+    ({"Evaluate": CUT_OFF}, "program_failed", "hung up: IncompleteRead: .*5 more expected"),
     ({"Evaluate": HANG}, "timeout", "has not answered in 0.3 s"),
     ({"Info": {"protocolVersion": 0.9, "models": ["forward"]}}, "bad_output", "speaks version 0.9"),
+    ({"Info": '{"protocolVersion": NaN, "models": ["forward"]}'}, "bad_output", "is no server of UM-Bridge"),
     ({"Info": {"protocolVersion": 1.0, "models": ["forwards"]}}, "bad_output", "did you mean forwards"),
     ({"Info": "<html>"}, "bad_output", "answered no JSON"),
     ({"Info": {"name": "geoswarm"}}, "bad_output", "is no server of UM-Bridge"),
@@ -124,6 +128,32 @@ def test_a_server_that_is_not_there_is_tried_again() -> None:
         run({"E": 1.0, "nu": 0.3})
     assert caught.value.reason == "not_started"
     assert 0.2 <= time.monotonic() - began < 10.0
+
+
+def test_a_server_that_takes_no_connection_is_tried_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As behind a firewall that drops packets."""
+    tried: list[object] = []
+
+    def dropped(connection: http.client.HTTPConnection) -> None:
+        tried.append(connection)
+        raise TimeoutError
+
+    monkeypatch.setattr(http.client.HTTPConnection, "connect", dropped)
+    run = parse_spec(section(seconds=5.0, tries=3)).build().prepare(POINTS)
+    with pytest.raises(ForwardError, match=r"cannot be reached: no answer in 5 s \(3 tries\)") as caught:
+        run({"E": 1.0, "nu": 0.3})
+    assert caught.value.reason == "not_started"
+    assert len(tried) == 3
+
+
+def test_a_connection_that_the_system_gives_up_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def given_up(_: http.client.HTTPConnection) -> None:
+        raise TimeoutError(110, "Connection timed out")
+
+    monkeypatch.setattr(http.client.HTTPConnection, "getresponse", given_up)
+    with scripted() as server, pytest.raises(ForwardError, match=r"hung up: .*the connection has timed out") as caught:
+        run_of(server)({"E": 1.0, "nu": 0.3})
+    assert caught.value.reason == "program_failed"
 
 
 def test_a_busy_server_and_one_that_hangs_up_are_asked_again() -> None:

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-__all__ = ["HANG", "HANG_UP", "Scripted", "scripted"]
+__all__ = ["CUT_OFF", "HANG", "HANG_UP", "Scripted", "scripted"]
 
-HANG, HANG_UP = "hang", "hang up"
+HANG, HANG_UP, CUT_OFF = "hang", "hang up", "cut off"
 
 
 @dataclass
 class Scripted:
-    """Answers by route: an object, a text, (status, text), HANG or HANG_UP; a list of them: one after the other."""
+    """Answers by route: an object, a text, (status, text), HANG, HANG_UP, CUT_OFF; a list: one after the other."""
 
     answers: dict[str, Any]
     url: str = ""
@@ -58,9 +58,11 @@ def scripted(**answers: Any) -> Iterator[Scripted]:
                 self.connection.close()
                 return
             status, text = answer if isinstance(answer, tuple) else (200, answer)
+            if answer == CUT_OFF:  # what came so far would be an answer
+                text = {"output": [[7, 8], [1.0, 2.0, 3.0]]}
             data = (text if isinstance(text, str) else json.dumps(text)).encode()
             self.send_response(status)
-            self.send_header("Content-Length", str(len(data)))
+            self.send_header("Content-Length", str(len(data) + 5 * (answer == CUT_OFF)))
             self.end_headers()
             self.wfile.write(data)
 
