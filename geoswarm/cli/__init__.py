@@ -16,6 +16,7 @@ use), 130 interrupted.
 
 from __future__ import annotations
 
+import atexit
 import gc
 import io
 import sys
@@ -26,8 +27,9 @@ from geoswarm.cli.words.error_messages import CommandContext, report
 
 __all__ = ["cli", "main"]
 
-OBJECTS_BETWEEN_COLLECTIONS = 50_000
-"""In place of Python's 700: looking for garbage among what imports leave would take a tenth of a short command."""
+OBJECTS_BETWEEN_COLLECTIONS, OBJECTS_OF_A_START = 50_000, 250_000
+"""In place of Python's 700: looking for garbage among what imports leave would take a tenth of a short command, and
+once more when it ends."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments
         Without the program's name; ``sys.argv[1:]`` when None.
     """
-    gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
+    _collect_little()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a symbol that the terminal lacks must not end the command
@@ -56,3 +58,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit as done:  # click ends like this when the reader of our output has gone
         return done.code if isinstance(done.code, int) else 0
     return code if isinstance(code, int) else 0
+
+
+def _collect_little() -> None:
+    """Have Python look for garbage only where a command goes on: not at its start, nor at the end of the process."""
+
+    def go_on(_phase: str, _info: dict[str, int]) -> None:
+        gc.callbacks.remove(go_on)
+        gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
+
+    gc.callbacks.append(go_on)
+    gc.set_threshold(OBJECTS_OF_A_START)
+    atexit.register(gc.freeze)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
+from geoswarm.solver.calibration import Calibration, Evaluation, Progress, choose_seed
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import Problem
@@ -19,7 +19,8 @@ from geoswarm.solver.runlog import RunLog
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
 
-_TRIED_GENERATIONS, _LONGEST_TRIAL = 4, 1.0
+_LOOKED_AT = 140
+"""Runs that a search which learns looks at."""
 
 WARM_UP_LIMIT = 5.0
 """A first calculation shorter than this [s] is repeated: it may have been loading its kernels."""
@@ -118,10 +119,10 @@ def check_problem(
         raise ProblemError(extreme)
     problem.forward_model.require_available()
     calibration = Calibration(problem, choose_seed(problem.seed))
-    proposals = calibration.start().positions
+    start = calibration.start()
     point = middle(calibration)
     if not calibration.space.feasible(point):
-        point = proposals[0]
+        point = start.positions[0]
     run = evaluate(calibration, point)
     if run.seconds < WARM_UP_LIMIT and not problem.forward_model.runs_outside:
         run = evaluate(calibration, point)
@@ -136,7 +137,7 @@ def check_problem(
         planned_evaluations=planned,
         test_run=_report(run, problem, problem.values(point.tolist())),
         estimated_seconds=_estimate(
-            run.seconds + search_seconds(calibration, run), planned, problem.stopping.max_seconds
+            run.seconds + search_seconds(calibration, start, run), planned, problem.stopping.max_seconds
         ),
     )
 
@@ -149,31 +150,28 @@ def middle(calibration: Calibration) -> FloatArray:
     return np.array([c if i is None else i for c, i in zip(centre, initial, strict=True)], dtype=np.float64)
 
 
-def search_seconds(calibration: Calibration, run: Evaluation) -> float:
-    """Time that the search itself takes for one evaluation [s], measured over some generations with made-up responses.
+def search_seconds(calibration: Calibration, start: Progress, run: Evaluation) -> float:
+    """Time that the search itself takes for one evaluation [s], measured at one generation after made-up runs.
 
-    Only a search that learns from all runs takes any time that counts. Its responses are those of the ``run``, scaled
-    by what the proposals are.
+    Only a search that learns from all runs takes any time that counts, and the more the more runs there are: so it is
+    tried in the middle of the plan, at most after as many runs as such a search looks at. Their responses are those of
+    the ``run``, scaled by where they are.
     """
     if not calibration.accelerated or calibration.problem.method.role == "follow_up" or run.reason is not None:
         return 0.0
-    progress, log = calibration.start(), RunLog(calibration)
-    stored: list[list[dict[str, FloatArray]]] = []
-    width = np.maximum(calibration.space.search_upper - calibration.space.search_lower, 1e-300)
-    taken, begun = 0.0, time.perf_counter()
-    for _ in range(_TRIED_GENERATIONS):
-        factors = 1.0 + (calibration.space.to_search(progress.positions) - calibration.space.search_lower) / width
-        stored.append([{s: y * float(f) for s, y in run.responses.items()} for f in factors.prod(axis=1)])
-        objectives = [calibration.objective.value(calibration.objective.misfits(r)) for r in stored[-1]]
-        log.add(list(progress.positions), objectives)
-        runs = log.runs(lambda keys: [stored[generation][particle] for generation, particle in keys])
-        began = time.perf_counter()
-        step = calibration.advance(progress, objectives, 0.0, runs, criteria=())
-        taken = (time.perf_counter() - began) / len(objectives)
-        progress = step.progress
-        if not len(progress.positions) or time.perf_counter() - begun > _LONGEST_TRIAL:
-            break
-    return taken
+    planned, space = calibration.problem.planned_evaluations, calibration.space
+    earlier = _LOOKED_AT if planned is None else min(planned // 2, _LOOKED_AT)
+    log = RunLog(calibration)
+    anywhere = space.from_unit(np.random.default_rng(calibration.seed).random((earlier, space.dimension)))
+    positions = np.concatenate([anywhere, start.positions])
+    factors = (1.0 + space.to_unit(positions)).prod(axis=1).tolist()
+    stored = [{series: y * factor for series, y in run.responses.items()} for factor in factors]
+    objectives = [calibration.objective.value(calibration.objective.misfits(responses)) for responses in stored]
+    log.add(list(positions), objectives)
+    runs = log.runs(lambda keys: [stored[particle] for _, particle in keys])
+    began = time.perf_counter()
+    calibration.advance(start, objectives[earlier:], 0.0, runs, criteria=())
+    return (time.perf_counter() - began) / len(start.positions)
 
 
 def _estimate(seconds: float, planned: int | None, max_seconds: float | None) -> float | None:

@@ -39,3 +39,16 @@ def test_the_solver_runs_without_the_extras() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout.strip()) == (0, "finished"), done.stderr
+
+
+@pytest.mark.parametrize("example", ["oedometer", "isotropic_compression", "combined", "formula"])
+def test_a_check_loads_no_solvers_of_scipy(example: str) -> None:
+    """They take longer to load than all that a check calculates, the trial of the search included."""
+    program = (
+        "import sys\nfrom geoswarm.cli import main\n"
+        f"assert main(['check', {str(ROOT / 'examples' / example / 'problem.yaml')!r}]) == 0\n"
+        "print(sorted({'scipy.linalg', 'scipy.optimize', 'scipy.special', 'scipy.stats', 'cmaes'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "the search's own time included" in done.stdout
+    assert done.stdout.splitlines()[-1] == "[]"

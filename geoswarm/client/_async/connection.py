@@ -35,7 +35,7 @@ class AsyncConnection:
             base_url=self.base_url,
             headers=headers,
             timeout=httpx.Timeout(timeout, connect=min(timeout, 10.0)),
-            transport=transport or httpx.AsyncHTTPTransport(retries=2),
+            transport=transport or httpx.AsyncHTTPTransport(retries=1),
         )
 
     async def __aenter__(self) -> Self:
