@@ -25,7 +25,7 @@ from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.routing import Match, Mount
 
-from geoswarm.api.access.headers import add_security_headers
+from geoswarm.api.headers import add_security_headers
 from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.workers.errors import (

@@ -8,6 +8,7 @@
 ``constitutive``    their kernels: stress, tangent, new state
 ``element_test``    one material point under mixed stress and strain control
 ``fem``             finite elements in the plane: meshes, phases, strength, creep
+``kernels``         how kernels are compiled, and where they are kept; ``warm`` has all of them compiled
 ``expressions``     formulas that users write
 ``objective``       misfits f'_g and objective f of the responses
 ``methods``         the methods of a problem file: one module each, found through entry points

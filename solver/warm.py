@@ -1,6 +1,6 @@
 """Compile the numerical kernels ahead of the first calibration: ``python -m geoswarm.solver.warm``.
 
-Numba caches what it compiles, see :mod:`geoswarm.solver.kernel_cache`. So each installation pays once, at set-up or
+Numba caches what it compiles, see :mod:`geoswarm.solver.kernels.cache`. So each installation pays once, at set-up or
 when its image is built, or else before the first calibration; every process after that starts warm. An empty file in
 the cache folder says that a group of kernels is compiled; its name depends on all that would have it compiled again.
 """
@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from geoswarm.solver.errors import BrokenForwardModelError
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import find_spec, kinds
-from geoswarm.solver.kernel_cache import SOLVER, alone, fingerprint, settle
+from geoswarm.solver.kernels.cache import SOLVER, alone, fingerprint, settle
 from geoswarm.solver.laws.registry import BUILT_IN, find_law, installed_laws
 from geoswarm.solver.problem import Problem, parse_problem
 

@@ -10,9 +10,9 @@ from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.access.authentication import Authenticator, Identity, given_key
-from geoswarm.api.access.headers import add_security_headers
 from geoswarm.api.access.limits import Shares
 from geoswarm.api.errors import DetailError, detail_response, translate
+from geoswarm.api.headers import add_security_headers
 from geoswarm.api.settings import LOOPBACK_HOSTS, ApiSettings
 from geoswarm.workers.errors import StoreUnavailableError
 

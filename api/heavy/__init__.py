@@ -6,6 +6,7 @@
 ``turns``        whose turn it is
 ``pool``         the processes: made when needed, the one that knows the job first
 ``process``      one of them: asked over a socket of this machine, watched, ended at its limits
-``program``      what runs in it: the same application, behind no door
 ===============  ===============================================================================
+
+What runs in them, the same application behind no door, is :mod:`geoswarm.api.heavy_program`.
 """

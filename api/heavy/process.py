@@ -32,7 +32,7 @@ PRINCIPAL_HEADER = "x-geoswarm-principal"
 ROUTE_HEADER = "x-geoswarm-route"  # of the answer: the template of the route that answered
 BOOTSTRAP = (
     "import json, sys; given = json.loads(sys.stdin.readline()); sys.path[:] = given['path'];"
-    "from geoswarm.api.heavy.program import main; main(given)"
+    "from geoswarm.api.heavy_program import main; main(given)"
 )
 START_SECONDS = 120.0
 WATCH_SECONDS = 0.1
@@ -56,7 +56,7 @@ class HeavyProcess:
     Parameters
     ----------
     given
-        What its program needs, see :func:`geoswarm.api.heavy.program.main`.
+        What its program needs, see :func:`geoswarm.api.heavy_program.main`.
     descriptors
         What it inherits.
     """

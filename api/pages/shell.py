@@ -10,9 +10,9 @@ from fastapi.responses import HTMLResponse
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from geoswarm.api.access.authentication import Identity
-from geoswarm.api.access.headers import PLOT_POLICY
 from geoswarm.api.assets import PLOTLY, Assets
 from geoswarm.api.errors import DetailError
+from geoswarm.api.headers import PLOT_POLICY
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES, OPEN_STATES
 

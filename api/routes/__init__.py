@@ -1,4 +1,4 @@
-"""The routes of /api/v1, /health and /metrics, one module a resource."""
+"""The routes of /api/v1, /health and /metrics, one module a resource; ``findings`` has what a job tells."""
 
 from __future__ import annotations
 
@@ -9,21 +9,17 @@ from geoswarm.api.routes import (
     administration,
     events,
     examples,
-    fit,
     forward_models,
     health,
     jobs,
     measurements,
-    mesh,
     metrics,
-    points,
     problems,
     results,
     session,
-    statistics,
-    uncertainty,
     workers,
 )
+from geoswarm.api.routes.findings import fit, mesh, points, statistics, uncertainty
 
 __all__ = ["api_router", "health_router", "metrics_router"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from geoswarm.solver.synthetic import write_readings
+from geoswarm.solver.runs.synthetic import write_readings
 
 HERE = Path(__file__).resolve().parent
 TRUTH = {"E_upper": 8000.0, "E_lower": 25000.0}  # kPa

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from geoswarm.solver.synthetic import write_readings
+from geoswarm.solver.runs.synthetic import write_readings
 
 HERE = Path(__file__).resolve().parent
 TRUTH = {"E_oed": 1800.0, "k": 2.0e-4}  # kPa, m/day

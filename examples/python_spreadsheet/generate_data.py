@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from geoswarm.solver.synthetic import write_readings
+from geoswarm.solver.runs.synthetic import write_readings
 
 HERE = Path(__file__).resolve().parent
 TRUTH = {"Cc": 0.45, "sigma_p": 75.0}  # -, kPa

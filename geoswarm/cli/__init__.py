@@ -8,6 +8,7 @@
 ``service``     commands for the jobs of a service
 ``words``       tables, notes and errors: every error is one clear message and an exit code
 ``options``     options and arguments that several commands share
+``databases``   the database of a service, where a command needs one
 ==============  =========================================================================
 
 Exit codes: 0 ok, 1 a run failed, 2 bad input (also: a service, database or broker that cannot be reached, a port in

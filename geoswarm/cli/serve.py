@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from geoswarm.cli.databases import refuse_missing_database
 from geoswarm.cli.options import api_key_option, broker_option, database_option
-from geoswarm.cli.service.databases import refuse_missing_database
 from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.cli.words.output import note
 

@@ -29,7 +29,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
 from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix, solve_dense
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["creep_update"]
 

@@ -13,7 +13,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.planar_mohr_coulomb import return_to_limit
 from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix
-from geoswarm.solver.jit import inlined
+from geoswarm.solver.kernels.jit import inlined
 
 __all__ = ["general_mohr_coulomb"]
 

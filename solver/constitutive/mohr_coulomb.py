@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.jit import inlined
+from geoswarm.solver.kernels.jit import inlined
 
 __all__ = ["ACTIVE_SETS", "PLANES", "principal_planes"]
 

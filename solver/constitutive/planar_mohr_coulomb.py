@@ -15,7 +15,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
 from geoswarm.solver.constitutive.tensors import solve_dense
-from geoswarm.solver.jit import inlined, kernel
+from geoswarm.solver.kernels.jit import inlined, kernel
 
 __all__ = ["planar_mohr_coulomb", "return_to_limit"]
 

@@ -32,7 +32,7 @@ import math
 from typing import Literal, NamedTuple, TypeAlias
 
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = [
     "ALPHA_GUARD",

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["flip_sign", "principal_axes", "rotation_matrix", "solve_dense"]
 

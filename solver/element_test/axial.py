@@ -18,7 +18,7 @@ from geoswarm.solver.constitutive.soft_soil_creep import (
     equivalent_pressure,
     secant_compliance,
 )
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = [
     "confined_load",

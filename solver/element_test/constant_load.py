@@ -24,7 +24,7 @@ from geoswarm.solver.element_test.axial import (
     lateral_limits,
     strain_increment,
 )
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["DIVERGED", "FAILED_SOIL", "FINISHED", "constant_load_history"]
 

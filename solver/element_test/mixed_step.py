@@ -9,7 +9,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.constitutive.tensors import solve_dense
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import call_update
 
 __all__ = ["mixed_step", "three_ways"]

@@ -9,7 +9,7 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.fem.body import Body
 from geoswarm.solver.fem.mesh.mesh import IndexArray
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["LOAD_NUMBERS", "assemble_edges", "edge_forces"]
 

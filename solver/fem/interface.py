@@ -13,7 +13,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.fem.body import Body, State
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["assemble_interfaces", "interface_update"]
 

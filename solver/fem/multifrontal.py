@@ -18,7 +18,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.fem.ordering import Fronts
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["Equations", "equations_of", "factorise", "product", "solve_factorised"]
 

@@ -19,7 +19,7 @@ from geoswarm.solver.fem.interface import assemble_interfaces
 from geoswarm.solver.fem.multifrontal import Equations, factorise, product, solve_factorised
 from geoswarm.solver.fem.ordering import Fronts
 from geoswarm.solver.fem.triangle import assemble_triangles
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["CONVERGED", "NOT_CONVERGED", "SINGULAR", "Accuracy", "Step", "assemble", "newton_step"]
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.fem.body import Body, State
-from geoswarm.solver.jit import kernel
+from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import call_update
 
 __all__ = ["POINTS", "SHAPES", "SLOPES", "WEIGHT", "assemble_triangles", "shape_functions"]

@@ -31,7 +31,7 @@ from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.jit import compiled
+from geoswarm.solver.kernels.jit import compiled
 
 __all__ = ["NumbaUpdate", "StressUpdate", "call_update", "carray"]
 

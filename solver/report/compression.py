@@ -12,7 +12,7 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
-from geoswarm.solver.report.document.laboratory import StagedTest, laboratory_values, staged_tests
+from geoswarm.solver.report.laboratory import StagedTest, laboratory_values, staged_tests
 
 __all__ = ["CompressionCurve", "compression_curves"]
 

@@ -13,7 +13,7 @@ from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import stage_times
-from geoswarm.solver.report.figures.thinning import MOST_SHOWN, shown
+from geoswarm.solver.report.thinning import MOST_SHOWN, shown
 from geoswarm.solver.units import convert
 
 __all__ = [

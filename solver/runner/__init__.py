@@ -8,6 +8,7 @@
 ``fork_server``       forks evaluation processes from a warm state; ``fork_server_link`` asks it
 ``child``             the evaluation process; ``process`` is the worker's side of it
 ``wire``              frames between the two; ``shared_state`` memory that they share
+``fields``            a run for the fields of a body
 ``output``            takes what forward models print
 ``traces``            what a run has left in its process
 ====================  ==========================================================================

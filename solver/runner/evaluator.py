@@ -105,8 +105,8 @@ class Evaluator(Protocol):
         unwanted
             How long the evaluation under way may still take [s], None: it is wanted. No other is begun.
         fields
-            Part whose displacement fields are wanted in place of responses, see :mod:`geoswarm.solver.fields`; None:
-            responses.
+            Part whose displacement fields are wanted in place of responses, see
+            :mod:`geoswarm.solver.runner.fields`; None: responses.
 
         Raises
         ------
@@ -164,7 +164,7 @@ def evaluate(calibration: Calibration, position: FloatArray, fields: str | None)
     """Evaluate a position here and now: its responses, or the displacement fields of a part."""
     if fields is None:
         return calibration.evaluate(position)
-    from geoswarm.solver.fields import evaluate_fields  # finite elements are loaded by those who need them
+    from geoswarm.solver.runner.fields import evaluate_fields  # finite elements are loaded by those who need them
 
     return evaluate_fields(calibration, position, fields)
 

@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Callable
 
-from geoswarm.solver.kernel_cache import alone, settle
+from geoswarm.solver.kernels.cache import alone, settle
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runner.evaluator import Evaluator
 from geoswarm.solver.warm import groups_of, missing_kernels, note_compiled

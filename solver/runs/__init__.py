@@ -1,1 +1,11 @@
-"""Runs in process: the loop of a calibration, its processes, its journal, and a try before."""
+"""Runs in process.
+
+==============  ============================================================
+``local``       the loop of a calibration, the reference for the distributed engine
+``evaluators``  what evaluates its generations: this process or others
+``journal``     what is kept of a run, so that another goes on with it
+``check``       a try before a problem becomes a job
+``synthetic``   readings that a model gives, to try a calibration
+``notebook``    a result as a notebook shows it
+==============  ============================================================
+"""

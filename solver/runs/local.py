@@ -12,12 +12,12 @@ from typing import Literal
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.notebook import result_html
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import fatal_message
 from geoswarm.solver.runlog import RunKey, RunLog
 from geoswarm.solver.runs.evaluators import EvaluateGeneration, evaluator
 from geoswarm.solver.runs.journal import Keeper
+from geoswarm.solver.runs.notebook import result_html
 from geoswarm.solver.warm import compile_kernels
 
 __all__ = [

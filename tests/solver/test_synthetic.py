@@ -9,7 +9,7 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import load_problem
-from geoswarm.solver.synthetic import write_readings
+from geoswarm.solver.runs.synthetic import write_readings
 
 PROBLEM = """
 forward_model:

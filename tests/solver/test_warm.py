@@ -12,7 +12,7 @@ import pytest
 
 from geoswarm.solver import warm as module
 from geoswarm.solver.examples import example_file
-from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.solver.warm import GROUPS, KERNELS, SAMPLES, _main, compile_kernels, groups_of, missing_kernels, warm
 from tests.solver.problems import decay_problem

@@ -38,7 +38,7 @@ class Sandbox:
             return check_problem(problem, self._evaluate)
 
     def fields(self, problem: Problem, parameters: FloatArray, part: str) -> Evaluation:
-        """Run a forward calculation for the fields of a body, see :func:`geoswarm.solver.fields.evaluate_fields`."""
+        """Run a forward calculation for the fields of a body, see :mod:`geoswarm.solver.runner.fields`."""
         with self._lock:
             self._number += 1
             return self._evaluate(Calibration(problem, 0), parameters, part)

@@ -16,7 +16,7 @@ import time
 from dataclasses import dataclass
 
 from geoswarm.environment import without_secrets
-from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.runner.fork_server_link import ONE_THREAD
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.wire import readable

@@ -13,7 +13,7 @@ from typing import Any
 from celery import current_app, shared_task
 from celery.signals import worker_init, worker_process_init, worker_process_shutdown, worker_shutting_down
 
-from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.system.processes import kill_descendants
 from geoswarm.solver.warm import import_models

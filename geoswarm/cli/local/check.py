@@ -12,6 +12,7 @@ from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.words.error_messages import FailedRunError
 from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.words.programs import facts_of_run
 from geoswarm.cli.words.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
@@ -53,8 +54,6 @@ def check_command(problem: Path, as_json: bool) -> None:
 
 def _show_program(run: TrialRun) -> None:
     """What a program of the user's wrote, and what was read of it."""
-    from geoswarm.cli.model.trial import facts_of_run
-
     read = {
         f"read {one.name}": one.error
         or f"{len(one.x)} points of {one.file}, x from {number(float(one.x.min()))} to {number(float(one.x.max()))} "

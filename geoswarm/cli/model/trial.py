@@ -11,16 +11,16 @@ from geoswarm.cli.local.evaluate import given_values, parameter_values
 from geoswarm.cli.options import json_option, problem_argument, values_option
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, number
+from geoswarm.cli.words.programs import facts_of_run
 
 if TYPE_CHECKING:
     from geoswarm.solver.external.trial import SeriesTrial, TrialRun
     from geoswarm.solver.problem import Problem
 
-__all__ = ["echo_run", "facts_of_run", "try_command"]
+__all__ = ["echo_run", "try_command"]
 
 _ROWS = 12
 _LONGEST = 100
-_FILES = 10
 
 
 @click.command("try")
@@ -64,23 +64,6 @@ def _values(problem: Problem, calibration: Any, given: tuple[str, ...]) -> dict[
 
     free = dict(zip(problem.free_names, middle(calibration).tolist(), strict=True))
     return parameter_values(problem, {**free, **given_values(problem, given)})
-
-
-def facts_of_run(run: TrialRun) -> dict[str, str]:
-    """What happened, in a few lines."""
-    return {
-        "call": " ".join(run.call),
-        "run folder": str(run.folder),
-        "written": _listed(run.written),
-        "made by it": _listed(run.made),
-        "ended": run.ended or "was not started",
-    }
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    """Names of files, the first ones of many."""
-    more = f" and {len(names) - _FILES} more" if len(names) > _FILES else ""
-    return (", ".join(names[:_FILES]) or "nothing") + more
 
 
 def echo_run(run: TrialRun, *, whole: bool) -> None:

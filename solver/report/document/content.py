@@ -14,13 +14,13 @@ from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
 from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.document.captions import CAPTIONS
-from geoswarm.solver.report.document.laboratory import laboratory_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_table
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.document.scope import not_modelled
 from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
+from geoswarm.solver.report.laboratory import laboratory_values
 from geoswarm.solver.report.record import Optimum, RunRecord, method_in_words
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset, verdict_in_words

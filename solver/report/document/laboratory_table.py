@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from geoswarm.solver.report.document.laboratory import LaboratoryValue
 from geoswarm.solver.report.document.parts import Table
+from geoswarm.solver.report.laboratory import LaboratoryValue
 from geoswarm.solver.words import number
 
 __all__ = ["laboratory_document", "laboratory_table"]

@@ -12,8 +12,8 @@ import numpy as np
 
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.report.document.laboratory import laboratory_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
+from geoswarm.solver.report.laboratory import laboratory_values
 from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.versions import versions

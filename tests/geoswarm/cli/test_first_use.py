@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.kernel_cache import cache_folder
+from geoswarm.solver.kernels.cache import cache_folder
 from tests.installation import Installation, install
 
 OEDOMETER = {

@@ -14,8 +14,8 @@ from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.report.compression import compression_curves
 from geoswarm.solver.report.document.build import Report, report_of_result
-from geoswarm.solver.report.document.laboratory import LaboratoryValue, laboratory_values, preconsolidation_stress
 from geoswarm.solver.report.folder.tables import write_result
+from geoswarm.solver.report.laboratory import LaboratoryValue, laboratory_values, preconsolidation_stress
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.report.conftest import EXAMPLE, Run, oedometer
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.build import report_of_result
-from geoswarm.solver.report.figures.thinning import MOST_SHOWN, shown
+from geoswarm.solver.report.thinning import MOST_SHOWN, shown
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.problems import decay_document
 

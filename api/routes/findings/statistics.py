@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from geoswarm.api.access.headers import DOCUMENT_POLICY
 from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
+from geoswarm.api.headers import DOCUMENT_POLICY
 from geoswarm.api.schemas.statistics import FigureList
 from geoswarm.api.views import WantedView
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer

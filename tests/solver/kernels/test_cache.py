@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver import kernel_cache
-from geoswarm.solver.kernel_cache import SOLVER, VARIABLE, alone, cache_folder, fingerprint, settle
+from geoswarm.solver.kernels import cache
+from geoswarm.solver.kernels.cache import SOLVER, VARIABLE, alone, cache_folder, fingerprint, settle
 
 
 @pytest.fixture
@@ -23,8 +23,8 @@ def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str
     found = {name: tmp_path / name for name in ("solver", "cache", "temporary")}
     for folder in found.values():
         folder.mkdir()
-    monkeypatch.setattr(kernel_cache, "cache_folder", lambda: cache_folder(found["solver"]))
-    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", str(found["temporary"]))
+    monkeypatch.setattr(cache, "cache_folder", lambda: cache_folder(found["solver"]))
+    monkeypatch.setattr(cache.tempfile, "tempdir", str(found["temporary"]))
     monkeypatch.setenv("XDG_CACHE_HOME", str(found["cache"]))
     monkeypatch.setenv(VARIABLE, "")
     settle.cache_clear()
@@ -151,8 +151,8 @@ def test_what_was_compiled_in_a_package_that_is_now_read_only_is_taken_over(
     (compiled / "fem_1").mkdir(parents=True)
     (compiled / "fem_1" / "kernel.nbc").write_bytes(b"code")
     (compiled / "compiled-section").touch()
-    writable = kernel_cache._writable
-    monkeypatch.setattr(kernel_cache, "_writable", lambda folder: folder != compiled and writable(folder))
+    writable = cache._writable
+    monkeypatch.setattr(cache, "_writable", lambda folder: folder != compiled and writable(folder))
     folder = settle()
     assert folder is not None
     assert (folder / "fem_1" / "kernel.nbc").read_bytes() == b"code"
@@ -162,7 +162,7 @@ def test_what_was_compiled_in_a_package_that_is_now_read_only_is_taken_over(
 
 def test_one_compiles_while_others_wait(tmp_path: Path) -> None:
     program = (
-        "import sys; from pathlib import Path; from geoswarm.solver.kernel_cache import alone\n"
+        "import sys; from pathlib import Path; from geoswarm.solver.kernels.cache import alone\n"
         "with alone(Path(sys.argv[1])) as turn:\n"
         "    print('mine', flush=True); sys.stdin.read()\n"
     )

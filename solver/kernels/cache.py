@@ -32,12 +32,12 @@ __all__ = ["SOLVER", "alone", "cache_folder", "fingerprint", "part_of", "settle"
 log = logging.getLogger(__name__)
 
 VARIABLE = "NUMBA_CACHE_DIR"
-SOLVER = Path(__file__).parent
+SOLVER = Path(__file__).parents[1]
 LOOK_SECONDS = 0.1
 _LOCK = Path("compiling.lock")
 
 _KERNELS = ("constitutive", "element_test", "fem", "laws")
-_IMPORT = re.compile(rf"^from geoswarm\.solver\.((?:{'|'.join(_KERNELS)}|jit)[\w.]*) import", re.MULTILINE)
+_IMPORT = re.compile(rf"^from geoswarm\.solver\.((?:{'|'.join(_KERNELS)}|kernels\.jit)[\w.]*) import", re.MULTILINE)
 
 
 def fingerprint(source: Path, solver: Path = SOLVER) -> str:

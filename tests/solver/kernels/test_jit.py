@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from numba.core import config
 
-from geoswarm.solver.jit import kernel
-from geoswarm.solver.kernel_cache import settle
+from geoswarm.solver.kernels.cache import settle
+from geoswarm.solver.kernels.jit import kernel
 
 
 def test_kernels_are_cached_in_the_folder_that_was_settled() -> None:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core import config
 
-from geoswarm.solver.kernel_cache import part_of, settle
+from geoswarm.solver.kernels.cache import part_of, settle
 
 __all__ = ["compiled", "inlined", "kernel"]
 
