@@ -89,7 +89,7 @@ def test_a_job_is_watched_to_its_end(site: Site, visit: Visit, submit: Callable[
     look_until(page, "#downloads-title", page.get_by_role("link", name="convergence as PNG"))
     expect(page.locator("#connection")).to_be_hidden()
     check_accessibility(page)
-    report = page.context.request.get(f"/api/v1/jobs/{job_id}/report.pdf")
+    report = page.context.request.get(f"/api/v1/jobs/{job_id}/report.pdf", timeout=SOON)
     assert report.body().startswith(b"%PDF")
 
 

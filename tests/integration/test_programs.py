@@ -61,6 +61,7 @@ def test_each_failure_has_its_reason_with_celery(tmp_path: Path, fresh_postgres_
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)  # five searches, with programs
 @pytest.mark.usefixtures("zoo_models")
 @pytest.mark.parametrize("name", ["good", "exit_3"])
 def test_histories_are_the_same_everywhere(
