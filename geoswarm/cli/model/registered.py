@@ -33,12 +33,15 @@ def list_models(as_json: bool) -> None:
 
     rows: list[dict[str, str]] = []
     for name in registered_names():
-        folder = find_folder(name)
+        folder, version = find_folder(name), ""
         try:
+            version = version_of(folder)
             title = read_declaration(folder).title
         except ProblemError as error:
             title = f"broken: {error.issues[0]}"
-        rows.append({"model": name, "version": version_of(folder), "title": title, "folder": str(folder)})
+        except (OSError, ValueError) as error:
+            title = f"broken: {error}"
+        rows.append({"model": name, "version": version, "title": title, "folder": str(folder)})
     if as_json:
         echo_json(rows)
     elif rows:

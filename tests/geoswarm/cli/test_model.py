@@ -157,6 +157,20 @@ def test_models_are_listed_shown_and_checked(
     assert "5 points of out.csv" in capsys.readouterr().out
 
 
+def test_a_model_that_cannot_be_looked_at_is_listed_as_broken(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    register(folder / "models")
+    monkeypatch.setenv("GEOSWARM_MODELS", str(folder / "models"))
+    monkeypatch.setattr("geoswarm.solver.external.runs.fingerprints.MOST_FILES", 4)
+    (folder / "models" / "good" / "further").write_text("")
+    assert main(["models", "list", "--json"]) == 0
+    rows = {row["model"]: row for row in json.loads(capsys.readouterr().out)}
+    assert rows["good"]["title"].startswith("broken: ")
+    assert "has more than 4 files" in rows["good"]["title"]
+    assert rows["exit_3"]["title"] == ""
+
+
 def test_only_programs_are_tried(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["model", "try", "examples/formula/problem.yaml"]) == 2
     assert "runs no program; geoswarm evaluate shows" in capsys.readouterr().err

@@ -165,18 +165,21 @@ def test_a_fault_of_the_server_is_told(monkeypatch: pytest.MonkeyPatch, capsys: 
 
 
 def has_version_6() -> bool:
-    with socket.socket(socket.AF_INET6) as own:
-        try:
+    try:
+        with socket.socket(socket.AF_INET6) as own:
             own.bind(("::1", 0))
-        except OSError:
-            return False
-        return True
+    except OSError:
+        return False
+    return True
 
 
-@pytest.mark.skipif(not has_version_6(), reason="many containers have no address of version 6")
 def test_addresses_of_version_6_are_served() -> None:
-    server = make_server(Bridge(parse_problem(SERVED)), "::1", 0)
-    with server:
+    bridge = Bridge(parse_problem(SERVED))
+    if not has_version_6():  # as in many containers
+        with pytest.raises(OSError, match=r"Cannot assign requested address|Address family not supported"):
+            make_server(bridge, "::1", 0)
+        return
+    with make_server(bridge, "::1", 0) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.01,))
         thread.start()
         try:
