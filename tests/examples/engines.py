@@ -1,5 +1,7 @@
 """Programs of others that examples call: where they are, and calibrations with them through the command line.
 
+``python -m tests.examples.engines`` installs those from PyPI beforehand.
+
 ::
 
     EngineError
@@ -25,6 +27,8 @@ from examples.generate_reference_data import HERE
 from geoswarm.cli import main
 
 __all__ = [
+    "KRATOS",
+    "OPENGEOSYS",
     "EngineError",
     "EngineInstallError",
     "Identified",
@@ -33,11 +37,23 @@ __all__ = [
     "copy_of",
     "find_engine",
     "from_pypi",
+    "install_from_pypi",
     "assert_identified",
     "assert_same_readings",
 ]
 
 INSTALL_SECONDS = 240.0
+
+OPENGEOSYS = ("ogs==6.5.9",)
+KRATOS = tuple(
+    f"{name}==10.4.4"
+    for name in (
+        "kratosgeomechanicsapplication",
+        "kratosmultiphysics",
+        "kratosstructuralmechanicsapplication",
+        "kratoslinearsolversapplication",
+    )
+)
 
 
 class EngineError(Exception):
@@ -75,26 +91,42 @@ def find_engine(program: str, package: str) -> Path:
     return Path(found)
 
 
-def from_pypi(requirement: str) -> Path:
-    """Install a package into an environment of its own in the user's cache, once; return the folder of its programs."""
+def install_from_pypi(*requirements: str) -> Path:
+    """Install packages into an environment of their own in the user's cache, once; return the folder of its programs.
+
+    The environment has the name of the first of them.
+
+    Raises
+    ------
+    EngineInstallError
+        One cannot be installed.
+    """
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "geoswarm-tests"
-    environment = cache / requirement.replace("==", "-")
+    environment = cache / requirements[0].replace("==", "-")
     ready = environment / "ready"
     if not ready.exists():
         uv = [sys.executable, "-m", "uv"]
         python = environment / "bin" / "python"
         for call in (
             ["venv", "--quiet", "--clear", "--python", sys.executable, str(environment)],
-            ["pip", "install", "--quiet", "--python", str(python), requirement],
+            ["pip", "install", "--quiet", "--python", str(python), *requirements],
         ):
             done = subprocess.run(
                 [*uv, *call], capture_output=True, text=True, check=False, timeout=INSTALL_SECONDS, cwd=HERE
             )
             if done.returncode != 0:
-                told = f"{requirement} could not be installed from PyPI into {environment}:\n{done.stderr}"
-                pytest.fail(str(EngineInstallError(told)), pytrace=False)
+                told = ", ".join(requirements)
+                raise EngineInstallError(f"{told} could not be installed from PyPI into {environment}:\n{done.stderr}")
         ready.touch()
     return environment / "bin"
+
+
+def from_pypi(*requirements: str) -> Path:
+    """As :func:`install_from_pypi`; the test fails with words that say why where they cannot be had."""
+    try:
+        return install_from_pypi(*requirements)
+    except EngineInstallError as error:
+        pytest.fail(str(error), pytrace=False)
 
 
 def copy_of(name: str, folder: Path) -> Path:
@@ -140,3 +172,8 @@ def assert_same_readings(name: str, made: Path, digit: float) -> None:
         assert again[:, 0].tolist() == given[:, 0].tolist()
         assert again[:, 1] == pytest.approx(given[:, 1], abs=1.01 * digit)
     assert "synthetic" in (HERE / name / "README.md").read_text(encoding="utf-8").lower()
+
+
+if __name__ == "__main__":
+    for packages in (OPENGEOSYS, KRATOS):
+        install_from_pypi(*packages)

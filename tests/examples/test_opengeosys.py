@@ -12,7 +12,7 @@ import pytest
 
 from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.problem import load_problem
-from tests.examples.engines import HERE, assert_identified, assert_same_readings, copy_of, from_pypi
+from tests.examples.engines import HERE, OPENGEOSYS, assert_identified, assert_same_readings, copy_of, from_pypi
 
 TRUTH = {"E_oed": 1800.0, "k": 2.0e-4}
 LOAD, HEIGHT = 50.0, 5.0
@@ -22,7 +22,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 
 @pytest.fixture
 def problem(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("PATH", str(from_pypi("ogs==6.5.9")), prepend=os.pathsep)
+    monkeypatch.setenv("PATH", str(from_pypi(*OPENGEOSYS)), prepend=os.pathsep)
     return copy_of("opengeosys", tmp_path / "example")
 
 

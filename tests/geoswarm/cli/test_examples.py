@@ -11,8 +11,8 @@ from geoswarm.cli import main
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 NAMES = [
-    *("calculix", "combined", "formula", "fortran_pest", "isotropic_compression", "oedometer", "opengeosys", "plaxis"),
-    *("python_spreadsheet", "slope"),
+    *("calculix", "combined", "formula", "fortran_pest", "isotropic_compression", "kratos", "oedometer", "opengeosys"),
+    *("opengeosys_slope", "plaxis", "python_spreadsheet", "slope"),
 ]
 
 
