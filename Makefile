@@ -40,8 +40,9 @@ servers:  ## install the PostgreSQL and Redis that tests and benchmarks start fo
 engines:  ## install the programs of others that the examples call
 	@scripts/install_engines.sh
 
-engines-all:
+engines-all: $(INSTALLED)
 	@scripts/install_engines.sh --all
+	$(BIN)/python -m tests.examples.engines
 
 demo: setup  ## calibrate the published oedometer test in the embedded service (needs no server)
 	@$(BIN)/geoswarm demo

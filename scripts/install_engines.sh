@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The programs of others that the examples call, for their tests: a Fortran compiler and CalculiX; with --all also
-# LibreOffice Calc (43 MB), which only slow tests need. Nothing happens when all are installed.
+# LibreOffice Calc (43 MB), which only slow tests need. Nothing happens when all are installed. Those that PyPI has are
+# installed by tests/examples/engines.py.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
