@@ -1,0 +1,188 @@
+"""Workers that are killed while programs of theirs run: the history is that of the undisturbed run, bit for bit.
+
+The short form kills a few, the slow one many.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import psutil
+import pytest
+
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.runs import evaluators
+from geoswarm.solver.runs.local import CalibrationResult, calibrate
+from geoswarm.workers.hosts.engine import open_engine
+from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.settings import Settings
+from tests.integration.engines import STEADY, celery_workers, wait_for, wait_until_ended
+from tests.solver.external.zoo import zoo_problem
+
+# parameters, objective, misfits, responses, reason
+Bits: TypeAlias = tuple[tuple[float, ...], float | None, dict[str, float], dict[str, list[float]], str | None]
+
+FORMS = [pytest.param(3, 24, id="short"), pytest.param(40, 400, id="long", marks=pytest.mark.slow)]
+pytestmark = pytest.mark.timeout(1200)
+
+
+@pytest.fixture
+def problem_of(zoo_models: Path) -> Callable[[int], Problem]:
+    """Problems on a program that takes a tenth of a second, and fails for some values, by their evaluations."""
+    program = zoo_models / "exit_3" / "zoo.py"
+    text = program.read_text()
+    main = "def main() -> None:\n"
+    assert main in text
+    program.write_text(text.replace(main, f"{main}    time.sleep(0.1)\n"))
+
+    def problem(evaluations: int) -> Problem:
+        search: dict[str, Any] = {
+            "method": {"kind": "particle_swarm", "particles": 4, "acceleration": "none"},
+            "stopping": {"max_evaluations": evaluations},
+            "failures": {"retry": {"worker_lost": 1000}},  # one may lose any number of workers here
+        }
+        return zoo_problem("exit_3", **search)
+
+    return problem
+
+
+def programs(folder: Path) -> list[psutil.Process]:
+    """Programs that run now, in a run folder below this one."""
+    found = []
+    for one in psutil.process_iter():
+        with contextlib.suppress(psutil.Error):
+            if Path(one.cwd()).is_relative_to(folder) and "running-" in one.cwd():
+                found.append(one)
+    return found
+
+
+def kill_one(folder: Path, workers: Sequence[int] = ()) -> bool:
+    """Kill the process that waits for a program, or a worker above it; False when no program runs now."""
+    for program in programs(folder):
+        with contextlib.suppress(psutil.Error):
+            above = program.parents()
+            victims = [one for one in above if one.pid in workers] if workers else above[:1]
+            if victims and victims[0].pid not in (1, os.getpid()):
+                victims[0].kill()
+                return True
+    return False
+
+
+def told(result: CalibrationResult) -> list[Bits]:
+    """What an undisturbed run gives."""
+    return [
+        (
+            tuple(one.parameters.tolist()),
+            one.objective,
+            dict(one.misfits),
+            {series: values.tolist() for series, values in one.responses.items()},
+            one.reason,
+        )
+        for one in (record.evaluation for record in result.history)
+    ]
+
+
+def recorded(service: JobService, job_id: str) -> list[Bits]:
+    """What an engine has stored."""
+    return [
+        (
+            tuple(one.parameters.values()),
+            one.objective,
+            one.misfits,
+            {series: curve.y for series, curve in (one.responses or {}).items()},
+            one.reason,
+        )
+        for one in service.iterate_evaluations(job_id, responses=True)
+    ]
+
+
+def disturbed(service: JobService, problem: Problem, kills: int, folder: Path) -> list[Bits]:
+    """Run a job while evaluation processes and, every third time, whole workers are killed."""
+    job_id = service.submit(problem)[0].id
+    for number in range(kills):
+
+        def killed(every: int = number) -> bool:
+            assert service.get(job_id).state in ("queued", "running"), "it has ended before all kills were made"
+            pids = [worker.pid for worker in service.workers()] if every % 3 == 2 else []
+            return kill_one(folder, pids)
+
+        wait_for(killed, "a program to run")
+        done = service.get(job_id).evaluations
+        wait_for(lambda done=done: service.get(job_id).evaluations > done, "progress")  # type: ignore[misc]
+    job = wait_until_ended(service, job_id)
+    assert job.state == "finished", job.error
+    tries = [one.attempts for one in service.iterate_evaluations(job_id)]
+    assert sum(tries) >= len(tries) + kills
+    wait_for(lambda: not programs(folder), "the end of all programs")
+    return recorded(service, job_id)
+
+
+@pytest.mark.parametrize(("kills", "evaluations"), FORMS)
+def test_killed_processes_of_a_run_change_nothing(
+    kills: int,
+    evaluations: int,
+    problem_of: Callable[[int], Problem],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem = problem_of(evaluations)
+    calm = told(calibrate(problem))
+    monkeypatch.setattr(evaluators, "_START_SECONDS", 0.0)  # processes from the first evaluation on
+    done, ended, ones = 0, threading.Event(), list[int]()
+
+    def kill() -> None:
+        while len(ones) < kills and not ended.wait(0.01):
+            before = done
+            if kill_one(tmp_path):
+                ones.append(before)
+                while done == before and not ended.wait(0.01):
+                    pass
+
+    def count(_: object) -> None:
+        nonlocal done
+        done += 1
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        result = calibrate(problem, workers=2, on_generation=count)
+    finally:
+        ended.set()
+        killer.join()
+    assert len(ones) == kills
+    assert told(result) == calm
+    assert None in {bits[-1] for bits in calm}
+    assert "diverged" in {bits[-1] for bits in calm}
+    assert not programs(tmp_path)
+
+
+@pytest.mark.parametrize(("kills", "evaluations"), FORMS)
+def test_killed_workers_of_the_embedded_engine_change_nothing(
+    kills: int, evaluations: int, problem_of: Callable[[int], Problem], tmp_path: Path
+) -> None:
+    problem = problem_of(evaluations)
+    settings = Settings(database_url=f"sqlite:///{tmp_path / 'jobs.db'}", workers=2, **STEADY)
+    with open_engine(settings) as engine:
+        found = disturbed(engine.service, problem, kills, tmp_path)
+    assert found == told(calibrate(problem))
+
+
+@pytest.mark.parametrize(("kills", "evaluations"), FORMS)
+def test_killed_workers_of_celery_change_nothing(
+    kills: int,
+    evaluations: int,
+    problem_of: Callable[[int], Problem],
+    tmp_path: Path,
+    fresh_postgres_url: str,
+    fresh_redis_url: str,
+) -> None:
+    problem = problem_of(evaluations)
+    settings = Settings(database_url=fresh_postgres_url, broker_url=fresh_redis_url, **STEADY)
+    with open_engine(settings) as engine, celery_workers(settings, concurrency=2):
+        found = disturbed(engine.service, problem, kills, tmp_path)
+    assert found == told(calibrate(problem))
