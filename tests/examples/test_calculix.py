@@ -11,8 +11,13 @@ import numpy as np
 import pytest
 
 from geoswarm.cli import main
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.forward.cross_section import SectionModel
+from geoswarm.solver.identifiability import design, from_evaluations
+from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.runs.synthetic import write_readings
 from tests.examples.engines import HERE, assert_identified, assert_same_readings, copy_of, find_engine
 
 TRUTH = {"E_upper": 8000.0, "E_lower": 25000.0}
@@ -39,6 +44,48 @@ def test_the_readings_are_those_of_the_program(problem: Path) -> None:
 def test_the_deck_is_that_of_the_script() -> None:
     script = runpy.run_path(str(HERE / "calculix" / "make_deck.py"))
     assert script["deck"]() == (HERE / "calculix" / "footing.inp.in").read_text(encoding="utf-8")
+
+
+def settled(problem: Path, values: dict[str, float], loads: FloatArray) -> FloatArray:
+    """Settlements of the three points, (3, n), m."""
+    found = load_problem(problem).model.prepare(dict.fromkeys(POINTS, loads))(values | {"nu": 0.3})
+    return np.array([found[name] for name in POINTS])
+
+
+def test_what_is_read_is_smooth_far_below_the_noise(problem: Path) -> None:
+    """Seven digits are printed, and nothing is interpolated: within 1e-4 of the noise of 0.2 mm.
+
+    Elastic settlements are proportional to the load and to 1/E; third differences over E show no steps.
+    """
+    noise = 0.2e-3
+    loads = np.array([50.0, 100.0, 150.0, 200.0])
+    found = settled(problem, TRUTH, loads)
+    assert found == pytest.approx(found[:, -1:] * loads / 200.0, abs=1e-4 * noise)
+    stiffer = {name: 2.0 * value for name, value in TRUTH.items()}
+    assert settled(problem, stiffer, loads) == pytest.approx(found / 2.0, abs=1e-4 * noise)
+    for name, value in TRUTH.items():
+        steps = [settled(problem, TRUTH | {name: value * (1.0 + 1e-3 * step)}, loads) for step in range(-3, 4)]
+        assert np.abs(np.diff(steps, 3, axis=0)).max() < 5e-4 * noise
+        assert np.abs(np.diff(steps, 1, axis=0)).max() > 0.02 * noise
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_intervals_hold_the_true_values_whatever_the_seed(problem: Path) -> None:
+    """Of 20 intervals of 95 %, 16 or fewer hold the truth once in 60 times, 14 or fewer once in 3000."""
+    held = dict.fromkeys(TRUTH, 0)
+    for seed in range(1, 21):
+        write_readings(problem, TRUTH, seed, "CalculiX 2.20", decimals=2)
+        calibration = Calibration(load_problem(problem), 1)
+        optimum = polish(calibration, np.array(list(TRUTH.values())), step=1e-4).parameters
+        plan = design(calibration, optimum, step=2e-3)
+        found = from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
+        for name, value in TRUTH.items():
+            interval = found.interval(name)
+            assert interval is not None
+            held[name] += interval[0] < value < interval[1]
+    assert all(count >= 17 for count in held.values()), held
+    assert sum(held.values()) < 40, "intervals of 95 % that never miss are too wide"
 
 
 def test_our_own_finite_elements_settle_alike(problem: Path) -> None:
