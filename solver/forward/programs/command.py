@@ -109,6 +109,11 @@ class CommandSpec(ForwardModelSpec):
     series: dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)], SeriesReader] = Field(
         min_length=1, max_length=1000, description="How each series is read."
     )
+    units: dict[Annotated[str, Field(max_length=100)], Annotated[str, Field(max_length=50)]] = Field(
+        {},
+        max_length=1000,
+        description="Unit of parameters by name, as tables and figures show it: {E: kPa}; nothing is converted.",
+    )
     keep: Keep = Field("failed", description="Which run folders are kept: failed (the last 20), all or none.")
     folder: str | None = Field(None, description="Where its files lie; that of the problem file unless given.")
     # What a canonical problem has beside: nobody writes it.

@@ -77,7 +77,7 @@ class CommandModel(ForeignModel):
         self.texts = dict(texts or {})
         self.templates = _templates(spec)
         series = series_in_base_units(spec.series, lambda reader: f"Read from {reader.file}.")
-        super().__init__(_parameters(self.templates), series)
+        super().__init__(_parameters(self.templates, spec.units), series)
 
     @property
     def open_parameters(self) -> bool:
@@ -331,16 +331,23 @@ def _templates(spec: CommandSpec) -> dict[str, AnyTemplate]:
     return found
 
 
-def _parameters(templates: Mapping[str, AnyTemplate]) -> tuple[ParameterInfo, ...]:
-    """All names in the templates; those of PEST have no case unless another template has."""
+def _parameters(templates: Mapping[str, AnyTemplate], units: Mapping[str, str]) -> tuple[ParameterInfo, ...]:
+    """All names in the templates, and those with a unit; names of PEST have no case unless something else gives it."""
     users: dict[str, list[str]] = {}
     exact = {name for one in templates.values() if isinstance(one, Template) for name in one.names}
-    lower = {name.lower(): name for name in exact}
+    lower = {name.lower(): name for name in (*units, *exact)}
     for target, template in templates.items():
         for name in sorted(template.names):
             users.setdefault(name if name in exact else lower.get(name, name), []).append(target)
+    users |= {name: [] for name in units if name not in users}
     return tuple(
-        ParameterInfo(name, name, "", f"Used by {', '.join(targets)}.", any_case=name not in exact)
+        ParameterInfo(
+            name,
+            name,
+            units.get(name, ""),
+            f"Used by {', '.join(targets)}." if targets else "Named in forward_model.units.",
+            any_case=name not in exact and bool(targets),
+        )
         for name, targets in users.items()
     )
 

@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geoswarm.cli.words.labels import parameter_rows
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ForwardError, ProblemError
 from geoswarm.solver.external.interpolation import at_points
 from geoswarm.solver.external.runs.folder import private_folder
 from geoswarm.solver.external.runs.slots import slot
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.report.figures.labels import parameter_labels
 
 ECHO = """
 import json
@@ -210,6 +212,28 @@ def test_problems_with_one_pool_share_slots(tmp_path: Path) -> None:
             run(given)
         numbers.append((taken, f"slot {1 - taken}" in str(caught.value)))
     assert numbers == [(0, True), (0, True)]
+
+
+def test_units_of_parameters_are_shown_and_convert_nothing(tmp_path: Path) -> None:
+    given = problem(tmp_path, units={"a": "kPa", "b": "degree"})
+    labels = parameter_labels(given)
+    assert {name: label.unit for name, label in labels.items()} == {"a": "kPa", "b": "°"}
+    assert [row[3] for row in parameter_rows(given, {"a": 1.0, "b": 2.0})] == ["kPa", "degree"]
+    assert run(given)["y"].tolist() == run(problem(tmp_path))["y"].tolist()
+    assert parse_problem(given.document(), programs=True).model.parameters == given.model.parameters
+
+
+def test_a_unit_of_what_is_no_parameter_is_a_mistake(tmp_path: Path) -> None:
+    with pytest.raises(ProblemError, match=r"parameters\.aa: is missing \(Named in forward_model\.units, kPa\)"):
+        problem(tmp_path, units={"aa": "kPa"})
+
+
+def test_a_unit_names_a_parameter_of_pest_in_its_own_capitals(tmp_path: Path) -> None:
+    (tmp_path / "in.tpl").write_text("ptf #\n#   a    #\n")
+    given = problem(tmp_path, templates={"in": "in.tpl"}, units={"b": "m"})
+    assert {one.name: one.unit for one in given.model.parameters} == {"a": "", "b": "m"}
+    given = problem(tmp_path, templates={"in": "in.tpl"}, units={"a": "m"})
+    assert {one.name: one.unit for one in given.model.parameters} == {"a": "m"}
 
 
 def test_a_series_that_turns_back_has_no_values_between_its_points() -> None:
