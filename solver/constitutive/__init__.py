@@ -4,9 +4,11 @@
 ``soft_soil_creep``       soft soil creep: parameters and the scalar physics of the model
 ``creep_update``          one time step of soft soil creep for a general stress
 ``planar_creep``          the same in a plane
+``cam_clay``              one step of modified Cam clay, in a plane or general
 ``mohr_coulomb``          the Mohr-Coulomb limit with dilatancy and tension cut-off
 ``general_mohr_coulomb``  one step of elasticity with that limit for a general stress
 ``planar_mohr_coulomb``   the same in a plane
+``logarithmic``           functions of elasticity that stiffens with pressure
 ``tensors``               symmetric tensors as six components, small dense algebra
 ========================  ==================================================================
 """

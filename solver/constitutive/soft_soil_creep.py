@@ -31,6 +31,7 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple, TypeAlias
 
+from geoswarm.solver.constitutive.logarithmic import log_ratio
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.kernels.jit import kernel
 
@@ -50,8 +51,6 @@ Formulation: TypeAlias = Literal["translated", "untranslated"]
 
 ALPHA_GUARD = 0.05
 """Value of alpha below which the flow rule uses the guarded alpha."""
-
-_SERIES_LIMIT = 1.0e-3
 
 
 class SoftSoilCreep(NamedTuple):
@@ -263,14 +262,8 @@ def secant_compliance(p_old: float, p: float, soil: SoftSoilCreep) -> tuple[floa
     floor = soil.pressure_floor
     x_old, x = p_old + soil.shift, p + soil.shift
     if x_old >= floor and x >= floor:
-        d = (x - x_old) / x_old
         scale = soil.kappa_star / x_old
-        if abs(d) < _SERIES_LIMIT:
-            ratio = 1.0 + d * (-1 / 2 + d * (1 / 3 + d * (-1 / 4 + d * (1 / 5 - d / 6))))
-            slope = -1 / 2 + d * (2 / 3 + d * (-3 / 4 + d * (4 / 5 + d * (-5 / 6 + d * 6 / 7))))
-        else:
-            ratio = math.log1p(d) / d
-            slope = (1.0 / (1.0 + d) - ratio) / d
+        ratio, slope = log_ratio((x - x_old) / x_old)
         return scale * ratio * (x - x_old), scale * ratio, scale * slope / x_old
     old = elastic_strain(p_old, soil)[0]
     new, tangent = elastic_strain(p, soil)

@@ -16,9 +16,19 @@ from geoswarm.solver.parameter_info import ParameterInfo
 __all__ = ["MODULI", "Elastic", "moduli_contradiction", "moduli_incomplete", "young_of"]
 
 MODULI = (
-    ParameterInfo("E", "E", "kPa", "Young's modulus; or give G.", default=0.0, lower=0.0),
-    ParameterInfo("G", "G", "kPa", "Shear modulus; or give E.", default=0.0, lower=0.0),
-    ParameterInfo("nu", "ν", "", "Poisson's ratio.", lower=-1.0, lower_open=True, upper=0.5, upper_open=True),
+    ParameterInfo("E", "E", "kPa", "Young's modulus; or give G.", default=0.0, lower=0.0, typical=(1.0e3, 1.0e6)),
+    ParameterInfo("G", "G", "kPa", "Shear modulus; or give E.", default=0.0, lower=0.0, typical=(4.0e2, 4.0e5)),
+    ParameterInfo(
+        "nu",
+        "ν",
+        "",
+        "Poisson's ratio.",
+        lower=-1.0,
+        lower_open=True,
+        upper=0.5,
+        upper_open=True,
+        typical=(0.15, 0.4),
+    ),
 )
 """Parameters of an isotropic elastic law: one of E and G, and nu."""
 

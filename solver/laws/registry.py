@@ -18,6 +18,7 @@ log = logging.getLogger(__name__)
 GROUP = "geoswarm.laws"
 BUILT_IN = {
     "elastic": "geoswarm.solver.laws.elastic:Elastic",
+    "modified_cam_clay": "geoswarm.solver.laws.modified_cam_clay:ModifiedCamClay",
     "mohr_coulomb": "geoswarm.solver.laws.mohr_coulomb:MohrCoulomb",
     "soft_soil_creep": "geoswarm.solver.laws.soft_soil_creep:SoftSoilCreepLaw",
 }

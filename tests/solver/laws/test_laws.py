@@ -1,4 +1,4 @@
-"""Every law: what it declares, its tangent, and that both numbers of components give the same."""
+"""Single laws: what they refuse, closed forms, and the update of the documentation."""
 
 from __future__ import annotations
 
@@ -13,32 +13,19 @@ import pytest
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.binary import StressUpdate
-from geoswarm.solver.laws.registry import BUILT_IN, UnknownLawError, find_law, kinds
+from geoswarm.solver.laws.registry import UnknownLawError, find_law
+from tests.solver.laws.checks import LARGE, SMALL, STRESS
 
 GIVEN = {
     "elastic": {"E": 1.0e4, "nu": 0.3},
     "mohr_coulomb": {"G": 4.0e3, "nu": 0.25, "c": 2.0, "phi": 25.0, "psi": 5.0},
     "soft_soil_creep": {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.005, "c": 2.0, "phi": 25.0, "psi": 3.0},
 }
-STRESS = np.array([60.0, 100.0, 55.0, 8.0, 0.0, 0.0])
-SMALL = np.array([2.0e-4, 6.0e-4, -1.0e-4, 3.0e-4, 0.0, 0.0])
-LARGE = np.array([-4.0e-3, 6.0e-3, -3.0e-3, 8.0e-3, 0.0, 0.0])
 
 
 def soil(kind: str) -> Soil:
     """A soil of a built-in law."""
     return find_law(kind).soil(GIVEN[kind])
-
-
-def test_laws_declare_what_they_are() -> None:
-    assert set(GIVEN) == set(BUILT_IN) <= set(kinds())
-    for kind in BUILT_IN:
-        law = find_law(kind)
-        assert law.kind == kind
-        assert len({info.name for info in law.parameters}) == len(law.parameters)
-        assert law.derived <= {info.name for info in law.parameters if info.default == 0.0}
-        assert law.initial_state(STRESS, soil(kind).constants).shape == (len(law.state),)
-        assert law.K0(soil(kind).constants) == pytest.approx(0.5, abs=0.15)
 
 
 def test_an_unknown_law_is_told_with_the_nearest() -> None:
@@ -65,43 +52,6 @@ def test_an_unknown_law_is_told_with_the_nearest() -> None:
 def test_what_is_inadmissible_is_told(kind: str, changes: dict[str, float | None], message: str) -> None:
     with pytest.raises(InfeasibleError, match=message):
         find_law(kind).soil(GIVEN[kind] | changes)
-
-
-@pytest.mark.parametrize("kind", BUILT_IN)
-@pytest.mark.parametrize("step", [SMALL, LARGE])
-def test_four_components_give_what_six_give(kind: str, step: np.ndarray) -> None:
-    of = soil(kind)
-    state = of.law.initial_state(STRESS, of.constants)
-    general = of.law.update(step, 0.0, STRESS, state, of.constants)
-    planar = of.law.update(step[:4], 0.0, STRESS[:4], state, of.constants)
-    assert general[3] >= 0
-    assert (planar[3] > 0) == (general[3] > 0)
-    assert planar[0] == pytest.approx(general[0][:4], rel=1.0e-9)
-    assert general[0][4:] == pytest.approx([0.0, 0.0], abs=1.0e-12)
-    assert planar[1] == pytest.approx(general[1], rel=1.0e-9)
-    assert planar[2] == pytest.approx(general[2][:4, :4], rel=1.0e-6, abs=1.0e-4)
-
-
-@pytest.mark.parametrize("kind", BUILT_IN)
-@pytest.mark.parametrize("step", [SMALL, LARGE])
-@pytest.mark.parametrize("log_time", [-math.inf, 0.0])
-def test_the_tangent_is_the_derivative(kind: str, step: np.ndarray, log_time: float) -> None:
-    of = soil(kind)
-    stress = STRESS + np.array([0.0, 0.0, 0.0, 0.0, -5.0, 3.0])
-    strain = step + np.array([0.0, 0.0, 0.0, 0.0, 2.0e-4, -4.0e-4])
-    state = of.law.initial_state(stress, of.constants)
-    *_, tangent, status = of.law.update(strain, log_time, stress, state, of.constants)
-    assert status >= 0
-    h = 1.0e-8
-    slopes = [
-        (
-            of.law.update(strain + h * way, log_time, stress, state, of.constants)[0]
-            - of.law.update(strain - h * way, log_time, stress, state, of.constants)[0]
-        )
-        / (2.0 * h)
-        for way in np.eye(6)
-    ]
-    assert np.abs(np.array(slopes).T - tangent).max() < 2.0e-5 * np.abs(tangent).max()
 
 
 def test_mohr_coulomb_fails_where_the_closed_form_says() -> None:

@@ -1,0 +1,272 @@
+"""What holds for every law, as functions; :mod:`tests.solver.laws.test_every_law` runs them over all built-in laws.
+
+A law takes part by its line in the registry: its soils have the middle of what it declares as typical, one soil for
+each choice of its settings. ``MORE`` adds soils by other parameters, ``WITHOUT_ELASTIC_RANGE`` names laws whose strains
+are never elastic alone. State variables whose names end in xx, yy, zz, xy, yz, zx, six in a row, turn with the axes as
+strains do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.constitutive.tensors import rotation_matrix
+from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.mixed_step import mixed_step
+from geoswarm.solver.fem.materials import Material
+from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
+from geoswarm.solver.fem.solve import solve_phases
+from geoswarm.solver.laws.base import Law, Soil
+from geoswarm.solver.laws.registry import BUILT_IN, find_law
+from geoswarm.solver.parameter_info import ParameterInfo
+from tests.verification.fem.bodies import block
+
+__all__ = [
+    "LARGE",
+    "SMALL",
+    "STRESS",
+    "WITHOUT_ELASTIC_RANGE",
+    "Case",
+    "bad_values",
+    "by_element_test",
+    "by_finite_element",
+    "cases",
+    "elastic_loop_work",
+    "follow_strain",
+    "followed_back",
+    "shear_depends_on_pressure",
+    "taylor_rests",
+    "turned",
+    "usual_values",
+]
+
+MORE: Final[Mapping[str, tuple[Mapping[str, Any], ...]]] = {
+    "modified_cam_clay": ({"nu": None, "G": 3.0e3}, {"e0": None, "N": 3.0}, {"OCR": 6.0}),
+}
+"""Soils beside the usual one, by the values that differ from it; None takes a value away."""
+
+WITHOUT_ELASTIC_RANGE: Final[frozenset[str]] = frozenset()
+
+STRESS: Final = np.array([60.0, 100.0, 55.0, 8.0, -5.0, 3.0])
+SMALL: Final = np.array([2.0e-4, 6.0e-4, -1.0e-4, 3.0e-4, 2.0e-4, -4.0e-4])
+LARGE: Final = np.array([-4.0e-3, 9.0e-3, -3.0e-3, 8.0e-3, 5.0e-3, -2.0e-3])
+
+_SUFFIXES = ("xx", "yy", "zz", "xy", "yz", "zx")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One soil of a law, by the values that make it."""
+
+    name: str
+    law: Law
+    given: Mapping[str, Any]
+
+    @property
+    def soil(self) -> Soil:
+        """The soil."""
+        return self.law.soil(self.given)
+
+    def changed(self, **values: Any) -> Case:
+        """The same with other values."""
+        return Case(self.name, self.law, {**self.given, **values})
+
+    def update(
+        self, strain: FloatArray, stress: FloatArray, state: FloatArray, log_time: float = -math.inf
+    ) -> tuple[FloatArray, FloatArray, FloatArray, int]:
+        """One step: new stress, new state, tangent, status."""
+        soil = self.soil
+        return soil.law.update(strain, log_time, stress, state, soil.constants)
+
+    def state(self, stress: FloatArray = STRESS) -> FloatArray:
+        """Where the soil is placed."""
+        soil = self.soil
+        return soil.law.initial_state(stress, soil.constants)
+
+
+def _middle(info: ParameterInfo) -> float:
+    assert info.typical is not None, f"{info.name} has neither a default nor a typical range"
+    low, high = info.typical
+    return math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
+
+
+def usual_values(law: Law) -> dict[str, float]:
+    """The middle of the typical range of parameters without a default, and of as many others as have to be given."""
+    values = {info.name: _middle(info) for info in law.parameters if info.default is None}
+    for info in law.parameters:
+        if law.incomplete(frozenset(values)) is None:
+            break
+        if info.name in law.derived and law.contradiction(values | {info.name: _middle(info)}) is None:
+            values[info.name] = _middle(info)
+    return values
+
+
+def cases() -> Iterator[Case]:
+    """All soils of all built-in laws."""
+    for kind in BUILT_IN:
+        law = find_law(kind)
+        usual = usual_values(law)
+        yield Case(kind, law, usual)
+        for one in law.settings:
+            others = [choice for choice in one.choices if choice != one.default]
+            yield from (Case(f"{kind} {choice}", law, {**usual, one.name: choice}) for choice in others)
+            if not one.choices and one.default is not None:
+                yield Case(f"{kind} without {one.name}", law, {**usual, one.name: None})
+        for changes in MORE.get(kind, ()):
+            words = " ".join(f"{name}={value:g}" for name, value in changes.items() if value is not None)
+            yield Case(f"{kind} {words}", law, {**usual, **changes})
+
+
+def bad_values(info: ParameterInfo) -> Iterator[float]:
+    """Values just outside the limits of a parameter, and such as are no numbers."""
+    if info.lower is not None:
+        yield info.lower if info.lower_open else info.lower - 1.0e-3
+    if info.upper is not None:
+        yield info.upper if info.upper_open else info.upper + 1.0e-3
+    yield from (math.nan, math.inf)
+
+
+def turned(case: Case, axes: FloatArray, *, stress: FloatArray, strain: FloatArray) -> tuple[float, float, float]:
+    """Largest differences of stress, state and tangent on turned axes from the turned ones, over their sizes.
+
+    ``axes`` (3, 3) has the new axes as columns.
+    """
+    Q = rotation_matrix(axes)
+    back = np.linalg.inv(Q).T  # strain turns as the inverse transposed: work is the same
+    state = case.state(stress)
+    here = case.update(strain, stress, state)
+    there = case.update(back @ strain, Q @ stress, _turned_state(case.law, state, back))
+    assert here[3] == there[3] >= 0
+    wanted = _turned_state(case.law, here[1], back)
+    return (
+        _difference(there[0], Q @ here[0]),
+        _difference(there[1], wanted),
+        _difference(there[2], Q @ here[2] @ Q.T),
+    )
+
+
+def _turned_state(law: Law, state: FloatArray, back: FloatArray) -> FloatArray:
+    names = [one.name for one in law.state]
+    new = state.copy()
+    for first in range(len(names) - 5):
+        if all(name.endswith(end) for name, end in zip(names[first : first + 6], _SUFFIXES, strict=True)):
+            new[first : first + 6] = back @ state[first : first + 6]
+    return new
+
+
+def _difference(found: FloatArray, wanted: FloatArray) -> float:
+    return float(np.abs(found - wanted).max(initial=0.0) / np.abs(wanted).max(initial=1.0e-300))
+
+
+def taylor_rests(case: Case, strain: FloatArray, way: FloatArray, lengths: FloatArray, log_time: float) -> FloatArray:
+    """What is left of stress after the tangent is subtracted, over the stress, at lengths along a way of strain."""
+    state = case.state()
+    here = case.update(strain, STRESS, state, log_time)
+    assert here[3] >= 0
+    rests = []
+    for length in lengths.tolist():
+        there = case.update(strain + length * way, STRESS, state, log_time)
+        rests.append(np.abs(there[0] - here[0] - length * here[2] @ way).max() / np.abs(here[0]).max())
+    return np.array(rests)
+
+
+def follow_strain(case: Case, strain: FloatArray, count: int, log_time: float = -math.inf) -> tuple[FloatArray, ...]:
+    """Stress and state after a strain in equal steps."""
+    stress, state = STRESS, case.state()
+    for _ in range(count):
+        stress, state, _, status = case.update(strain / count, stress, state, log_time - math.log(count))
+        assert status >= 0
+    return stress, state
+
+
+def followed_back(case: Case, strain: FloatArray, count: int) -> tuple[FloatArray, float]:
+    """Stress after a strain and back again, and the work of it over that of half the way."""
+    return _worked(case, [strain / count] * count + [-strain / count] * count)
+
+
+def elastic_loop_work(case: Case, size: float, count: int) -> tuple[FloatArray, float]:
+    """Stress after a loop of volume and shear, and its work over that of its first side."""
+    volume, shear = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]), np.array([-0.5, 1.0, -0.5, 0.6, 0.0, 0.3])
+    sides = [size * volume, size * shear, -size * volume, -size * shear]
+    return _worked(case, [side / count for side in sides for _ in range(count)])
+
+
+def _worked(case: Case, steps: list[FloatArray]) -> tuple[FloatArray, float]:
+    stress, state, work, most = STRESS, case.state(), 0.0, 0.0
+    for strain in steps:
+        new, state, _, status = case.update(strain, stress, state)
+        assert status >= 0
+        work += float(0.5 * (stress + new) @ strain)
+        most = max(most, abs(work))
+        stress = new
+    return stress, work / most
+
+
+def shear_depends_on_pressure(case: Case) -> bool:
+    """Whether elastic shear stiffness changes with the mean stress: elasticity then has no potential in general."""
+    soil = case.soil
+    moduli = [soil.law.elastic_moduli(soil.constants, p)[1] for p in (50.0, 100.0)]
+    return moduli[0] != moduli[1]
+
+
+_TRIAXIAL = Stage(
+    "triaxial",
+    1.0,
+    (
+        strain_change(1.0, yy=1),
+        stress_value(60.0, xx=0.5, zz=0.5),
+        strain_change(0.0, xx=1, zz=-1),
+        *(strain_change(0.0, **{name: 1}) for name in ("xy", "yz", "zx")),
+    ),
+)
+_CELL = np.array([60.0, 100.0, 60.0, 0.0, 0.0, 0.0])
+
+
+def by_element_test(case: Case, strain: float, count: int) -> tuple[FloatArray, FloatArray, float]:
+    """Stress, state and lateral strain after an axial strain (yy) in equal implicit steps; cell pressure 60 kPa."""
+    soil = case.soil
+    stress, state = _CELL, soil.law.initial_state(_CELL, soil.constants)
+    rows, of_stress, target = _TRIAXIAL.arrays()
+    target = np.where(of_stress, target, target * strain / count)
+    lateral, guess = 0.0, np.zeros(6)
+    kinds: BoolArray = of_stress
+    for _ in range(count):
+        new, kept = np.empty(6), np.empty(state.size)
+        address, constants = soil.law.update.address, soil.constants
+        status = mixed_step(rows, kinds, target, stress, -math.inf, state, address, constants, guess, new, kept)
+        assert status >= 0
+        stress, state, lateral = new, kept, lateral + float(guess[0])
+    return stress, state, lateral
+
+
+def by_finite_element(case: Case, strain: float, count: int) -> tuple[FloatArray, FloatArray, float]:
+    """The same with two triangles in axisymmetry; stress (4,)."""
+    mesh = block(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+    held = (Fixity("bottom", y=0.0), Fixity("left", x=0.0))
+    start = Phase(
+        "cell",
+        "K0",
+        materials={"soil": Material(case.soil)},
+        initial_stress=lambda x: np.tile(-_CELL[:4], (x.shape[0], 1)),
+        fixities=held,
+        tractions=(Traction("right", normal=-60.0), Traction("top", normal=-100.0)),
+    )
+    sheared = Phase(
+        "shear",
+        fixities=(*held, Fixity("top", y=-strain)),
+        tractions=(Traction("right", normal=-60.0),),
+        load_step=1.0 / count,
+        largest_load_step=1.0 / count,
+    )
+    control = Control(tolerance=1.0e-11, load_tolerance=0.0)
+    result = solve_phases(mesh, [start, sheared], geometry="axisymmetric", control=control)[-1]
+    right = np.unique(mesh.boundaries["right"])
+    width = len(case.law.state)
+    assert np.ptp(result.stress.reshape(-1, 4), axis=0).max() < 1.0e-6
+    return -result.stress[0, 0], result.internal[0, 0, :width], -float(result.displacements[right, 0].mean())
