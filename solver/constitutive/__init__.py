@@ -3,7 +3,7 @@
 ========================  ==================================================================
 ``soft_soil_creep``       soft soil creep: parameters and the scalar physics of the model
 ``creep_update``          one time step of soft soil creep for a general stress
-``planar_creep``          the same in a plane
+``soft_soil_step``        the same where Mohr-Coulomb flow plays no part, in a plane or general: the fast way
 ``cam_clay``              one step of modified Cam clay, in a plane or general
 ``mohr_coulomb``          the Mohr-Coulomb limit with dilatancy and tension cut-off
 ``general_mohr_coulomb``  one step of elasticity with that limit for a general stress

@@ -19,6 +19,9 @@ Two formulations differ in the pressure x that enters stiffness and equivalent p
 In one time step the creep volume change is ``mu* ln(1 + (dt/tau) (p_eq/p_p)^beta)`` with p_eq at the end and p_p at the
 beginning of the step: exact where stress is constant, unconditionally stable otherwise.
 
+Without creep (mu* = 0, the soft soil model) it is the limit of that, ``(lambda* - kappa*) ln(p_eq/p_p)`` where p_eq is
+above p_p and 0 elsewhere: p_p is never below p_eq, which is a yield surface with hardening.
+
 Two guards keep the equations defined. ``x`` in stiffness and equivalent pressure is never below ``pressure_floor``
 (translated 0.001 kPa, untranslated 1 kPa); elastic strain continues linearly below it. ``alpha`` in the denominator of
 the flow rule is replaced below g = :data:`ALPHA_GUARD` by the smooth, always positive ``g^2/(2 g - alpha)``: deviatoric
@@ -44,6 +47,7 @@ __all__ = [
     "equivalent_pressure",
     "friction_constant",
     "secant_compliance",
+    "soft_soil",
     "soft_soil_creep",
 ]
 
@@ -58,7 +62,7 @@ class SoftSoilCreep(NamedTuple):
 
     lambda_star: float
     kappa_star: float
-    mu_star: float
+    mu_star: float  # 0: no creep
     M: float
     K0nc: float
     nu_ur: float
@@ -178,6 +182,36 @@ def soft_soil_creep(
     )
 
 
+def soft_soil(
+    lambda_star: float,
+    kappa_star: float,
+    c: float,
+    phi: float,
+    psi: float = 0.0,
+    nu_ur: float = 0.15,
+    K0nc: float | None = None,
+    M: float | None = None,
+    *,
+    formulation: Formulation = "translated",
+    tension_cutoff: float | None = 0.0,
+) -> SoftSoilCreep:
+    """Constants of a soft soil without creep; arguments and errors as of :func:`soft_soil_creep`."""
+    creeping = soft_soil_creep(
+        lambda_star,
+        kappa_star,
+        1.0,
+        c,
+        phi,
+        psi,
+        nu_ur,
+        K0nc,
+        M,
+        formulation=formulation,
+        tension_cutoff=tension_cutoff,
+    )
+    return creeping._replace(mu_star=0.0)
+
+
 def _inadmissible(
     lambda_star: float,
     kappa_star: float,
@@ -201,7 +235,7 @@ def _inadmissible(
     if not 0.0 <= c < math.inf:
         return f"c = {c:g} kPa: 0 or more is accepted"
     if phi == 0.0:
-        return "phi = 0 degree: soft soil creep needs friction, a value above 0 and below 90 degree is accepted"
+        return "phi = 0 degree: soft soil needs friction, a value above 0 and below 90 degree is accepted"
     if not 0.0 < phi < 90.0:
         return f"phi = {phi:g} degree: a value above 0 and below 90 degree is accepted"
     if not 0.0 <= psi <= phi:
@@ -296,7 +330,11 @@ def creep_increment(
     p_eq, dp_eq_dp, dp_eq_dq2, P, slope = equivalent_pressure(p, q2, soil)
     strength = soil.lambda_star - soil.kappa_star
     z = log_time + strength / soil.mu_star * (math.log(p_eq) - log_pp)
-    if z > 0.0:
+    if soil.mu_star == 0.0:
+        volume, weight = strength * (math.log(p_eq) - log_pp), 1.0
+        if not volume > 0.0:
+            volume, weight = 0.0, 0.0
+    elif z > 0.0:
         tail = math.exp(-z)
         volume = soil.mu_star * (z + math.log1p(tail))
         weight = 1.0 / (1.0 + tail)

@@ -6,6 +6,7 @@
 ``elastic``            linear isotropic elasticity
 ``modified_cam_clay``  modified Cam clay
 ``mohr_coulomb``       perfectly plastic with the strength of Mohr and Coulomb
+``soft_soil``          soft soil creep without creep
 ``soft_soil_creep``    soft soil creep
 ``registry``           finds laws, those of other packages too
 =====================  ==============================================================================

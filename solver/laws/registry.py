@@ -20,6 +20,7 @@ BUILT_IN = {
     "elastic": "geoswarm.solver.laws.elastic:Elastic",
     "modified_cam_clay": "geoswarm.solver.laws.modified_cam_clay:ModifiedCamClay",
     "mohr_coulomb": "geoswarm.solver.laws.mohr_coulomb:MohrCoulomb",
+    "soft_soil": "geoswarm.solver.laws.soft_soil:SoftSoilLaw",
     "soft_soil_creep": "geoswarm.solver.laws.soft_soil_creep:SoftSoilCreepLaw",
 }
 """Where the built-in laws are, by kind."""

@@ -9,26 +9,25 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.creep_update import creep_update
-from geoswarm.solver.constitutive.planar_creep import planar_creep
 from geoswarm.solver.constitutive.soft_soil_creep import (
     Formulation,
     SoftSoilCreep,
     friction_constant,
     soft_soil_creep,
 )
+from geoswarm.solver.constitutive.soft_soil_step import soft_soil_step
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
+__all__ = ["PARAMETERS", "SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
 
 _OCR, _POP = 16, 17
 """Where the constants hold the initial preconsolidation, after those of the kernels."""
 
-_PARAMETERS = (
+PARAMETERS = (
     ParameterInfo(
         "lambda_star",
         "λ*",
@@ -134,14 +133,7 @@ def _update(components, log_time, strain, stress, state, constants, new_stress, 
     old, step = carray(stress, components), carray(strain, components)
     new, C = carray(new_stress, components), carray(tangent, (components, components))
     log_time -= math.log(soil.tau)
-    if components == 4:
-        new_state[0], active = planar_creep(old, step, log_time, state[0], soil, new, C)
-        return active
-    found, derivative, new_state[0], active = creep_update(old, step, log_time, state[0], soil)
-    for i in range(components):
-        new[i] = found[i]
-        for j in range(components):
-            C[i, j] = derivative[i, j]
+    new_state[0], active = soft_soil_step(old, step, log_time, state[0], soil, new, C)
     return active
 
 
@@ -150,7 +142,7 @@ class SoftSoilCreepLaw(Law):
 
     kind: ClassVar[str] = "soft_soil_creep"
     title: ClassVar[str] = "soft soil creep"
-    parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
+    parameters: ClassVar[tuple[ParameterInfo, ...]] = PARAMETERS
     derived: ClassVar[frozenset[str]] = frozenset({"K0nc", "M"})
     settings: ClassVar[tuple[Setting, ...]] = (
         Setting(
@@ -170,7 +162,7 @@ class SoftSoilCreepLaw(Law):
     def inadmissible(self, values: Mapping[str, float]) -> str | None:
         """What is inadmissible, in words; friction is needed."""
         if values.get("phi") == 0.0:
-            return "phi = 0 degree: soft soil creep needs friction; a value above 0 and below 90 degree is accepted"
+            return f"phi = 0 degree: {self.title} needs friction; a value above 0 and below 90 degree is accepted"
         return super().inadmissible(values)
 
     def contradiction(self, values: Mapping[str, float]) -> str | None:
@@ -197,7 +189,14 @@ class SoftSoilCreepLaw(Law):
 
     def constants(self, given: Mapping[str, Any]) -> FloatArray:
         """Those that the class names."""
-        return np.array([*creep_soil(given, given["formulation"], given["tension_cutoff"]), given["OCR"], given["POP"]])
+        soil = self.kernel_constants(given, given["formulation"], given["tension_cutoff"])
+        return np.array([*soil, given["OCR"], given["POP"]])
+
+    def kernel_constants(
+        self, given: Mapping[str, float], formulation: Formulation, tension_cutoff: float | None
+    ) -> SoftSoilCreep:
+        """Constants of the kernels from parameters by name; raises as :meth:`constants`."""
+        return creep_soil(given, formulation, tension_cutoff)
 
     def K0(self, constants: FloatArray) -> float:
         """K0nc."""
@@ -212,7 +211,7 @@ class SoftSoilCreepLaw(Law):
             return np.log(equivalent_pressures(stress + shift, soil))[..., np.newaxis]
         return (np.log(equivalent_pressures(stress, soil)) + math.log(constants[_OCR]))[..., np.newaxis]
 
-    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> FloatArray:
+    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> FloatArray | None:
         """ln of tau (p_eq/p_p)^-beta: the time that creep takes to slow down."""
         soil = creep_constants(constants)
         beta = (soil.lambda_star - soil.kappa_star) / soil.mu_star

@@ -29,7 +29,7 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.combined import CombinedModel
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.identifiability import Linearisation
-from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw, creep_soil
+from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
 from geoswarm.solver.problem import Problem
 
 __all__ = ["LaboratoryValue", "StagedTest", "laboratory_values", "staged_tests"]
@@ -84,7 +84,7 @@ class LaboratoryValue:
 
 
 def staged_tests(problem: Problem) -> tuple[StagedTest, ...]:
-    """The laboratory tests of a problem on soft soil creep, whose parameters laboratories have terms for."""
+    """The laboratory tests of a problem on soft soil (with or without creep), which laboratories have terms for."""
     model = problem.model
     if isinstance(model, StagedLoadModel):
         return (StagedTest("", model, dict),) if isinstance(model.law, SoftSoilCreepLaw) else ()
@@ -136,7 +136,8 @@ def _quantities(test: StagedTest, at: Mapping[str, float]) -> Iterator[tuple[str
         yield f"Cs{under}", f"swelling {kind}", "", relation, lambda p: factor * p["kappa_star"] * _confined(p)
     else:
         yield f"Cs{under}", f"swelling {kind}", "", f"2.303 κ*{times}", lambda p: factor * p["kappa_star"]
-    yield f"Cα{under}", f"creep {kind}", "", f"2.303 μ*{times}", lambda p: factor * p["mu_star"]
+    if "mu_star" in at:
+        yield f"Cα{under}", f"creep {kind}", "", f"2.303 μ*{times}", lambda p: factor * p["mu_star"]
     name = "preconsolidation stress, vertical" if test.confined else "preconsolidation stress, all-round"
     if at.get("POP", spec.POP or 0.0) > 0.0:
         relation = "σ′₀ + POP"
@@ -155,7 +156,8 @@ def _confined(parameters: Mapping[str, float]) -> float:
 def preconsolidation_stress(model: StagedLoadModel, parameters: Mapping[str, float]) -> float:
     """Stress [kPa] whose equivalent pressure, in normally consolidated compression, is the initial p_p."""
     spec = model.spec
-    soil = creep_soil(parameters, spec.formulation, spec.tension_cutoff)
+    assert isinstance(model.law, SoftSoilCreepLaw)
+    soil = model.law.kernel_constants(parameters, spec.formulation, spec.tension_cutoff)
     OCR, POP = parameters.get("OCR", spec.OCR or 1.0), parameters.get("POP", spec.POP or 0.0)
     _, log_pp = model.initial_state(soil, OCR, POP)
     ratio = soil.K0nc if model.confined else model.lateral_ratio

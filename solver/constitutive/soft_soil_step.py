@@ -1,9 +1,9 @@
-"""One time step of soft soil creep in a plane: the fast way of finite elements.
+"""One time step of soft soil with or without creep, in a plane or general: the fast way.
 
-Components xx, yy, zz, xy, compression positive; z is a principal axis. Where Mohr-Coulomb flow plays no part, the new
-deviator is a multiple of the trial deviator, so the step is two equations in mean stress p and deviatoric stress q. Its
-result is that of :func:`geoswarm.solver.constitutive.creep_update.creep_update`, which takes over where the limit is
-reached.
+Components xx, yy, zz, xy (z is a principal axis) and, in general, yz, zx, compression positive. Where Mohr-Coulomb flow
+plays no part, the new deviator is a multiple of the trial deviator, so the step is two equations in mean stress p and
+deviatoric stress q. Its result is that of :func:`geoswarm.solver.constitutive.creep_update.creep_update`, which takes
+over where the limit is reached.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.creep_update import creep_update
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
+from geoswarm.solver.constitutive.tensors import principal_axes
 from geoswarm.solver.kernels.jit import kernel
 
-__all__ = ["planar_creep"]
+__all__ = ["soft_soil_step"]
 
 _ITERATIONS: Final = 40
 _RESIDUAL: Final = 1.0e-13
@@ -39,12 +40,18 @@ def _creep_alone(
     """Step without Mohr-Coulomb flow; creep volume, and whether Newton's method found it."""
     p_old = (stress[0] + stress[1] + stress[2]) / 3.0
     volume = strain_increment[0] + strain_increment[1] + strain_increment[2]
-    s0, s1, s2, s3 = stress[0] - p_old, stress[1] - p_old, stress[2] - p_old, stress[3]
-    e0, e1 = strain_increment[0] - volume / 3.0, strain_increment[1] - volume / 3.0
-    e2, e3 = strain_increment[2] - volume / 3.0, 0.5 * strain_increment[3]
-    old_old = 1.5 * (s0 * s0 + s1 * s1 + s2 * s2 + 2.0 * s3 * s3)
-    old_new = 1.5 * (s0 * e0 + s1 * e1 + s2 * e2 + 2.0 * s3 * e3)
-    new_new = 1.5 * (e0 * e0 + e1 * e1 + e2 * e2 + 2.0 * e3 * e3)
+    n = stress.shape[0]
+    old_old, old_new, new_new = 0.0, 0.0, 0.0
+    for i in range(n):
+        share = 1.0 if i < 3 else 2.0
+        s = stress[i] - p_old if i < 3 else stress[i]
+        e = strain_increment[i] - volume / 3.0 if i < 3 else 0.5 * strain_increment[i]
+        old_old += share * s * s
+        old_new += share * s * e
+        new_new += share * e * e
+    old_old *= 1.5
+    old_new *= 1.5
+    new_new *= 1.5
     p, q = p_old, math.sqrt(old_old)
     shift = soil.shift + soil.extra
     done = False
@@ -85,24 +92,24 @@ def _creep_alone(
         q += step * dq
         done = step == 1.0 and abs(dp) + abs(dq) <= 1.0e-10 * (abs(p) + q + soil.pressure_floor)
     scale = 1.0 + twice * factor
-    T0, T1, T2, T3 = s0 + twice * e0, s1 + twice * e1, s2 + twice * e2, s3 + twice * e3
-    new[0], new[1], new[2], new[3] = T0 / scale + p, T1 / scale + p, T2 / scale + p, T3 / scale
     # d(p, q) = inverse (a) of d volume and of 3/2 (2G/trial) T : d strain.
     of_trial = 1.5 * twice / trial if trial > 0.0 else 0.0
     p_v, p_t = a22 / determinant, -a12 / determinant * of_trial
     q_v, q_t = -a21 / determinant, a11 / determinant * of_trial
     by_p = -(twice_p * factor + twice * factor_p) / (scale * scale)
     by_q = -twice * factor_q2 * 2.0 * q / (scale * scale)
-    for i in range(4):
-        T_i = T0 if i == 0 else (T1 if i == 1 else (T2 if i == 2 else T3))
-        e_i = e0 if i == 0 else (e1 if i == 1 else (e2 if i == 2 else e3))
+    for i in range(n):
+        e_i = strain_increment[i] - volume / 3.0 if i < 3 else 0.5 * strain_increment[i]
+        T_i = (stress[i] - p_old if i < 3 else stress[i]) + twice * e_i
         one = 1.0 if i < 3 else 0.0
+        new[i] = T_i / scale + p if i < 3 else T_i / scale
         along_p = one + twice_p * e_i / scale + by_p * T_i
         along_q = by_q * T_i
         volume_part = along_p * p_v + along_q * q_v
         trial_part = along_p * p_t + along_q * q_t
-        for j in range(4):
-            T_j = T0 if j == 0 else (T1 if j == 1 else (T2 if j == 2 else T3))
+        for j in range(n):
+            e_j = strain_increment[j] - volume / 3.0 if j < 3 else 0.5 * strain_increment[j]
+            T_j = (stress[j] - p_old if j < 3 else stress[j]) + twice * e_j
             value = trial_part * T_j
             if j < 3:
                 value += volume_part
@@ -115,7 +122,7 @@ def _creep_alone(
 
 
 @kernel
-def planar_creep(
+def soft_soil_step(
     stress: FloatArray,
     strain_increment: FloatArray,
     log_time: float,
@@ -129,32 +136,37 @@ def planar_creep(
     Parameters
     ----------
     stress, strain_increment
-        Shape (4,): kPa, and strain with engineering shear; they stay as they are.
+        Shape (n,), n = 4 or 6: kPa, and strain with engineering shear; they stay as they are.
     log_time, log_pp, soil
         As for :func:`geoswarm.solver.constitutive.creep_update.creep_update`.
     new, tangent
-        Filled: stress (4,) and d stress/d strain increment of this algorithm (4, 4).
+        Filled: stress (n,) and d stress/d strain increment of this algorithm (n, n).
 
     Returns
     -------
     log_pp, active
         New ln p_p; number of the active planes, 0 for none, -1 when there is no solution.
     """
+    n = stress.shape[0]
     creep, found = _creep_alone(stress, strain_increment, log_time, log_pp, soil, new, tangent)
     if found:
-        centre, half = 0.5 * (new[0] + new[1]), 0.5 * (new[0] - new[1])
-        radius = math.sqrt(half * half + new[3] * new[3])
-        largest, smallest = max(centre + radius, new[2]), min(centre - radius, new[2])
+        if n == 4:
+            centre, half = 0.5 * (new[0] + new[1]), 0.5 * (new[0] - new[1])
+            radius = math.sqrt(half * half + new[3] * new[3])
+            largest, smallest = max(centre + radius, new[2]), min(centre - radius, new[2])
+        else:
+            values = principal_axes(new)[0]
+            largest, smallest = values[0], values[2]
         excess = largest * (1.0 - soil.sin_phi) - smallest * (1.0 + soil.sin_phi) - 2.0 * soil.cohesion * soil.cos_phi
         size = max(abs(largest), abs(smallest)) + soil.pressure_floor
         if excess <= _EXCESS * size and -smallest <= soil.tension + _EXCESS * size:
             return log_pp + creep / (soil.lambda_star - soil.kappa_star), 0
     old6, strain6 = np.zeros(6), np.zeros(6)
-    for i in range(4):
+    for i in range(n):
         old6[i], strain6[i] = stress[i], strain_increment[i]
     new6, tangent6, new_pp, active = creep_update(old6, strain6, log_time, log_pp, soil)
-    for i in range(4):
+    for i in range(n):
         new[i] = new6[i]
-        for j in range(4):
+        for j in range(n):
             tangent[i, j] = tangent6[i, j]
     return new_pp, active
