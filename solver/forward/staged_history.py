@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -12,6 +13,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
+from geoswarm.solver.element_test.controls import Stage
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
@@ -52,10 +54,18 @@ def _loads(model: StagedLoadModel) -> tuple[FloatArray, FloatArray]:
     return np.array([stage.stress for stage in stages]), np.array([stage.duration for stage in stages])
 
 
+def _upright(stage: Stage) -> Stage:
+    """A stage whose axis is yy, which is vertical where laws place a soil, in place of zz."""
+    turned = tuple(
+        replace(one, coefficients=tuple(one.coefficients[i] for i in (0, 2, 1, 5, 4, 3))) for one in stage.controls
+    )
+    return replace(stage, controls=turned)
+
+
 def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
     """Any law at a material point."""
     spec = model.spec
-    stages = [model.load(stage.stress, stage.duration) for stage in spec.stages]
+    stages = [_upright(model.load(stage.stress, stage.duration)) for stage in spec.stages]
     wanted = [times[first:last] for first, last in pairwise(firsts.tolist())]
     moments = [np.append(inside, stage.duration) for inside, stage in zip(wanted, stages, strict=True)]
     last = np.cumsum([len(one) for one in moments]) - 1
@@ -64,8 +74,8 @@ def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Cal
 
     def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
         soil, lateral = _placed(model, parameters)
-        start = point_under([lateral, lateral, spec.initial_stress, 0.0, 0.0, 0.0], soil)
-        strain = follow(soil, start, stages, moments, tolerance=spec.tolerance).strain[:, [2, 0]]
+        start = point_under([lateral, spec.initial_stress, lateral, 0.0, 0.0, 0.0], soil)
+        strain = follow(soil, start, stages, moments, tolerance=spec.tolerance).strain[:, [1, 0]]
         return strain[inside], strain[last]
 
     return calculate

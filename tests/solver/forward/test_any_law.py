@@ -69,6 +69,24 @@ def test_the_general_driver_gives_what_the_fast_path_gives(monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize(
+    ("material", "soil"),
+    [
+        ("modified_cam_clay", {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.3, "e0": 1.0}),
+        ("soft_soil", {"lambda_star": 0.1, "kappa_star": 0.02, "c": 0.0, "phi": 28.0}),
+    ],
+)
+def test_a_preconsolidation_above_the_stress_is_vertical_everywhere(material: str, soil: dict[str, float]) -> None:
+    x = {"stage_axial_strain": np.array([1.0, 2.0, 3.0])}
+    point = oedometer(material, POP=60.0, tolerance=1.0e-6).build().prepare(x)(soil)["stage_axial_strain"]
+    mesh = oedometer(material, POP=60.0, tolerance=1.0e-6, discretization="finite_element", unit_weight=0.0)
+    assert mesh.build().prepare(x)(soil)["stage_axial_strain"] == pytest.approx(point, rel=1.0e-2)
+    # Elastic up to 80 kPa and beyond: the first load stays below it.
+    lame = oedometer(material, OCR=20.0, tolerance=1.0e-6).build().prepare(x)(soil)["stage_axial_strain"]
+    assert point[0] == pytest.approx(lame[0], rel=1.0e-6)
+    assert point[1] > 2.0 * lame[1]
+
+
+@pytest.mark.parametrize(
     ("material", "changes", "message"),
     [
         ("elastic", {"OCR": 2.0}, "OCR is given, which material elastic does not have"),
