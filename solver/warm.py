@@ -127,6 +127,7 @@ KERNELS = {
     "oedometer": 15,
     "section": 34,
     "element_test": 5,
+    "drucker_prager": 12,
     "modified_cam_clay": 3,
     "mohr_coulomb": 7,
     "soft_soil_creep": 15,
@@ -134,7 +135,7 @@ KERNELS = {
 }
 """About how many kernels each of them compiles; others but few."""
 
-_AFTER = {"soft_soil": "soft_soil_creep"}
+_AFTER = {"matsuoka_nakai": "drucker_prager", "soft_soil": "soft_soil_creep"}
 """Laws with the kernels of another, which has them compiled first."""
 
 _SOURCES = {

@@ -8,6 +8,9 @@
 ``mohr_coulomb``          the Mohr-Coulomb limit with dilatancy and tension cut-off
 ``general_mohr_coulomb``  one step of elasticity with that limit for a general stress
 ``planar_mohr_coulomb``   the same in a plane
+``smooth_cone``           the limits of Drucker-Prager and Matsuoka-Nakai, and one step of elasticity with them
+``principal_return``      what returns on principal axes have in common
+``invariants``            invariants of principal stresses with first and second derivatives
 ``logarithmic``           functions of elasticity that stiffens with pressure
 ``tensors``               symmetric tensors as six components, small dense algebra
 ========================  ==================================================================

@@ -18,6 +18,8 @@ log = logging.getLogger(__name__)
 GROUP = "geoswarm.laws"
 BUILT_IN = {
     "elastic": "geoswarm.solver.laws.elastic:Elastic",
+    "drucker_prager": "geoswarm.solver.laws.drucker_prager:DruckerPrager",
+    "matsuoka_nakai": "geoswarm.solver.laws.matsuoka_nakai:MatsuokaNakai",
     "modified_cam_clay": "geoswarm.solver.laws.modified_cam_clay:ModifiedCamClay",
     "mohr_coulomb": "geoswarm.solver.laws.mohr_coulomb:MohrCoulomb",
     "soft_soil": "geoswarm.solver.laws.soft_soil:SoftSoilLaw",
