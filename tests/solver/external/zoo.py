@@ -40,7 +40,7 @@ ZOO = {
     "encoding": Behaviour("bad_output", "out.csv"),
     "loud": Behaviour(None, section={"seconds": 120}),
     "children": Behaviour(None),
-    "hangs": Behaviour("timeout", "was killed after", {"seconds": 1.0}),
+    "hangs": Behaviour("timeout", "was killed after", {"seconds": 5.0}),
     "licence": Behaviour(None, section={"fail": {"exit": {"4": "no_licence"}}, "licence_pause": 0.05, "slots": 1}),
     "disk_full": Behaviour("program_failed", "No space left on device"),
     "fallback": Behaviour(
