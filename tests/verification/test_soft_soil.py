@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from geoswarm.solver.report.document.laboratory import laboratory_values
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -28,6 +27,7 @@ from geoswarm.solver.forward.oedometer import OedometerSpec
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.registry import find_law
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.report.laboratory import laboratory_values
 
 LAMBDA, KAPPA, NU, PHI = 0.11, 0.02, 0.15, 28.0
 CLAY: dict[str, Any] = {"lambda_star": LAMBDA, "kappa_star": KAPPA, "nu_ur": NU, "phi": PHI, "c": 0.0}

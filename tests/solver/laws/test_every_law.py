@@ -148,7 +148,8 @@ def test_elastic_strain_and_back_leaves_no_stress_and_takes_no_work(name: str) -
 @pytest.mark.parametrize("step", [SMALL, LARGE])
 def test_four_components_give_what_six_give(case: Case, step: np.ndarray) -> None:
     if case.law.components != {4, 6}:
-        pytest.skip(f"it takes {case.law.components} components only")
+        assert case.law.components in ({4}, {6})  # there is nothing to compare
+        return
     stress, strain = STRESS * PLANE, step * PLANE
     state = case.state(stress)
     assert case.state(stress[:4]) == pytest.approx(state, rel=1.0e-14)
@@ -164,7 +165,8 @@ def test_four_components_give_what_six_give(case: Case, step: np.ndarray) -> Non
 
 def test_one_finite_element_gives_what_the_element_test_gives(case: Case) -> None:
     if 4 not in case.law.components:
-        pytest.skip("it has no update for finite elements")
+        assert case.law.components == {6}  # for element tests only
+        return
     stress, state, lateral = by_element_test(case, 0.02, 20)
     found = by_finite_element(case, 0.02, 20)
     assert found[0] == pytest.approx(stress[:4], rel=1.0e-6, abs=1.0e-6)
