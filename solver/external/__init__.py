@@ -7,6 +7,7 @@
 ``python``         functions of files: arguments, import, what they return
 ``interpolation``  from the points of a program to those that were observed
 ``trial``          a run that is looked at closely
+``copies``         files on their way into a folder, where nothing is overwritten
 ``errors``         what can go wrong around the files of a program
 =================  ================================================================
 """

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.external.errors import OutputError
+from geoswarm.solver.external.errors import OutputError, RunFailedError
 from geoswarm.solver.external.outputs.base import OutputReader
+from geoswarm.solver.external.reading_time import reading
 
 __all__ = ["SeriesTrial", "TrialRun", "is_watched", "note", "watched"]
 
@@ -111,23 +112,25 @@ def note(
     printed: str,
     failure: str | None,
     readers: Mapping[str, OutputReader],
+    seconds: float | None,
 ) -> None:
-    """Note a run that has ended, if runs are watched now."""
+    """Note a run that has ended, if runs are watched now; ``seconds``: limit of the call [s]."""
     trial = _current.get()
     if trial is None:
         return
     found = (path.relative_to(folder) for path in folder.rglob("*") if not path.is_dir())
     there = [path.as_posix() for path in sorted(found, key=lambda path: (len(path.parts), path))]
     made = tuple(name for name in there if name not in written)
-    series = () if ended is None else tuple(_read(name, reader, folder) for name, reader in readers.items())
+    series = () if ended is None else tuple(_read(name, reader, folder, seconds) for name, reader in readers.items())
     trial.runs.append(TrialRun(call, folder, written, made, ended, printed, failure, series))
 
 
-def _read(name: str, reader: OutputReader, folder: Path) -> SeriesTrial:
+def _read(name: str, reader: OutputReader, folder: Path, seconds: float | None) -> SeriesTrial:
     x, y, lines, error = np.empty(0), np.empty(0), list[tuple[int, str]](), None
     try:
-        x, y = reader.read(folder)
-        lines = reader.traced(folder)
-    except OutputError as failed:
+        with reading(f"series {name} from {reader.file}", seconds):
+            x, y = reader.read(folder)
+            lines = reader.traced(folder)
+    except (OutputError, RunFailedError) as failed:
         error = str(failed)
     return SeriesTrial(name, reader.file, x, y, reader.x_unit, reader.y_unit, tuple(lines), error)

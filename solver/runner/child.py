@@ -22,6 +22,7 @@ from geoswarm.solver.runner.output import LOG_TAIL, OwnOutput
 from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.traces import Traces
 from geoswarm.solver.runner.wire import ConnectionEnded, Frame, FrameReader, Outcome, pack_outcomes, receive, send
+from geoswarm.solver.system.activity import listen
 from geoswarm.solver.system.processes import adopt_orphans, go_first_without_memory
 
 __all__ = ["serve"]
@@ -38,6 +39,7 @@ def serve(connection: socket.socket, shared: SharedState) -> None:
     """
     adopt_orphans()
     go_first_without_memory()  # not the worker, which has results to hand in
+    listen(shared)
     _Child(connection, shared).serve()
 
 

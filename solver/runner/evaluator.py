@@ -142,7 +142,7 @@ class InlineEvaluator:
         job_id: str,  # noqa: ARG002  the protocol of all evaluators
         calibration: Calibration,
         positions: FloatArray,
-        limits: RunLimits,  # noqa: ARG002
+        limits: RunLimits,  # noqa: ARG002  others need it
         *,
         budget: float | None = None,
         unwanted: Callable[[], float | None] = lambda: None,

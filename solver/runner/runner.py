@@ -253,9 +253,10 @@ class Runner:
         running = time.monotonic() - since
         message: str | None = None
         reason = "worker_lost"
-        if index >= 0 and limits.seconds is not None and running > limits.seconds:
-            reason = "timeout"
+        if index >= 0 and limits.seconds is not None and running - process.shared.waited > limits.seconds:
+            reason, doing = "timeout", process.shared.doing
             message = f"ran for longer than {limits.seconds:g} s ({limits.of_time}) and was killed"
+            message += f" while {doing}" if doing else ""
         elif index == BUILDING and running > BUILD_SECONDS:
             message = f"the problem was not built within {BUILD_SECONDS:g} s in the evaluation process"
         elif (process.answering or index == IDLE) and min(running, silent) > SILENT_SECONDS:

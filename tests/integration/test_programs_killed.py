@@ -172,6 +172,7 @@ def test_killed_workers_of_the_embedded_engine_change_nothing(
     assert found == told(calibrate(problem))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kills", "evaluations"), FORMS)
 def test_killed_workers_of_celery_change_nothing(
     kills: int,

@@ -2,7 +2,7 @@
 
 They are Python's, matched within single lines. A pattern has at most 1000 characters and a line on which it is tried at
 most 10 000 bytes: these sections come from whoever owns the machine, and a pattern such as ``(a+)+b`` can still take
-long; the limit of time of a run is what ends it.
+long: reading has a limit of time (:mod:`geoswarm.solver.external.reading_time`).
 """
 
 from __future__ import annotations

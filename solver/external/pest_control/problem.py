@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from geoswarm.solver.expressions import CONSTANTS, FUNCTIONS
+from geoswarm.solver.external.copies import Copies
 from geoswarm.solver.external.pest_control.case import PestCase, PestControlError
 from geoswarm.solver.external.pest_control.command_line import SCRIPT, CommandLine, command_line
 from geoswarm.solver.external.pest_control.files import (
-    Copies,
     beside,
     instruction_names,
     model_file,
@@ -50,7 +50,7 @@ def imported(case: PestCase, folder: Path, files: Sequence[str] = ()) -> Importe
 
     Raises
     ------
-    PestControlError
+    PestControlError, FileInTheWayError
         It cannot be made, or would overwrite something.
     """
     if (folder / PROBLEM).exists():

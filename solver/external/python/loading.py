@@ -89,7 +89,7 @@ def load_function(folder: Path, file: str, version: str, function: str) -> Calla
     found = getattr(module, function, None)
     if not callable(found):
         raise RunFailedError("bad_output", f"{file} has no function {function} after it was imported")
-    return found  # type: ignore[no-any-return]
+    return found  # type: ignore[no-any-return]  # anybody's function
 
 
 def _imported(folder: Path, path: Path, version: str) -> ModuleType:

@@ -86,13 +86,16 @@ class CommandSpec(ForwardModelSpec):
         None,
         ge=1,
         le=10_000,
-        description="How many at once on a machine, for licences; waiting counts as time.",
+        description="How many at once on a machine, for licences; waiting for one is no time of a run.",
     )
     pool: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")] | None = Field(
         None, description="Name of the slots; problems with one name share them. Otherwise each folder has its own."
     )
     seconds: float | None = Field(
-        None, gt=0.0, description="Wall time of one call, after which it is killed.", json_schema_extra=in_unit("s")
+        None,
+        gt=0.0,
+        description="Wall time of one call, after which it is killed; also of reading each thing that it wrote.",
+        json_schema_extra=in_unit("s"),
     )
     licence_pause: float = Field(
         30.0,

@@ -20,6 +20,7 @@ from geoswarm.solver.external.inputs.parameter_files import parameter_text
 from geoswarm.solver.external.inputs.pest_template import PestTemplate, parse_pest_template
 from geoswarm.solver.external.inputs.template import SLOT, Template, parse_template
 from geoswarm.solver.external.interpolation import at_points
+from geoswarm.solver.external.reading_time import reading
 from geoswarm.solver.external.runs.folder import Keep, RunFolder, private_folder, tidy
 from geoswarm.solver.external.runs.program import Ended, NotStartedError, run_program
 from geoswarm.solver.external.runs.secrets import Secrets, private_values
@@ -30,6 +31,7 @@ from geoswarm.solver.external.runs.verdict import FileState, judge, states
 from geoswarm.solver.external.trial import is_watched, note
 from geoswarm.solver.forward.base import ForwardRun, NotedResponse, ParameterInfo
 from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units
+from geoswarm.solver.system.activity import has_waited, waiting
 from geoswarm.solver.system.environment import clean_environment
 from geoswarm.solver.units import base_unit, convert
 
@@ -207,15 +209,18 @@ class ProgramRun:
         number: int,
         read: Read,
     ) -> dict[str, FloatArray]:
-        """One call, repeated while there is no licence for it."""
+        """One call, repeated while there is no licence for it; calls that were refused are no time of the run."""
         patience = time.monotonic() + self._spec.licence_patience
         while True:
+            began = time.monotonic()
             try:
                 return self._once(arguments, parameters, number, read)
             except RunFailedError as failure:
                 if failure.reason != NO_LICENCE or time.monotonic() > patience:
                     raise
-            time.sleep(self._spec.licence_pause)
+            has_waited(time.monotonic() - began)
+            with waiting():
+                time.sleep(self._spec.licence_pause)
 
     def _once(
         self,
@@ -245,7 +250,8 @@ class ProgramRun:
             before = states(folder.path, (*self._outputs, *self._looked_at))
             output = folder.path / OUTPUT
             ended = run_program(call, folder.path, environment, spec.seconds, output)
-            judge(ended, call[0], folder.path, before, self._outputs, spec.success, spec.fail, output)
+            with reading("texts of success and fail", spec.seconds):
+                judge(ended, call[0], folder.path, before, self._outputs, spec.success, spec.fail, output)
             self._refuse_old_pieces(folder.path, before)
             return read({name: self._read(name, folder.path) for name in self._readers})
         except (NotStartedError, InputError, OutputError, ForwardError, OSError) as error:
@@ -258,7 +264,7 @@ class ProgramRun:
             if kept is not None and is_watched():
                 words, printed = (None, "") if ended is None else (ended.words, secrets.hidden(ended.tail))
                 why = None if failure is None else str(failure)
-                note(tuple(call), kept, self._written, words, printed, why, self._readers)
+                note(tuple(call), kept, self._written, words, printed, why, self._readers, spec.seconds)
 
     def _fill(self, folder: RunFolder, parameters: Mapping[str, float], number: int) -> None:
         """Copy, link and write what a run finds in its folder."""
@@ -285,7 +291,8 @@ class ProgramRun:
     def _read(self, name: str, folder: Path) -> tuple[FloatArray, FloatArray]:
         """x and y of a series in base units."""
         reader = self._readers[name]
-        x, y = reader.read(folder)
+        with reading(f"series {name} from {reader.file}", self._spec.seconds):
+            x, y = reader.read(folder)
         return (
             convert(x, reader.x_unit, base_unit(reader.x_unit)),
             convert(y, reader.y_unit, base_unit(reader.y_unit)),

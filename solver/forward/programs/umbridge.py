@@ -135,4 +135,8 @@ class UmbridgeSpec(ForwardModelSpec):
 
 def _first_twice(values: Iterable[T]) -> T | None:
     seen: set[T] = set()
-    return next((one for one in values if one in seen or seen.add(one)), None)  # type: ignore[func-returns-value]
+    for one in values:
+        if one in seen:
+            return one
+        seen.add(one)
+    return None

@@ -19,6 +19,7 @@ from geoswarm.solver.external.runs.folder import private_folder
 from geoswarm.solver.external.runs.slots import slot
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.report.figures.labels import parameter_labels
+from geoswarm.solver.runs.local import calibrate
 
 ECHO = """
 import json
@@ -212,6 +213,81 @@ def test_problems_with_one_pool_share_slots(tmp_path: Path) -> None:
             run(given)
         numbers.append((taken, f"slot {1 - taken}" in str(caught.value)))
     assert numbers == [(0, True), (0, True)]
+
+
+def hold_slots(folder: Path, seconds: float) -> subprocess.Popen[bytes]:
+    """Hold the only slot below a folder in another process, for some time from now on."""
+    program = (
+        "import sys, time; from pathlib import Path; from geoswarm.solver.external.runs.slots import slot\n"
+        "with slot(Path(sys.argv[1]), 1): print(flush=True); time.sleep(float(sys.argv[2]))"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program, str(folder), str(seconds)], stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.readline()
+    process.stdout.close()
+    return process
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_waiting_for_a_slot_is_no_time_of_a_run(workers: int, tmp_path: Path) -> None:
+    """The slot is held for longer than a run may take; the measured time is that of the run alone."""
+    limits = {"seconds_per_evaluation": 6.0}
+    search = {"method": {"kind": "monte_carlo", "samples": 2, "batch": 2}, "stopping": {}}
+    document = problem(tmp_path, slots=1, pool="P").document() | {"limits": limits} | search
+    with hold_slots(private_folder("slots", "pool-P"), 8.0) as holder:
+        result = calibrate(parse_problem(document, programs=True), workers=workers)
+        assert holder.wait() == 0
+    found = [record.evaluation for record in result.history]
+    assert [one.reason for one in found] == [None, None], [one.message for one in found]
+    assert sum(one.seconds for one in found) < 8.0
+    assert all(one.seconds > 0.0 for one in found)
+
+
+def test_calls_that_a_licence_was_refused_for_are_no_time_of_a_run(tmp_path: Path) -> None:
+    """Four refusals with pauses of 2 s, while a run may take 6 s."""
+    code = (
+        "import pathlib, sys; t = pathlib.Path(sys.argv[1]); n = len(t.read_text()) if t.exists() else 0\n"
+        "t.write_text('x' * (n + 1))\n"
+        "sys.exit(4) if n < 4 else pathlib.Path('out.csv').write_text('x,y\\n0,0\\n2,0\\n')"
+    )
+    section = {
+        "run": ["{python}", "-c", code, str(tmp_path / "tries")],
+        "fail": {"exit": {"4": "no_licence"}},
+        "licence_pause": 2.0,
+    }
+    search = {"method": {"kind": "monte_carlo", "samples": 1, "batch": 1}, "stopping": {}}
+    document = problem(tmp_path, **section).document() | {"limits": {"seconds_per_evaluation": 6.0}} | search
+    result = calibrate(parse_problem(document, programs=True), workers=2)
+    (one,) = [record.evaluation for record in result.history]
+    assert (one.reason, one.message) == (None, None)
+    assert (tmp_path / "tries").read_text() == "xxxxx"
+    assert 0.0 < one.seconds < 8.0
+
+
+HANGING = {
+    "run": ["{python}", "-c", "open('log.txt', 'w').write('a' * 60 + '\\n')"],
+    "series": {"y": {"file": "log.txt", "find": "(?P<x>a+)+(?P<y>a+)+b"}},
+}
+
+
+def test_a_pattern_that_would_take_for_ever_is_ended_with_its_name(tmp_path: Path) -> None:
+    with pytest.raises(ForwardError, match=r"reading series y from log\.txt took longer than 5 s \(seconds\)") as told:
+        run(problem(tmp_path, **HANGING, seconds=5.0))
+    assert told.value.reason == "timeout"
+    fail = {"text": {"log.txt": {"(a+)+b": "diverged"}}}
+    with pytest.raises(ForwardError, match="reading texts of success and fail took longer than 5 s") as told:
+        run(problem(tmp_path, **HANGING, seconds=5.0, fail=fail))
+    assert told.value.reason == "timeout"
+
+
+def test_the_limit_of_an_evaluation_tells_what_was_read(tmp_path: Path) -> None:
+    search = {"method": {"kind": "monte_carlo", "samples": 1, "batch": 1}, "stopping": {}}
+    document = problem(tmp_path, **HANGING).document() | {"limits": {"seconds_per_evaluation": 5.0}} | search
+    (one,) = [record.evaluation for record in calibrate(parse_problem(document, programs=True), workers=2).history]
+    assert one.reason == "timeout"
+    assert one.message == (
+        "ran for longer than 5 s (limits.seconds_per_evaluation) and was killed while reading series y from log.txt"
+    )
 
 
 def test_units_of_parameters_are_shown_and_convert_nothing(tmp_path: Path) -> None:
