@@ -51,17 +51,25 @@ class HeavyWork:
             return
         principal: Principal = scope.get("state", {}).get("principal") or LOCAL
         client = principal.owner or principal.key_id or ""
-        work = asyncio.ensure_future(self._in_turn(scope, body, principal, client, send))
+        answer = _Answer(send)
+        work = asyncio.ensure_future(self._in_turn(scope, body, principal, client, answer))
         left = asyncio.ensure_future(_departure(receive))
-        await asyncio.wait({work, left}, return_when=asyncio.FIRST_COMPLETED)
-        if not work.done():
-            await asyncio.wait({work}, timeout=GRACE_SECONDS)
+        stopping = False
+        try:
+            await asyncio.wait({work, left}, return_when=asyncio.FIRST_COMPLETED)
+            if not work.done():
+                await asyncio.wait({work}, timeout=GRACE_SECONDS)
+        except asyncio.CancelledError:  # by the server, which ends and waits no longer
+            stopping = True
         left.cancel()
         work.cancel()  # has no effect when it has ended
         with contextlib.suppress(asyncio.CancelledError):
             await work
+        if stopping and not answer.begun:
+            again = {"Retry-After": "5"}
+            await _refuse(scope, send, DetailError(503, "The service is stopping.", kind="unavailable", headers=again))
 
-    async def _in_turn(self, scope: Scope, body: bytes, principal: Principal, client: str, send: Send) -> None:
+    async def _in_turn(self, scope: Scope, body: bytes, principal: Principal, client: str, send: _Answer) -> None:
         try:
             async with asyncio.timeout(self._settings.heavy_wait_seconds):
                 await self._turns.take(client)
@@ -83,14 +91,7 @@ class HeavyWork:
         finally:
             self._turns.give_back(client)
 
-    async def _passed_on(self, scope: Scope, body: bytes, principal: Principal, send: Send) -> None:
-        begun = False
-
-        async def noting(message: Message) -> None:
-            nonlocal begun
-            begun = True
-            await send(message)
-
+    async def _passed_on(self, scope: Scope, body: bytes, principal: Principal, send: _Answer) -> None:
         try:
             process = await self._pool.take(job_of(scope["path"]))
         except EndedError as error:
@@ -98,7 +99,7 @@ class HeavyWork:
             refusal = "No process for requests that calculate could be started; the server's log says more."
             await _refuse(scope, send, DetailError(503, refusal, kind="unavailable", headers={"Retry-After": "5"}))
             return
-        asking = asyncio.ensure_future(_answered(process, scope, body, json.dumps(asdict(principal)), noting))
+        asking = asyncio.ensure_future(_answered(process, scope, body, json.dumps(asdict(principal)), send))
         watching = asyncio.ensure_future(process.watch(self._settings.heavy_seconds, self._settings.heavy_memory_mb))
         why: str | None = None
         try:
@@ -118,8 +119,20 @@ class HeavyWork:
                 await asyncio.shield(self._pool.discard(process))
         if why is not None:
             log.warning("the process that worked on %s %s %s", scope["method"], scope["path"], why)
-            if not begun:
+            if not send.begun:
                 await _refuse(scope, send, _too_heavy(why))
+
+
+class _Answer:
+    """Sends, and knows whether the answer has begun."""
+
+    def __init__(self, send: Send) -> None:
+        self._send = send
+        self.begun = False
+
+    async def __call__(self, message: Message) -> None:
+        self.begun = True
+        await self._send(message)
 
 
 async def _answered(process: HeavyProcess, scope: Scope, body: bytes, principal: str, send: Send) -> None:
