@@ -107,15 +107,15 @@ class Method(Section, ABC):
         """Number of points that are drawn as a whole before the first evaluation."""
         return 0
 
-    def issues(self, problem: Problem) -> list[Issue]:  # noqa: ARG002
+    def issues(self, problem: Problem) -> list[Issue]:  # noqa: ARG002  others need it
         """Return why it does not fit the parameters and measurements of a problem."""
         return []
 
-    def stopping_issues(self, stopping: Stopping) -> list[Issue]:  # noqa: ARG002
+    def stopping_issues(self, stopping: Stopping) -> list[Issue]:  # noqa: ARG002  others need it
         """Return why stop criteria do not fit it."""
         return []
 
-    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002
+    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002  others need it
         """Return the reason when it has ended by itself; ``over``: its search asks for nothing more."""
         return None
 
@@ -159,7 +159,7 @@ class FollowUpMethod(Method):
     if TYPE_CHECKING:  # each declares the field where it stands in its section
         of: str | None
 
-    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002
+    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002  others need it
         """It ends with its design."""
         return DESIGN_COMPLETED if over else None
 
@@ -188,7 +188,7 @@ class FollowUpMethod(Method):
             issues.append(Issue("method.at", "does not satisfy the constraints, or the limits of the forward model"))
         return issues
 
-    def further_issues(self, free: list[str]) -> list[Issue]:  # noqa: ARG002
+    def further_issues(self, free: list[str]) -> list[Issue]:  # noqa: ARG002  others need it
         """Return what else does not fit the names of the free parameters."""
         return []
 

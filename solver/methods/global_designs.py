@@ -38,7 +38,7 @@ class GlobalMethod(FollowUpMethod):
         """Name it."""
         return f"follow-up: {self.title}"
 
-    def issues(self, problem: Problem) -> list[Issue]:  # noqa: ARG002
+    def issues(self, problem: Problem) -> list[Issue]:  # noqa: ARG002  others need it
         """It needs a library."""
         return [] if has("SALib") else [Issue("method.kind", needs_extra(f"the method {self.kind}", "SALib"))]
 

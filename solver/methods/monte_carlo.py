@@ -55,7 +55,7 @@ class MonteCarloMethod(Method):
         """Sampling, number."""
         return f"Monte Carlo sampling ({self.sampling.replace('_', ' ')}), {self.samples} samples"
 
-    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002
+    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002  others need it
         """It ends with its samples."""
         return SAMPLES_COMPLETED if evaluations == self.samples else None
 

@@ -117,7 +117,7 @@ class ParticleSwarmMethod(SearchMethod):
         count = "as many particles as workers suggested" if automatic else f"{self.particles} particles"
         return f"particle swarm ({form}, {self.topology}), {count}"
 
-    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002
+    def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002  others need it
         """It ends with its polish."""
         if not over:
             return None

@@ -10,6 +10,7 @@
 ``monte_carlo``             random, Latin hypercube and Sobol sampling
 ``descent``                 the way down to a minimum, and what its surroundings are told by
 ``bounded``                 linear least squares inside bounds
+``one_thread``              sums of products in the same order on every machine
 ==========================  =====================================================================
 """
 

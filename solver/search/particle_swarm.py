@@ -19,12 +19,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration import Proposer, ProposerState, Runs
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.descent.ending import Ending
+from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import particle_generator
 from geoswarm.solver.search.space import SearchSpace
 
@@ -182,7 +182,7 @@ class ParticleSwarm:
         if self._ending is not None:
             if runs is None:
                 raise ValueError("the end of a polished search needs the runs so far")
-            with threadpool_limits(limits=1):  # sums of products in the same order on every machine
+            with one_thread():
                 self._ending = self._ending.advance(self._space, runs)
             self.generation += 1
             return
@@ -206,7 +206,7 @@ class ParticleSwarm:
             for i, point in aimed.items():
                 self._position[i], self._velocity[i] = point, self._limit(point - before[i])
             if self._proposer.leaving:
-                with threadpool_limits(limits=1):
+                with one_thread():
                     self._ending = Ending.begin(self._space, runs)
                 return
         self._separate()

@@ -103,7 +103,7 @@ def fitted(case: Case, random: np.random.Generator) -> Linearisation:
 
 
 def _linearised(calibration: Calibration, start: FloatArray) -> Linearisation:
-    found = polish(calibration, start, step=1e-4).parameters
+    found = polish(calibration, start).parameters
     plan = design(calibration, found, step=2e-3)
     return from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
 

@@ -1,21 +1,24 @@
-"""Polishing an optimum: Levenberg-Marquardt on the weighted residuals, from where a search ended.
+"""Polishing an optimum in this process: from where a search ended down to the minimum, as searches do that polish.
 
 A swarm stops in the neighbourhood of the optimum; a few least-squares steps bring the digits that standard errors need.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.descent.refinement import Refinement
+from geoswarm.solver.search.one_thread import one_thread
 
 __all__ = ["Polished", "polish"]
 
-_FAILED = 1e3  # residuals of a failed or infeasible place, in multiples of the largest at the start
+_LONGEST = 200  # iterations, each of some generations
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +36,7 @@ class Polished:
     evaluations
         Forward calculations that it took.
     converged
-        Whether a stop tolerance was met.
+        Whether it came to a minimum.
     at_bounds
         Parameters that ended on a bound.
     """
@@ -47,79 +50,68 @@ class Polished:
     at_bounds: tuple[str, ...]
 
 
-def polish(calibration: Calibration, start: FloatArray, *, step: float = 1e-5, max_evaluations: int = 2000) -> Polished:
-    """Minimise the objective from ``start`` by bounded least squares.
+def polish(calibration: Calibration, start: FloatArray, *, max_evaluations: int = 2000) -> Polished:
+    """Minimise the objective from ``start`` by least squares inside the bounds.
 
-    The trust-region reflective form of Levenberg-Marquardt (Branch, Coleman and Li 1999; ``scipy.optimize``) on
-    the weighted residuals, whose squares sum up to f, in parts of the range in search coordinates, with
-    central differences. Runs in sequence, in this process.
+    The descent with which a search ends that polishes (:mod:`geoswarm.solver.search.descent.refinement`), on the
+    weighted residuals, whose squares sum up to f. Runs in sequence, in this process.
 
     Parameters
     ----------
     start
         Shape (d,), natural values inside the bounds.
-    step
-        Of the differences, in parts of the range. Take more for a rough forward model.
     max_evaluations
-        Forward calculations at most, about.
+        Forward calculations at most; the points of one step are evaluated together.
 
     Raises
     ------
     StatisticsError
         When the evaluation of the start fails.
     """
-    from scipy.optimize import least_squares
-
-    space = calibration.space
-    low, span = space.search_lower, space.search_upper - space.search_lower
-    first = calibration.evaluate(np.asarray(start, dtype=np.float64))
+    made = _Made(calibration)
+    first = made.add(np.asarray(start, dtype=np.float64))
     if first.objective is None:
         raise StatisticsError(f"the start of polishing fails ({first.reason}): {first.message}")
-    begin = calibration.objective.weighted_residuals(first.responses)
-    failed = np.full_like(begin, _FAILED * max(float(np.abs(begin).max()), 1e-300))
-    count = 1
-
-    def natural(unit: FloatArray) -> FloatArray:
-        return space.to_natural(low + unit * span)
-
-    def residuals(unit: FloatArray) -> FloatArray:
-        nonlocal count
-        point = natural(unit)
-        if not space.feasible(point):
-            return failed
-        count += 1
-        evaluation = calibration.evaluate(point)
-        if evaluation.objective is None:
-            return failed
-        return calibration.objective.weighted_residuals(evaluation.responses)
-
-    dimension = space.dimension
-    inside = np.clip((space.to_search(first.parameters) - low) / span, 0.0, 1.0)
-    tiny = 2.0 * float(np.finfo(np.float64).eps)
-    found = least_squares(
-        residuals,
-        inside,
-        bounds=(0.0, 1.0),
-        jac="3-point",
-        diff_step=step / np.maximum(inside, step),
-        x_scale="jac",
-        ftol=tiny,
-        xtol=tiny,
-        gtol=tiny,
-        max_nfev=max(1, max_evaluations // (2 * dimension + 1)),
-    )
-    last = calibration.evaluate(natural(found.x))
-    if last.objective is None or last.objective > first.objective:
-        last = first
-    unit = (space.to_search(last.parameters) - low) / span
-    ends = (unit <= 1e-9) | (unit >= 1.0 - 1e-9)
+    space = calibration.space
+    with one_thread():
+        state = Refinement.begin(space, made.runs, 0)
+        while not state.finished and len(made.evaluations) + len(state.asked) <= max_evaluations:
+            for point in space.from_unit(state.asked):
+                made.add(point)
+            state = state.advance(space, made.runs, _LONGEST)
+    last = made.evaluations[state.row]
     assert last.objective is not None
+    unit = (space.to_search(last.parameters) - space.search_lower) / (space.search_upper - space.search_lower)
+    ends = (unit <= 1e-9) | (unit >= 1.0 - 1e-9)
     return Polished(
         parameters=last.parameters,
         objective=last.objective,
         start_objective=first.objective,
         evaluation=last,
-        evaluations=count + 1,
-        converged=bool(found.status > 0),
+        evaluations=len(made.evaluations),
+        converged=state.outcome == "converged",
         at_bounds=tuple(n for n, end in zip(calibration.free_names, ends, strict=True) if end),
     )
+
+
+@dataclass
+class _Made:
+    """Evaluations made so far, as a descent sees them."""
+
+    calibration: Calibration
+    evaluations: list[Evaluation] = field(default_factory=list)
+
+    def add(self, parameters: FloatArray) -> Evaluation:
+        """Evaluate natural values, shape (d,)."""
+        self.evaluations.append(self.calibration.evaluate(parameters))
+        return self.evaluations[-1]
+
+    @property
+    def runs(self) -> Runs:
+        """All of them; residuals are calculated when they are looked at."""
+        objectives = [np.inf if run.objective is None else run.objective for run in self.evaluations]
+        return Runs(np.array([run.parameters for run in self.evaluations]), np.array(objectives), self._residuals)
+
+    def _residuals(self, chosen: IntArray) -> FloatArray:
+        weighted = self.calibration.objective.weighted_residuals
+        return np.array([weighted(self.evaluations[row].responses) for row in chosen.tolist()])

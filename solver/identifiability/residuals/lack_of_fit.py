@@ -40,7 +40,7 @@ LEVEL = 0.04
 _OTHER_LEVEL = 0.01  # each, of the test against repeats, and of that against the stated error
 _ERROR_RATIO = 1.2  # residuals that exceed the stated error by less are let pass: intervals are that much too narrow
 _FEWEST_FREE = 4  # readings beyond the parameters
-_ROUNDING = 1e-10  # of the readings: less is no spread
+_ROUNDING = 1e-10  # of the readings: less is no spread, and leaves nothing to minimise
 _EXACT = 1e-4  # of the range of a series: residuals that are numerical, not measured
 _FAR = 4.0  # mean square of what a step to the minimum would take away, over that of the rest
 _MOST_POINTS = 2000  # more are averaged in blocks
@@ -132,7 +132,8 @@ def examine_fit(
     rho = readings.scaled * readings.factors
     along = basis.T @ rho
     rest = float(rho @ rho - along @ along) / (count - rank)
-    if known is None and rank and float(along @ along) / rank > _FAR * rest:
+    rounding = all(is_exact(o, responses[o.series] - o.y, _ROUNDING) for o in readings.observed)
+    if known is None and rank and not rounding and float(along @ along) / rank > _FAR * rest:
         return untested("the best parameters are not the minimum yet; polish them first (geoswarm sensitivity)")
     # one step to where every series counts by its noise: weights chosen by hand carry noise from series to series
     deviations = _spread(readings, readings.scaled) if known is None else _stated(readings, known)
@@ -230,10 +231,10 @@ def _spread(readings: _Readings, residuals: FloatArray) -> FloatArray:
     return spread
 
 
-def is_exact(o: ObservedSeries, residuals: FloatArray) -> bool:
-    """Whether the residuals are numerical: nothing that anybody has measured so well."""
+def is_exact(o: ObservedSeries, residuals: FloatArray, most: float = _EXACT) -> bool:
+    """Whether the residuals are numerical, ``most`` of the range: nothing that anybody has measured so well."""
     scale = max(float(np.ptp(o.y)), 1e-6 * float(np.abs(o.y).max()))
-    return float(np.sqrt(np.mean(residuals**2))) <= _EXACT * scale
+    return float(np.sqrt(np.mean(residuals**2))) <= most * scale
 
 
 def _patterns(

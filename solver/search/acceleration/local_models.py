@@ -6,6 +6,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.bounded import bounded_least_squares
+from geoswarm.solver.search.one_thread import one_thread
 
 __all__ = ["gauss_newton_point", "neighbour_distance", "quadratic_point"]
 
@@ -100,6 +101,7 @@ def quadratic_point(points: FloatArray, objectives: FloatArray, centre: int, rea
     lower, upper = np.maximum(-middle / radius, -reach), np.minimum((1.0 - middle) / radius, reach)
     bounds = list(zip(lower, upper, strict=True))
     starts = (np.zeros(d), np.clip(-0.5 * reach * np.sign(slope), lower, upper))
-    found = [minimize(model, start, jac=True, bounds=bounds, method="L-BFGS-B") for start in starts]
+    with one_thread():  # SciPy's own BLAS, which may have come with this import
+        found = [minimize(model, start, jac=True, bounds=bounds, method="L-BFGS-B") for start in starts]
     step = min(found, key=lambda result: float(result.fun)).x
     return np.asarray(np.clip(middle + radius * step, 0.0, 1.0))

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
 from typing import Any
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.search.acceleration.arms import (
@@ -35,6 +33,7 @@ from geoswarm.solver.search.acceleration.candidates import Arms, Knowledge, sele
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import proposer_generator
 from geoswarm.solver.search.space import SearchSpace
 
@@ -155,8 +154,7 @@ class Proposer:
             All evaluations so far; the last n of them are the generation before, in particle order. Before the first
             generation: those that earlier jobs offer.
         """
-        # one thread: the order of summation in BLAS, and so the last bits, may depend on their number
-        with _threadpools().limit(limits=1, user_api="blas"):
+        with one_thread():
             return self._propose(generation, moved, worst_first, runs)
 
     def _propose(self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs) -> dict[int, FloatArray]:
@@ -304,8 +302,3 @@ class Proposer:
 
     def _search(self, unit: FloatArray) -> FloatArray:
         return self._lower + unit * self._range
-
-
-@cache
-def _threadpools() -> ThreadpoolController:
-    return ThreadpoolController()

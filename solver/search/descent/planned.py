@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleSpaceError
@@ -18,6 +17,7 @@ from geoswarm.solver.search.descent.descent import Descent
 from geoswarm.solver.search.descent.differences import DifferenceDesign, plan_differences
 from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_from_residuals
 from geoswarm.solver.search.descent.steps import FIRST_STEP, Moves, StepSearch
+from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = [
@@ -110,7 +110,7 @@ class SensitivitySearch:
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
         """Take the results of the current generation."""
         steps = self.steps
-        with threadpool_limits(limits=1):  # sums of products in the same order on every machine
+        with one_thread():
             if self.descent is not None and not self.descent.finished:
                 self.descent = self.descent.advance(latest_residuals(runs, len(objectives)))
             elif self.ends is not None:
@@ -221,7 +221,7 @@ class ProfileSearch:
         if self.objective is None:
             return
         chains, start = [], 0
-        with threadpool_limits(limits=1):  # sums of products in the same order on every machine
+        with one_thread():
             for chain in self.chains:
                 size = 0 if chain.finished else self.space.dimension
                 own = rows[start : start + size]

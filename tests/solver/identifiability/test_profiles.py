@@ -19,11 +19,12 @@ Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)
 
 
 def profiled(
-    problem: Problem, start: list[float], *, restart: bool = False
+    problem: Problem, start: list[float], *, restart: bool = False, optimum: bool = False
 ) -> tuple[ProfileSearch, tuple[Profile, ...]]:
+    """Profiles from a start, which is polished unless it is an optimum."""
     calibration = Calibration(problem, 1)
-    found = polish(calibration, np.array(start))
-    settings = profile_settings(calibration, linearised(problem, found.parameters.tolist()))
+    found = start if optimum else polish(calibration, np.array(start)).parameters.tolist()
+    settings = profile_settings(calibration, linearised(problem, found))
     search = ProfileSearch(calibration.space, settings)
     failed = np.full(sum(o.x.size for o in problem.observations), np.nan)
     while (positions := search.ask()) is not None:
@@ -80,9 +81,10 @@ def test_a_product_stays_open() -> None:
 
 def test_an_end_that_a_bound_of_another_parameter_sets_is_found() -> None:
     # a b = 6 with b at most 10: the profile of a is flat down to 0.6 and rises steeply below
-    _, profiles = profiled(
-        problem_of("a * b * x", {"a": free(), "b": free()}, 6.0 * X + 0.01 * np.sin(9 * X)), [6.4, 0.94]
-    )
+    y = 6.0 * X + 0.01 * np.sin(9 * X)
+    slope = float(X @ y / (X @ X))  # a b of the line through the origin that fits best
+    problem = problem_of("a * b * x", {"a": free(), "b": free()}, y)
+    _, profiles = profiled(problem, [6.4, slope / 6.4], optimum=True)
     for profile in profiles:
         assert profile.lower == pytest.approx(0.6, abs=0.01)
         assert profile.upper is None
