@@ -25,6 +25,65 @@ _ITERATIONS: Final = 40
 _RESIDUAL: Final = 1.0e-13
 _LARGEST_FALL: Final = 0.2
 _EXCESS: Final = 1.0e-9
+_HALVINGS: Final = 60
+
+
+@kernel
+def _at_pressure(
+    x: float,
+    p_old: float,
+    volume: float,
+    deviator: tuple[float, float, float],
+    log_time: float,
+    log_pp: float,
+    soil: SoftSoilCreep,
+) -> tuple[float, float]:
+    """Volume strain that is left over at the pressure exp(x), and the q there: that at which the deviators agree."""
+    old_old, old_new, new_new = deviator
+    p = math.exp(x) - soil.shift - soil.extra
+    elastic, compliance, _ = secant_compliance(p_old, p, soil)
+    twice = 2.0 * soil.shear_ratio / compliance
+    trial = math.sqrt(max(old_old + twice * (2.0 * old_new + twice * new_new), 0.0))
+    low, q, creep = 0.0, trial, 0.0
+    high = trial
+    for _ in range(_HALVINGS):
+        creep, _, _, factor, _, _ = creep_increment(p, q * q, log_time, log_pp, soil)
+        if (1.0 + twice * factor) * q > trial:
+            high = q
+        else:
+            low = q
+        q = 0.5 * (low + high)
+    return volume - elastic - creep, q
+
+
+@kernel
+def _enclosed(
+    p_old: float,
+    volume: float,
+    deviator: tuple[float, float, float],
+    log_time: float,
+    log_pp: float,
+    soil: SoftSoilCreep,
+) -> tuple[float, float]:
+    """p and q of a step by halving intervals, where Newton's method swings about a sharp yield surface."""
+    x = math.log(max(p_old + soil.shift + soil.extra, soil.pressure_floor))
+    left, q = _at_pressure(x, p_old, volume, deviator, log_time, log_pp, soil)
+    way = 1.0 if left > 0.0 else -1.0
+    low, high = x, x
+    for _ in range(_HALVINGS):
+        high = low + way
+        left, q = _at_pressure(high, p_old, volume, deviator, log_time, log_pp, soil)
+        if not left * way > 0.0:
+            break
+        low = high
+    for _ in range(_HALVINGS):
+        x = 0.5 * (low + high)
+        left, q = _at_pressure(x, p_old, volume, deviator, log_time, log_pp, soil)
+        if left * way > 0.0:
+            low = x
+        else:
+            high = x
+    return math.exp(x) - soil.shift - soil.extra, q
 
 
 @kernel
@@ -58,7 +117,9 @@ def _creep_alone(
     twice, twice_p, trial = 0.0, 0.0, 0.0
     creep, factor, factor_p, factor_q2 = 0.0, 0.0, 0.0, 0.0
     a11, a12, a21, a22, determinant = 1.0, 0.0, 0.0, 1.0, 1.0
-    for iteration in range(_ITERATIONS):
+    for iteration in range(2 * _ITERATIONS):
+        if iteration == _ITERATIONS:
+            p, q = _enclosed(p_old, volume, (old_old, old_new, new_new), log_time, log_pp, soil)
         elastic, compliance, compliance_p = secant_compliance(p_old, p, soil)
         creep, creep_p, creep_q2, factor, factor_p, factor_q2 = creep_increment(p, q * q, log_time, log_pp, soil)
         twice = 2.0 * soil.shear_ratio / compliance
@@ -78,7 +139,7 @@ def _creep_alone(
             return 0.0, False
         if worst <= _RESIDUAL or done:
             break
-        if iteration == _ITERATIONS - 1:
+        if iteration == (_ITERATIONS - 1 if soil.mu_star > 0.0 else 2 * _ITERATIONS - 1):
             return 0.0, False
         dp = (r1 * a22 - a12 * r2) / determinant
         dq = (a11 * r2 - a21 * r1) / determinant
