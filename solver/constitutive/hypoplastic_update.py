@@ -1,0 +1,390 @@
+"""One step of a hypoplastic law: stress, void ratio, intergranular strain and the consistent tangent.
+
+The step is a straight path of strain. Along it the void ratio is exact, (1 + e) exp(volume strain) = const, and stress
+and intergranular strain are integrated by the pair of Fehlberg (1969), of order 4 and 5, with substeps whose length
+follows the difference of both (explicit with error control, as S. W. Sloan 1987, IJNME 24, 893-911, with a higher
+order). The derivative of stress by the strain of the step is integrated with it, by the linearised rate equation: it is
+that of the substeps taken (as W. Fellin & A. Ostermann 2002, IJNAMG 26, 1213-1233, but not by differences).
+
+A law comes as five functions of the invariants of stress and the void ratio::
+
+    rate of sigma = A d + B tr(d) 1 + C t (t:d) - (n0 1 + n1 t) |d|,    t = sigma/tr(sigma)
+
+Stress is taken with p_t added to its normal components: a small shift, as implementations for finite elements have it,
+gives a cohesion p_t tan(phi) and a stiffness at the surface. Where the shifted mean stress falls below 1e-4 kPa, or the
+law is not defined, there is no stress for the step. Shear components are multiplied by sqrt(2) inside, so that sums of
+products are tensor products.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.hypoplastic_clay import CLAY_CONSTANTS, clay_functions
+from geoswarm.solver.constitutive.hypoplastic_sand import SAND_CONSTANTS, sand_functions
+from geoswarm.solver.constitutive.intergranular_strain import LEAD, WAY, along_way, begin_way, end_of_way
+from geoswarm.solver.kernels.jit import kernel
+
+__all__ = ["CLAY", "CONSTANTS", "FIRST", "SAND", "STATE", "hypoplastic_update"]
+
+FIRST: Final = 7
+"""Place of the first constant of a law, after its number, p_t, R, m_R, m_T, beta_r and chi."""
+
+CONSTANTS: Final = FIRST + max(SAND_CONSTANTS, CLAY_CONSTANTS)
+
+CLAY: Final = 0
+SAND: Final = 1
+
+STATE: Final = 8
+"""State variables: void ratio, intergranular strain (6,), mobilised friction angle in degree."""
+
+_TOLERANCE: Final = 1.0e-8
+"""Error of a substep, relative in stress, over R in intergranular strain."""
+
+_ALIGNED: Final = 1.0e-12
+"""Part of the intergranular strain across the path that is none."""
+
+_LEAST_TRACE: Final = 3.0e-4
+_LARGEST_COUNT: Final = 2000
+_SHORTEST: Final = 1.0e-10
+_LONGEST: Final = 1.0
+"""Substep, as strain over R, while the intergranular strain differs from its limit by more than the next number."""
+
+_STEADY: Final = 1.0e-3
+_ROOT: Final = math.sqrt(2.0)
+
+# Fehlberg's pair: nodes, weights of the stages, weights of order 5, and these less those of order 4.
+_NODES: Final = np.array([0.0, 1 / 4, 3 / 8, 12 / 13, 1.0, 1 / 2])
+_STAGES: Final = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0],
+        [1 / 4, 0.0, 0.0, 0.0, 0.0],
+        [3 / 32, 9 / 32, 0.0, 0.0, 0.0],
+        [1932 / 2197, -7200 / 2197, 7296 / 2197, 0.0, 0.0],
+        [439 / 216, -8.0, 3680 / 513, -845 / 4104, 0.0],
+        [-8 / 27, 2.0, -3544 / 2565, 1859 / 4104, -11 / 40],
+    ]
+)
+_WEIGHTS: Final = np.array([16 / 135, 0.0, 6656 / 12825, 28561 / 56430, -9 / 50, 2 / 55])
+_ERRORS: Final = np.array([1 / 360, 0.0, -128 / 4275, -2197 / 75240, 1 / 50, 2 / 55])
+
+
+@kernel
+def _invariants(y: FloatArray, n: int, shift: float, t: FloatArray, s2: FloatArray) -> tuple[float, float, float]:
+    """Fill t = sigma/tr(sigma) (6,) and s^2 (6,); return tr(sigma), s:s and tr(s^3), with p_t in the stress."""
+    trace = y[0] + y[1] + y[2] + 3.0 * shift
+    for i in range(6):
+        t[i] = 0.0 if i >= n else (y[i] + shift if i < 3 else y[i]) / trace
+    x, y_, z = t[0] - 1.0 / 3.0, t[1] - 1.0 / 3.0, t[2] - 1.0 / 3.0
+    a, b, c = t[3], t[4], t[5]
+    s2[0] = x * x + 0.5 * (a * a + c * c)
+    s2[1] = y_ * y_ + 0.5 * (a * a + b * b)
+    s2[2] = z * z + 0.5 * (b * b + c * c)
+    s2[3] = a * (x + y_) + b * c / _ROOT
+    s2[4] = b * (y_ + z) + a * c / _ROOT
+    s2[5] = c * (x + z) + a * b / _ROOT
+    j = s2[0] + s2[1] + s2[2]
+    return trace, j, s2[0] * x + s2[1] * y_ + s2[2] * z + s2[3] * a + s2[4] * b + s2[5] * c
+
+
+class Room(NamedTuple):
+    """Arrays that the stages of a step share."""
+
+    t: FloatArray
+    """(6,): stress over its trace."""
+
+    s2: FloatArray
+    """(6,): square of the deviator of t."""
+
+    D: FloatArray
+    """(6,): strain rate as L sees it."""
+
+    f: FloatArray
+    """(5,): functions of the law."""
+
+    slopes: FloatArray
+    """(5, 4): their derivatives."""
+
+    units: FloatArray
+    """(2, 6): unit strains along the path, and across it in the plane of the old intergranular strain."""
+
+    way: FloatArray
+    """(WAY,): the path of the intergranular strain."""
+
+    lead: FloatArray
+    """(LEAD,): what it makes of the strain rate."""
+
+
+@kernel
+def _rate(
+    y: FloatArray,
+    n: int,
+    fraction: float,
+    loading: bool,
+    length: float,
+    volume: float,
+    e: float,
+    constants: FloatArray,
+    room: Room,
+    rate: FloatArray,
+) -> bool:
+    """Fill the derivative by the fraction of the path of y: stress (n,), tangent (n, n), q and its slope.
+
+    ``length``, ``volume``, ``e``: norm of the strain of the whole path, its volume strain, the old void ratio. False
+    where the law is not defined.
+    """
+    t, D, f, slopes, units, lead = room.t, room.D, room.f, room.slopes, room.units, room.lead
+    trace, j, k = _invariants(y, n, constants[1], t, room.s2)
+    void = (1.0 + e) * math.exp(-fraction * volume) - 1.0
+    if not (trace > _LEAST_TRACE and void > 0.0):
+        return False
+    if constants[0] == CLAY:
+        known = clay_functions(trace, j, k, void, constants, FIRST, f, slopes)
+    else:
+        known = sand_functions(trace, j, k, void, constants, FIRST, f, slopes)
+    if not known:
+        return False
+    if constants[2] > 0.0:
+        along_way(fraction, loading, y[n + n * n], y[n + n * n + 1], constants, room.way, lead)
+    A, B, C, n0, n1 = f[0], f[1], f[2], f[3], f[4]
+    size = lead[2] * length
+    td, t0, t1 = 0.0, 0.0, 0.0
+    for i in range(n):
+        D[i] = length * (lead[0] * units[0, i] + lead[1] * units[1, i])
+        td += t[i] * D[i]
+        t0 += t[i] * units[0, i]
+        t1 += t[i] * units[1, i]
+    D_trace = D[0] + D[1] + D[2]
+    trace0, trace1 = units[0, 0] + units[0, 1] + units[0, 2], units[1, 0] + units[1, 1] + units[1, 2]
+    w = C * td - n1 * size
+    for i in range(n):
+        rate[i] = A * D[i] + w * t[i] + (B * D_trace - n0 * size if i < 3 else 0.0)
+    # Column by column, the derivative by one strain: that of stress so far is in y.
+    same = lead[7]
+    for m in range(n):
+        first = n + n * m
+        of_trace = (y[first] + y[first + 1] + y[first + 2]) / trace
+        of_t, of_s2, of_D = 0.0, 0.0, 0.0
+        for i in range(n):
+            b = y[first + i]
+            of_t += t[i] * b
+            of_s2 += room.s2[i] * b
+            of_D += D[i] * b
+        of_t, of_s2, of_D = of_t / trace, of_s2 / trace, of_D / trace
+        one = 1.0 if m < 3 else 0.0
+        of_j = 2.0 * (of_t - (1.0 / 3.0 + j) * of_trace)
+        of_k = 3.0 * (of_s2 - (k + j / 3.0) * of_trace)
+        of_e = -fraction * one
+        u0 = (lead[3] - same) * units[0, m] + lead[4] * units[1, m]
+        u1 = lead[5] * units[0, m] + (lead[6] - same) * units[1, m]
+        of_size = lead[8] * units[0, m] + lead[9] * units[1, m]
+        for i in range(5):
+            f[i] = slopes[i, 0] * of_trace + slopes[i, 1] * of_j + slopes[i, 2] * of_k + slopes[i, 3] * of_e
+        everywhere = D_trace * f[1] - size * f[3] - n0 * of_size + B * (same * one + trace0 * u0 + trace1 * u1)
+        along = C * (of_D - td * of_trace + same * t[m] + t0 * u0 + t1 * u1) + td * f[2] - size * f[4] - n1 * of_size
+        along -= w * of_trace
+        u0, u1 = A * u0, A * u1
+        for i in range(n):
+            rate[first + i] = (
+                w / trace * y[first + i] + t[i] * along + D[i] * f[0] + units[0, i] * u0 + units[1, i] * u1
+            )
+        for i in range(3):
+            rate[first + i] += everywhere
+        rate[first + m] += A * same
+    rate[n + n * n] = lead[10]
+    rate[n + n * n + 1] = lead[11]
+    return True
+
+
+@kernel
+def _integrate(
+    y: FloatArray,
+    n: int,
+    begin: float,
+    end: float,
+    loading: bool,
+    length: float,
+    volume: float,
+    e: float,
+    constants: FloatArray,
+    room: Room,
+    rates: FloatArray,
+    trial: FloatArray,
+) -> bool:
+    """Carry y from one fraction of the path to another by substeps; False where no stress was found."""
+    whole = end - begin
+    now, part, weight, scale = begin, whole, 0.0, 1.0
+    size = y.shape[0]
+    fresh = True
+    for _ in range(_LARGEST_COUNT):
+        room.way[8] = max(0.1 * part * room.way[2], 1.0e-30)
+        if fresh:
+            if not _rate(y, n, now, loading, length, volume, e, constants, room, rates[0]):
+                return False
+            weight, pace = room.lead[12], room.lead[10]
+            square = 0.0
+            for i in range(n):
+                square += (y[i] + (constants[1] if i < 3 else 0.0)) ** 2
+            scale = math.sqrt(square)
+            # A transient of h is not stepped over.
+            if not loading:
+                part = min(part, _LONGEST / room.way[2])
+            elif weight * pace > _STEADY * room.way[2]:
+                part = min(part, _LONGEST / pace)
+        last = part >= 0.999999 * (end - now)
+        part = end - now if last else part
+        good = True
+        for stage in range(1, 6):
+            for i in range(size):
+                total = 0.0
+                for old in range(stage):
+                    total += _STAGES[stage, old] * rates[old, i]
+                trial[i] = y[i] + part * total
+            good = _rate(
+                trial, n, now + part * _NODES[stage], loading, length, volume, e, constants, room, rates[stage]
+            )
+            if not good:
+                break
+        fresh = False
+        factor = 0.2
+        if good:
+            # Of the tensors, so that turned axes have the same substeps.
+            square = 0.0
+            for i in range(n + 1):
+                place, share = (i, 1.0 / scale) if i < n else (n + n * n, weight)
+                total = 0.0
+                for stage in range(6):
+                    total += _ERRORS[stage] * rates[stage, place]
+                square += (share * part * total) ** 2
+            error = math.sqrt(square) if square < math.inf else math.inf
+            if error < math.inf:
+                factor = min(5.0, max(0.2, 0.9 * (_TOLERANCE / max(error, 1.0e-20)) ** 0.2))
+            good = error <= _TOLERANCE
+        if good:
+            for i in range(size):
+                total = 0.0
+                for stage in range(6):
+                    total += _WEIGHTS[stage] * rates[stage, i]
+                y[i] += part * total
+            if last:
+                return True
+            now += part
+            fresh = True
+        part *= factor
+        if part < _SHORTEST * whole:
+            return False
+    return False
+
+
+@kernel
+def hypoplastic_update(
+    old: FloatArray,
+    strain: FloatArray,
+    state: FloatArray,
+    constants: FloatArray,
+    new: FloatArray,
+    new_state: FloatArray,
+    tangent: FloatArray,
+) -> int:
+    """Stress, state and tangent after a step of strain.
+
+    Parameters
+    ----------
+    old, strain
+        (4,) or (6,): stress, kPa, and strain with engineering shear, compression positive.
+    state
+        (STATE,): void ratio; intergranular strain with engineering shear; mobilised friction angle, degree.
+    constants
+        Number of the law, p_t (kPa), R (0: without intergranular strain), m_R, m_T, beta_r, chi, and those of the law.
+    new, new_state, tangent
+        Filled; the tangent (n, n) of a step without strain is that of a reversal.
+
+    Returns
+    -------
+    int
+        0, or -1 where the law gives no stress.
+    """
+    n = old.shape[0]
+    R, e = constants[2], state[0]
+    y, trial, rates = np.zeros(n + n * n + 2), np.empty(n + n * n + 2), np.empty((6, n + n * n + 2))
+    room = Room(
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(5),
+        np.zeros((5, 4)),
+        np.zeros((2, 6)),
+        np.zeros(WAY),
+        np.zeros(LEAD),
+    )
+    units, lead, way = room.units, room.lead, room.way
+    lead[0], lead[2], lead[3], lead[6], lead[7], lead[8] = 1.0, 1.0, 1.0, 1.0, 1.0, 1.0
+    length, volume = 0.0, strain[0] + strain[1] + strain[2]
+    along, across, total = 0.0, 0.0, 0.0
+    for i in range(n):
+        y[i] = old[i] if i < 3 else _ROOT * old[i]
+        units[0, i] = strain[i] if i < 3 else strain[i] / _ROOT
+        length += units[0, i] * units[0, i]
+        if R > 0.0:
+            units[1, i] = (state[1 + i] if i < 3 else state[1 + i] / _ROOT) / R
+            total += units[1, i] * units[1, i]
+    length, total = math.sqrt(length), math.sqrt(total)
+    if not (length < math.inf and total < math.inf):
+        return -1
+    if length == 0.0:
+        # The tangent of a reversal: at its beginning, and without N.
+        lead[2], lead[8], way[0], way[8] = 0.0, 0.0, -min(total, 1.0), 1.0e-30
+        for i in range(n):
+            units[0, i] = units[1, i] / total if total > 0.0 else 0.0
+            units[1, i] = 0.0
+        if not _rate(y, n, 0.0, False, 0.0, 0.0, e, constants, room, trial):
+            return -1
+        for i in range(n * n):
+            y[n + i] = trial[n + i]
+    else:
+        for i in range(n):
+            units[0, i] /= length
+            along += units[0, i] * units[1, i]
+        for i in range(n):
+            units[1, i] -= along * units[0, i]
+            across += units[1, i] * units[1, i]
+        across = math.sqrt(across)
+        if not across > _ALIGNED * total:
+            across = 0.0
+        for i in range(n):
+            units[1, i] = units[1, i] / across if across > 0.0 else 0.0
+        turn = 0.0
+        if R > 0.0:
+            excess = max(math.hypot(along, across), 1.0)  # beyond 1 by rounding or extrapolation
+            y[n + n * n], y[n + n * n + 1] = begin_way(along / excess, across / excess, length / R, constants[5], way)
+            turn = way[3]
+        if turn > 0.0 and not _integrate(y, n, 0.0, turn, False, length, volume, e, constants, room, rates, trial):
+            return -1
+        if turn < 1.0 and not _integrate(y, n, turn, 1.0, True, length, volume, e, constants, room, rates, trial):
+            return -1
+        along, across = end_of_way(y[n + n * n], constants, way) if R > 0.0 else (0.0, 0.0)
+    for i in range(y.shape[0]):
+        if not abs(y[i]) < math.inf:
+            return -1
+    _, j, k = _invariants(y, n, constants[1], room.t, room.s2)
+    new_state[0] = (1.0 + e) * math.exp(-volume) - 1.0
+    for i in range(6):
+        h = 0.0
+        if length == 0.0:
+            h = state[1 + i]
+        elif i < n:
+            h = R * (along * units[0, i] + across * units[1, i])
+        new_state[1 + i] = h if i < 3 or length == 0.0 else h * _ROOT
+    # Matsuoka and Nakai: sin^2 of the friction angle of a triaxial state of the same I1 I2/I3.
+    square = (j - 3.0 * k) / max(8.0 / 27.0 - (j + k) / 3.0, 1.0e-30)
+    new_state[7] = math.degrees(math.asin(math.sqrt(min(max(square, 0.0), 1.0))))
+    for i in range(n):
+        new[i] = y[i] if i < 3 else y[i] / _ROOT
+        for m in range(n):
+            turned = 1.0 if i < 3 else 1.0 / _ROOT
+            tangent[i, m] = y[n + n * m + i] * (turned if m < 3 else turned / _ROOT)
+    return 0
