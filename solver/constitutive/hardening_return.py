@@ -1,0 +1,282 @@
+"""Principal stresses of a step of hardening soil on given active surfaces and edges, by Newton's method.
+
+Equations and notation: :mod:`geoswarm.solver.constitutive.hardening_surfaces`. The step is implicit; its modulus is
+that of the mean of old and new s3, so that the way back of an elastic step ends where it began. On edges of the
+pyramids (1: s2 = s3, 2: s1 = s2, 3: both) flow is any mean of the flows of both sides: stresses and flows are averaged
+there, and all surfaces are functions of sums of principal stresses whose weights the edge gives.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.hardening_surfaces import (
+    HardeningSoil,
+    cap_pressure,
+    elastic_modulus,
+    largest_shear,
+    mobilised_dilatancy,
+)
+from geoswarm.solver.constitutive.tensors import principal_axes, solve_dense
+from geoswarm.solver.kernels.jit import kernel
+
+__all__ = ["BEYOND", "CAP", "SHEAR", "TENSION", "Room", "dot", "solve_on", "trial_stresses"]
+
+_ITERATIONS: Final = 40
+_HALVINGS: Final = 8
+_RESIDUAL: Final = 1.0e-12
+_ROUNDS: Final = 8
+BEYOND: Final = 1.0e-10
+"""What counts as outside a surface, over the size of the stresses."""
+
+SHEAR: Final = 1
+CAP: Final = 2
+TENSION: Final = 4
+"""Surfaces; sums of them are sets of active ones."""
+
+
+class Room(NamedTuple):
+    """Arrays of a step."""
+
+    old: FloatArray
+    """(6,): stress before."""
+
+    unit: FloatArray
+    """(6,): stress of the strain increment for an elastic modulus of 1."""
+
+    trial: FloatArray
+    """(3,): principal trial stresses."""
+
+    slope: FloatArray
+    """(3,): their derivative by the elastic modulus."""
+
+    axes: FloatArray
+    """(3, 3): their axes, columns."""
+
+    mean: FloatArray
+    """(3, 3): averages over an edge; its first and last row are w1 and w3."""
+
+    k: FloatArray
+    """(3,): weights of qc."""
+
+    least: FloatArray
+    """(3,): weights of s3 in the elastic modulus."""
+
+    D: FloatArray
+    """(3, 3): derivatives of the principal stresses by the principal strains."""
+
+    flows: FloatArray
+    """(3, 3): of shear, cap and tension."""
+
+
+@kernel
+def _average(v: FloatArray, edge: int) -> None:
+    """Average three values over those that an edge makes the same."""
+    if edge == 1:
+        v[1] = 0.5 * (v[1] + v[2])
+        v[2] = v[1]
+    elif edge == 2:
+        v[0] = 0.5 * (v[0] + v[1])
+        v[1] = v[0]
+    elif edge == 3:
+        v[0] = (v[0] + v[1] + v[2]) / 3.0
+        v[1] = v[0]
+        v[2] = v[0]
+
+
+@kernel
+def dot(a: FloatArray, b: FloatArray) -> float:
+    total: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return total
+
+
+@kernel
+def trial_stresses(modulus: float, room: Room) -> None:
+    """Fill principal trial stresses, axes and slopes."""
+    total = np.empty(6)
+    for i in range(6):
+        total[i] = room.old[i] + modulus * room.unit[i]
+    values, axes = principal_axes(total)
+    d = room.unit
+    for k in range(3):
+        x, y, z = axes[0, k], axes[1, k], axes[2, k]
+        room.axes[0, k], room.axes[1, k], room.axes[2, k] = x, y, z
+        room.trial[k] = values[k]
+        room.slope[k] = d[0] * x * x + d[1] * y * y + d[2] * z * z + 2.0 * (d[3] * x * y + d[4] * y * z + d[5] * z * x)
+
+
+@kernel
+def _weigh(edge: int, trial: FloatArray, size: float, soil: HardeningSoil, room: Room) -> None:
+    """Fill the weights of an edge."""
+    k, t = room.k, trial
+    for i in range(3):
+        for j in range(3):
+            room.mean[i, j] = 1.0 if i == j else 0.0
+        room.least[i] = 1.0 if i == 2 else 0.0
+    for i in range(3):
+        _average(room.mean[i], edge)
+    k[0], k[1], k[2] = 1.0, soil.delta - 1.0, -soil.delta
+    _average(k, edge)
+    # Without an edge the minor stress of equal trial stresses is their mean: no axis is preferred.
+    same = edge
+    if edge == 0 and t[1] - t[2] <= BEYOND * size:
+        same = 3 if t[0] - t[1] <= BEYOND * size else 1
+    _average(room.least, same)
+
+
+@kernel
+def _system(
+    u: FloatArray,
+    active: int,
+    edge: int,
+    gamma: float,
+    pressure: float,
+    least_old: float,
+    fixed: float,
+    soil: HardeningSoil,
+    room: Room,
+    matrix: FloatArray,
+    right: FloatArray,
+) -> float:
+    """Fill the linearised equations for u (6,), principal stresses and the multipliers of shear, cap and tension.
+
+    Unknown are the stresses and the multipliers of active surfaces, n: ``matrix`` (n, n); ``right`` (n, 4), stress of
+    the unit principal strains and the residual. Returns the largest residual, kPa.
+    """
+    w, k, flows = room.mean, room.k, room.flows
+    E, E_s = fixed, 0.0
+    if fixed == 0.0:
+        E, E_s = elastic_modulus(least_old, dot(room.least, u), soil)
+    trial_stresses(E, room)
+    _average(room.trial, edge)
+    _average(room.slope, edge)
+    lame = soil.poisson / ((1.0 + soil.poisson) * (1.0 - 2.0 * soil.poisson))
+    twice = 1.0 / (1.0 + soil.poisson)
+    high, low, along = dot(w[0], u), dot(w[2], u), dot(k, u)
+    sine, sine_high, sine_low = mobilised_dilatancy(high, low, soil)
+    X = (u[0] + u[1] + u[2]) / 3.0 + soil.attraction
+    square = soil.alpha * soil.alpha
+    P = max(math.sqrt(along * along / square + X * X), 1.0e-9)
+    for i in range(3):
+        flows[0, i] = 0.5 * (1.0 - sine) * w[0, i] - 0.5 * (1.0 + sine) * w[2, i]
+        flows[1, i] = (k[i] * along / square + X / 3.0) / P
+        flows[2, i] = -w[2, i]
+    volume = -sine * u[3] + X / P * u[4] - u[5]
+    for i in range(3):
+        relaxed = lame * volume + twice * (u[3] * flows[0, i] + u[4] * flows[1, i] + u[5] * flows[2, i])
+        right[i, 3] = room.trial[i] - u[i] - E * relaxed
+        for j in range(3):
+            sine_j = sine_high * w[0, j] + sine_low * w[2, j]
+            bend = (k[i] * k[j] / square + 1.0 / 9.0 - flows[1, i] * flows[1, j]) / P
+            of_volume = (1.0 / 3.0 - X / P * flows[1, j]) / P
+            change = -0.5 * u[3] * (w[0, i] + w[2, i]) * sine_j + u[4] * bend
+            matrix[i, j] = E * (lame * (-u[3] * sine_j + u[4] * of_volume) + twice * change)
+            matrix[i, j] += (relaxed - room.slope[i]) * E_s * room.least[j]
+            right[i, j] = E * (lame + twice * w[i, j])
+        matrix[i, i] += 1.0
+    at = 3
+    for surface in range(3):
+        if not active & (1 << surface):
+            continue
+        dilation = X / P if surface == 1 else (-sine if surface == 0 else -1.0)
+        for i in range(3):
+            matrix[i, at] = E * (twice * flows[surface, i] + lame * dilation)
+            matrix[at, i] = -w[2, i]
+            right[at, i] = 0.0
+        for i in range(3, matrix.shape[0]):
+            matrix[at, i] = 0.0
+        if surface == 0:
+            limit, limit_low, limit_gamma = largest_shear(gamma + u[3], low, soil)
+            matrix[at, at], right[at, 3] = -limit_gamma, limit - high + low
+            for i in range(3):
+                matrix[at, i] = w[0, i] - (1.0 + limit_low) * w[2, i]
+        elif surface == 1:
+            cap, cap_volume = cap_pressure(pressure, u[4] * X / P, soil)
+            matrix[at, at], right[at, 3] = -cap_volume * X / P, cap + soil.attraction - P
+            for i in range(3):
+                matrix[at, i] = flows[1, i] - cap_volume * u[4] * (1.0 / 3.0 - X / P * flows[1, i]) / P
+        else:
+            right[at, 3] = soil.tension + low
+        at += 1
+    worst = 0.0
+    for i in range(matrix.shape[0]):
+        worst = max(worst, abs(right[i, 3]))
+    return worst if worst == worst else math.inf
+
+
+@kernel
+def _newton(
+    u: FloatArray,
+    active: int,
+    edge: int,
+    gamma: float,
+    pressure: float,
+    least_old: float,
+    size: float,
+    fixed: float,
+    soil: HardeningSoil,
+    room: Room,
+) -> bool:
+    """Newton's method with line search from u; elastic modulus ``fixed`` unless that is 0. Whether u was found."""
+    places, n = np.zeros(6, dtype=np.int64), 3
+    for i in range(3):
+        places[i] = i
+        if active & (1 << i):
+            places[n] = 3 + i
+            n += 1
+    matrix, right, base, way = np.empty((n, n)), np.empty((n, 4)), np.empty(n), np.empty(n)
+    worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, matrix, right)
+    for _ in range(_ITERATIONS):
+        if not worst < math.inf or not solve_dense(matrix, right):
+            return False
+        if worst <= _RESIDUAL * size:
+            for i in range(n):  # a last correction: drivers ask for as little
+                u[places[i]] += right[i, 3]
+            for i in range(3):
+                for j in range(3):
+                    room.D[i, j] = right[i, j]
+            return True
+        for i in range(n):
+            base[i], way[i] = u[places[i]], right[i, 3]
+        step, before = 1.0, worst
+        for _ in range(_HALVINGS):
+            for i in range(n):
+                u[places[i]] = base[i] + step * way[i]
+            worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, matrix, right)
+            if worst < (1.0 - 1.0e-4 * step) * before or worst <= _RESIDUAL * size:
+                break
+            step *= 0.5
+    return False
+
+
+@kernel
+def solve_on(
+    u: FloatArray,
+    active: int,
+    edge: int,
+    gamma: float,
+    pressure: float,
+    least_old: float,
+    size: float,
+    careful: bool,
+    soil: HardeningSoil,
+    room: Room,
+) -> bool:
+    """Solve from u, elastic stresses; fills D, flows and trial. Whether u was found.
+
+    ``careful``: first with fixed elastic moduli, each that of the solution before. Where the stress ends far from the
+    elastic one, Newton's method with the modulus as a function of stress may go the wrong way.
+    """
+    _weigh(edge, u, size, soil, room)
+    _average(u, edge)
+    if careful:
+        for _ in range(_ROUNDS):
+            fixed = elastic_modulus(least_old, dot(room.least, u), soil)[0]
+            if not _newton(u, active, edge, gamma, pressure, least_old, size, fixed, soil, room):
+                return False
+    found: bool = _newton(u, active, edge, gamma, pressure, least_old, size, 0.0, soil, room)
+    return found
