@@ -2,9 +2,13 @@
 
 ==================  ==========================================================================
 ``setups``          laboratory tests as stages of a material point
+``specimen``        loads on a specimen as legs, and strains of laboratories
 ``controls``        what is prescribed during a stage
 ``material_point``  a material point led through stages
-``stage_steps``     error-controlled steps through one movement of the controls, or one hold
+``trace``           the way along several legs: states at times, and where something is first reached
+``legs``            the path of a material point along one movement of its controls, or one hold
+``advance``         error-controlled steps along a leg
+``column``          coupled consolidation of a column of points
 ``mixed_step``      one time step under mixed control
 ``constant_load``   a history of constant axial loads: the fast path of the laboratory tests
 ``axial``           one step of a specimen loaded along its axis

@@ -88,6 +88,26 @@ def _substeps(
 
 
 @kernel
+def _state_after(
+    length: float,
+    log_theta: float,
+    axial: float,
+    lateral: float,
+    log_pp: float,
+    guess: float,
+    confined: bool,
+    soil: SoftSoilCreep,
+) -> tuple[float, float]:
+    """Lateral stress and ln p_p after a hold over s = 0 .. length, as accurate as a step."""
+    one_lat, one_pp, _, _, _ = _substeps(1, length, log_theta, axial, lateral, log_pp, guess, confined, soil)
+    if not confined:
+        return one_lat, one_pp
+    two_lat, two_pp, _, _, _ = _substeps(2, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil)
+    three_lat, three_pp, _, _, _ = _substeps(3, length, log_theta, axial, lateral, log_pp, two_lat, confined, soil)
+    return 4.5 * three_lat - 4.0 * two_lat + 0.5 * one_lat, 4.5 * three_pp - 4.0 * two_pp + 0.5 * one_pp
+
+
+@kernel
 def _end_speeds(
     unit: float, now: float, pace: float, new_pace: float, direction: float, new_direction: float, change: float
 ) -> tuple[float, float, float]:
@@ -113,6 +133,8 @@ def constant_load_history(
     tolerance: float,
     times: FloatArray,
     firsts: IntArray,
+    states: FloatArray,
+    end_states: FloatArray,
 ) -> tuple[int, int, float, FloatArray, FloatArray]:
     """Strains of a specimen under constant axial loads.
 
@@ -133,6 +155,9 @@ def constant_load_history(
         Shape (m,). Times from the beginning of their stage, day, at most its duration, increasing in each stage.
     firsts
         Shape (n + 1,). The times of stage i are ``times[firsts[i]:firsts[i + 1]]``.
+    states, end_states
+        Filled with lateral stress, kPa, and ln p_p at the times (m, 2) and at the ends of the stages (n, 2), where they
+        are wanted; otherwise without rows.
 
     Returns
     -------
@@ -180,6 +205,8 @@ def constant_load_history(
                 for rest in range(point, last):
                     output[rest, 0] = axial_strain
                     output[rest, 1] = lateral_strain
+                    if end_states.shape[0] > 0:
+                        states[rest, 0], states[rest, 1] = lateral, log_pp
                 break
             whole = x + math.log1p(math.exp(-x)) if x > 0.0 else math.log1p(math.exp(x))
             if steps == 0:
@@ -245,6 +272,7 @@ def constant_load_history(
             final = length >= whole
             end = duration if final else now + math.exp(log_theta + length + math.log(-math.expm1(-length)))
             while point < last and (times[point] <= end or final):
+                at = length
                 if final and times[point] >= duration:
                     fraction = 1.0
                 else:
@@ -266,6 +294,10 @@ def constant_load_history(
                     + start_part * speed * lateral_direction
                     - end_part * end_speed * new_lateral_direction
                 )
+                if end_states.shape[0] > 0:
+                    states[point, 0], states[point, 1] = _state_after(
+                        min(at, length), log_theta, axial, lateral, log_pp, lateral, confined, soil
+                    )
                 point += 1
             now = end
             lateral, log_pp = new_lat, new_pp
@@ -277,4 +309,6 @@ def constant_load_history(
                 length *= min(factor, 4.0)
         ends[stage, 0] = axial_strain
         ends[stage, 1] = lateral_strain
+        if end_states.shape[0] > 0:
+            end_states[stage, 0], end_states[stage, 1] = lateral, log_pp
     return FINISHED, stresses.shape[0], 0.0, output, ends

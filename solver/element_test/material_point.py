@@ -9,19 +9,11 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.element_test.controls import Stage
-from geoswarm.solver.element_test.stage_steps import Movement, PointState, follow_movement
-from geoswarm.solver.errors import DivergedError, InfeasibleError
+from geoswarm.solver.element_test.legs import Leg, PointState, follow_leg, point_under
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.stress_measures import mean_and_squared_q
 
 __all__ = ["History", "PointState", "follow", "point_under"]
-
-_COMPONENTS = 6
-
-
-def point_under(stress: Sequence[float] | FloatArray, soil: Soil) -> PointState:
-    """Unstrained state under a stress (6,), kPa, in which the soil is placed."""
-    components = np.array(stress, dtype=np.float64)
-    return PointState(components, np.zeros(6), soil.law.initial_state(components, soil.constants))
 
 
 @dataclass(frozen=True)
@@ -48,9 +40,7 @@ class History:
     @property
     def q(self) -> FloatArray:
         """Deviatoric stress sqrt(3/2 s:s), kPa, shape (m,)."""
-        deviator = self.stress[:, :3] - self.p[:, np.newaxis]
-        square = 1.5 * (deviator**2).sum(axis=1) + 3.0 * (self.stress[:, 3:] ** 2).sum(axis=1)
-        root: FloatArray = np.sqrt(square)
+        root: FloatArray = np.sqrt(mean_and_squared_q(self.stress)[1])
         return root
 
 
@@ -67,7 +57,7 @@ def follow(
     Parameters
     ----------
     soil, initial
-        Material and state before the first stage.
+        Material and state before the first stage, of six components.
     stages
         In the order of their application.
     times
@@ -81,46 +71,34 @@ def follow(
     DivergedError
         No solution was found, for instance because a load is above the strength; names stage and time.
     """
-    state = initial
+    state, n = initial, initial.stress.size
     indices: list[int] = []
     wanted: list[float] = []
-    states: list[PointState] = []
-    if _COMPONENTS not in soil.law.components:
-        raise InfeasibleError(f"{soil.law.title} ({soil.law.kind}) has no stress update for element tests")
+    rows = [np.empty((0, 2 * n + state.internal.size))]
     for index, (stage, points) in enumerate(zip(stages, times, strict=True)):
         x = np.array(points, dtype=np.float64)
         if (np.diff(x) <= 0.0).any() or (x < 0.0).any() or (x > stage.duration).any():
             raise ValueError(f"stage {stage.name}: increasing times from 0 to {stage.duration:g} day are accepted")
-        controls = stage.arrays()
+        coefficients, of_stress, values = stage.arrays()
+        stress_rows, strain_rows = (np.where(own[:, np.newaxis], coefficients, 0.0) for own in (of_stress, ~of_stress))
         if stage.instant:
-            state = _move(soil, state, stage, Movement(*controls, 0.0, True), np.zeros(1), tolerance)[-1]
-        reached = [state] if x.size and x[0] == 0.0 else []
+            load = Leg(stage.name, stress_rows, strain_rows, values, 0.0)
+            state = follow_leg(soil, load, state, tolerance, dense=False).end
         if stage.duration > 0.0:
-            later = x[x > 0.0]
-            goals = later if later.size and later[-1] == stage.duration else np.append(later, stage.duration)
-            movement = Movement(*controls, stage.duration, not stage.instant)
-            path = _move(soil, state, stage, movement, goals, tolerance)
-            reached += path[: later.size]
-            state = path[-1]
+            leg = Leg(stage.name, stress_rows, strain_rows, values, stage.duration, hold=stage.instant)
+            path = follow_leg(soil, leg, state, tolerance, dense=bool(x.size))
+            rows.append(path.at(x / stage.duration))
+            state = path.end
+        elif x.size:
+            rows.append(np.concatenate([state.stress, state.strain, state.internal])[np.newaxis])
         indices += [index] * x.size
         wanted += x.tolist()
-        states += reached
+    found = np.concatenate(rows)
     return History(
         np.array(indices, dtype=np.int64),
         np.array(wanted),
-        np.array([one.stress for one in states]).reshape(-1, 6),
-        np.array([one.strain for one in states]).reshape(-1, 6),
-        np.array([one.internal for one in states]).reshape(len(states), state.internal.size),
+        found[:, :n],
+        found[:, n : 2 * n],
+        found[:, 2 * n :],
         state,
     )
-
-
-def _move(
-    soil: Soil, state: PointState, stage: Stage, movement: Movement, times: FloatArray, tolerance: float
-) -> list[PointState]:
-    states, fraction = follow_movement(soil, movement, times, tolerance, state)
-    if len(states) < times.size:
-        duration = movement.duration
-        where = f"{fraction * duration:.6g} day after its beginning" if duration else f"at {fraction:.2%} of its load"
-        raise DivergedError(f"stage {stage.name}: no solution {where}")
-    return states

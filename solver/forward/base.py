@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias, runtime_checkable
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, JsonValue
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.parameter_info import ParameterInfo
+
+if TYPE_CHECKING:
+    from geoswarm.solver.user_laws.section import UserLawSection
 
 __all__ = [
     "ForwardModel",
@@ -23,6 +28,7 @@ __all__ = [
     "SeriesInfo",
     "TellsUnused",
     "in_unit",
+    "unknown_series",
 ]
 
 ForwardRun: TypeAlias = Callable[[Mapping[str, float]], dict[str, FloatArray]]
@@ -58,6 +64,29 @@ class SeriesInfo:
     x_upper: float | None = None
     x_integer: bool = False
     x_increasing: bool = True
+
+    def require(self, x: FloatArray) -> None:
+        """Refuse points (m,) that it cannot be asked for.
+
+        Raises
+        ------
+        ProblemError
+            One is outside the limits, or no whole number where only these are accepted.
+        """
+        low = -math.inf if self.x_lower is None else self.x_lower
+        high = math.inf if self.x_upper is None else self.x_upper
+        wrong = ~((x >= low) & (x <= high))
+        if self.x_integer:
+            wrong |= x != np.round(x)
+        if wrong.any():
+            accepted = f"{'whole numbers ' if self.x_integer else ''}from {low:g} to {high:g}"
+            unit = f" {self.x_unit}" if self.x_unit else ""
+            raise ProblemError([Issue(self.name, f"x = {x[wrong][0]:g}{unit}: {accepted}{unit} are accepted")])
+
+
+def unknown_series(name: str, known: Iterable[str]) -> ProblemError:
+    """The error for a series that a model does not have."""
+    return ProblemError([Issue("series", f"{name!r} is unknown; known are {', '.join(known)}")])
 
 
 class ForwardModel(Protocol):
@@ -100,12 +129,14 @@ class TellsUnused(Protocol):
         """Those of some parameters that change nothing."""
 
 
-def in_unit(unit: str, lowest: float | None = None, highest: float | None = None) -> dict[str, JsonValue]:
+def in_unit(
+    unit: str, lowest: float | None = None, highest: float | None = None, *, shown: bool = False
+) -> dict[str, JsonValue]:
     """What a field's JSON schema tells forms beside its description: ``x-unit`` and a usual range, ``x-typical``.
 
-    For ``Field(json_schema_extra=...)``.
+    For ``Field(json_schema_extra=...)``. ``shown``: the field is seen at once though it may be left out.
     """
-    hint: dict[str, JsonValue] = {"x-unit": unit}
+    hint: dict[str, JsonValue] = {"x-unit": unit} | ({"x-shown": True} if shown else {})
     return hint if lowest is None or highest is None else hint | {"x-typical": [lowest, highest]}
 
 
@@ -141,9 +172,14 @@ class ForwardModelSpec(BaseModel, ABC):
         return frozenset()
 
     @property
+    def user_laws(self) -> tuple[UserLawSection, ...]:
+        """Sections of soil laws in libraries of this machine."""
+        return ()
+
+    @property
     def runs_programs(self) -> bool:
-        """Whether it starts programs of this machine: then no problem from the network may have it."""
-        return self.programs
+        """Whether it starts programs or calls libraries of this machine: no problem from the network may have it."""
+        return self.programs or bool(self.user_laws)
 
     @property
     def only_here(self) -> bool:
@@ -157,7 +193,7 @@ class ForwardModelSpec(BaseModel, ABC):
 
     def unavailable(self) -> str | None:
         """Why it cannot be run on this machine though its section is sound, in words; None: it can."""
-        return None
+        return next((why for law in self.user_laws if (why := law.unavailable())), None)
 
     def require_available(self, path: str = "forward_model") -> None:
         """Refuse what cannot be run on this machine.

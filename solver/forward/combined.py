@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
@@ -26,6 +26,9 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.forward.registry import AnyForwardModelSpec, built, find_spec
+
+if TYPE_CHECKING:
+    from geoswarm.solver.user_laws.section import UserLawSection
 
 __all__ = ["CombinedModel", "CombinedSpec"]
 
@@ -71,6 +74,11 @@ class CombinedSpec(ForwardModelSpec):
     def kernels(self) -> frozenset[str]:
         """Those of all parts."""
         return frozenset().union(*(part.kernels for part in self.parts.values()))
+
+    @property
+    def user_laws(self) -> tuple[UserLawSection, ...]:
+        """Those of all parts."""
+        return tuple(law for part in self.parts.values() for law in part.user_laws)
 
     @property
     def runs_programs(self) -> bool:

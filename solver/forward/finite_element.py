@@ -52,9 +52,10 @@ class FiniteElementSpec(BodySections, ForwardModelSpec):
         }
 
     def with_files(self, folder: Path | None, path: str) -> FiniteElementSpec:
-        """The section with the mesh itself in place of the name of its file."""
-        mesh = self.mesh.with_tables(folder, f"{path}.mesh")
-        return self if mesh is self.mesh else self.model_copy(update={"mesh": mesh})
+        """The section with the mesh itself in place of the name of its file, and what is known of libraries."""
+        found = super().with_files(folder, path)
+        mesh = found.mesh.with_tables(folder, f"{path}.mesh")
+        return found if mesh is found.mesh else found.model_copy(update={"mesh": mesh})
 
     def build(self) -> FiniteElementModel:
         """Build the forward model."""

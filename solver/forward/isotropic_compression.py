@@ -10,8 +10,6 @@ from pydantic import Field
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
-from geoswarm.solver.element_test.controls import Stage
-from geoswarm.solver.element_test.setups import isotropic_load
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
@@ -26,7 +24,8 @@ class IsotropicCompressionSpec(StagedLoadSpec):
     Series: ``axial_displacement`` and ``radial_displacement`` (m, positive when height and radius decrease) and
     ``volumetric_strain`` over time, each also as ``stage_`` form over the stage number, and ``stage_void_ratio``. The
     specimen stays a cylinder. ``volumetric_strain`` is the engineering one: decrease of the volume over the initial
-    volume. Inside, strain is logarithmic unless ``geometry: fixed``.
+    volume. Inside, strain is logarithmic unless ``geometry: fixed``. At a material point there are also the law's state
+    variables, over time and with ``stage_``.
 
     Primary consolidation is not modelled: there is no excess pore pressure. Leave out the readings before its end in
     every stage (``stage_x_from`` in the observation), or calibrate the ``stage_`` series.
@@ -95,10 +94,6 @@ class IsotropicCompressionModel(StagedLoadModel):
         """The all-round stress."""
         del soil
         return self.spec.initial_stress
-
-    def load(self, stress: float, duration: float) -> Stage:
-        """All-round."""
-        return isotropic_load(stress, duration)
 
     def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         """Displacement or engineering volumetric strain."""

@@ -11,12 +11,11 @@ from pydantic import Field, model_validator
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
 from geoswarm.solver.element_test.axial import equivalent_axial_pressure, lateral_limits
-from geoswarm.solver.element_test.controls import Stage
-from geoswarm.solver.element_test.setups import confined_load
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
+from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Soil
 
 __all__ = ["OedometerModel", "OedometerSpec"]
@@ -28,6 +27,8 @@ class OedometerSpec(StagedLoadSpec):
     Series: ``settlement`` (m) and ``axial_strain`` over time, and ``stage_settlement``, ``stage_axial_strain``,
     ``stage_void_ratio`` over the stage number. Settlement is positive downwards. ``axial_strain`` is the engineering
     (laboratory) strain: settlement over the initial height. Inside, strain is logarithmic unless ``geometry: fixed``.
+    At a material point there are also ``lateral_stress`` (kPa), ``K0`` and the law's state variables, each over time
+    and with ``stage_``.
 
     Primary consolidation is not modelled: there is no excess pore pressure. Leave out the readings before its end in
     every stage (``stage_x_from`` in the observation), or calibrate ``stage_settlement``.
@@ -63,7 +64,7 @@ class OedometerSpec(StagedLoadSpec):
     @model_validator(mode="after")
     def _at_rest(self) -> OedometerSpec:
         if self.K0 is None and not self.law.knows_K0:
-            raise ValueError(f"K0 is missing: material {self.material} knows none")
+            raise ValueError(f"K0 is missing: material {self.law.kind} knows none")
         return self
 
     @classmethod
@@ -120,33 +121,12 @@ class OedometerModel(StagedLoadModel):
 
     def initial_lateral(self, soil: Soil) -> float:
         """K0 times the vertical stress; K0 of the law unless the section gives it."""
-        vertical = self.spec.initial_stress
-        K0 = soil.law.K0(soil.constants) if self.spec.K0 is None else self.spec.K0
-        if K0 is None:
-            raise InfeasibleError(f"material {soil.law.kind} knows no K0; give K0 in the section of the oedometer")
-        lower, upper = axial_limits(vertical, soil)
-        if not lower <= K0 * vertical <= upper:
-            raise InfeasibleError(_violated(K0 * vertical, vertical, lower, upper))
-        return K0 * vertical
-
-    def load(self, stress: float, duration: float) -> Stage:
-        """Without lateral strain."""
-        return confined_load(stress, duration)
+        return horizontal_stress(self.spec.initial_stress, self.spec.K0, soil)
 
     def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         """Settlement or engineering strain."""
         shortening = self.shortening(strain[:, 0], float(zero[0]))
         return self.spec.height * shortening if series == "settlement" else shortening
-
-
-def axial_limits(vertical: float, soil: Soil) -> tuple[float, float]:
-    """Smallest and largest horizontal stress, kPa, that the strength of a law admits, if it declares one."""
-    if soil.law.strength is None:
-        return -math.inf, math.inf
-    cohesion, sin_phi, cos_phi, _, tension = soil.constants[list(soil.law.strength)].tolist()
-    both = 2.0 * cohesion * cos_phi
-    lower = ((1.0 - sin_phi) * vertical - both) / (1.0 + sin_phi)
-    return max(lower, -tension), ((1.0 + sin_phi) * vertical + both) / (1.0 - sin_phi)
 
 
 def _violated(horizontal: float, vertical: float, lower: float, upper: float) -> str:

@@ -40,6 +40,9 @@ BUILT_IN = {
     "combined": "geoswarm.solver.forward.combined:CombinedSpec",
     "oedometer": "geoswarm.solver.forward.oedometer:OedometerSpec",
     "isotropic_compression": "geoswarm.solver.forward.isotropic_compression:IsotropicCompressionSpec",
+    "triaxial": "geoswarm.solver.laboratory.triaxial:TriaxialSpec",
+    "crs_oedometer": "geoswarm.solver.laboratory.crs:CrsOedometerSpec",
+    "direct_simple_shear": "geoswarm.solver.laboratory.simple_shear:DirectSimpleShearSpec",
     "section": "geoswarm.solver.forward.cross_section:SectionSpec",
     "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",
     "command": "geoswarm.solver.forward.programs.command:CommandSpec",
@@ -50,7 +53,8 @@ BUILT_IN = {
 """Forward models of this package, as pyproject.toml declares them."""
 
 PROGRAMS_REFUSED = (
-    "starts or calls a program of the machine it runs on (kind: command, python or umbridge); that is accepted from "
+    "starts or calls a program or library of the machine it runs on (kind: command, python or umbridge, or a material "
+    "with law: umat); that is accepted from "
     "problem files and Python only (geoswarm run, geoswarm.calibrate)"
 )
 """What a service answers to a forward model that runs programs."""

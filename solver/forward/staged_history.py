@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -13,8 +12,8 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from geoswarm.solver.element_test.controls import Stage
-from geoswarm.solver.element_test.material_point import follow, point_under
+from geoswarm.solver.element_test.legs import follow_leg, point_under
+from geoswarm.solver.element_test.specimen import specimen_legs
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.soft_soil_creep import creep_soil
@@ -25,27 +24,32 @@ if TYPE_CHECKING:
 
 __all__ = ["FAST_PATHS", "Calculate", "history_of"]
 
-Calculate: TypeAlias = Callable[[Mapping[str, float]], tuple[FloatArray, FloatArray]]
-"""Parameters by name -> axial and lateral strain at the times (m, 2) and at the ends of the stages (n, 2)."""
+Calculate: TypeAlias = Callable[[Mapping[str, float]], tuple[FloatArray, FloatArray, FloatArray]]
+"""Parameters by name -> rows before the first stage (w,), at the times (m, w) and at the ends of the stages (n, w).
+
+A row holds axial and lateral strain and, where they are wanted, lateral stress, kPa, and the law's state variables.
+"""
 
 Place: TypeAlias = Callable[["StagedLoadModel", Mapping[str, float]], tuple[Soil, float]]
 """A soil and its lateral stress before the first stage, kPa."""
 
 
-def history_of(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
+def history_of(model: StagedLoadModel, times: FloatArray, firsts: IntArray, states: bool) -> Calculate:
     """Prepare the calculation of a test.
 
     Parameters
     ----------
     times, firsts
         As :func:`geoswarm.solver.element_test.constant_load.constant_load_history` takes them.
+    states
+        Whether lateral stress and state variables are wanted, too; not of finite elements.
     """
-    fast = FAST_PATHS.get(model.spec.material)
+    fast = FAST_PATHS.get(model.spec.law.kind)
     if fast is not None:
-        return fast(model, times, firsts)
+        return fast(model, times, firsts, states)
     if model.spec.discretization == "finite_element":
         return _specimen(model, times, firsts, _placed)
-    return _general(model, times, firsts)
+    return _general(model, times, firsts, states)
 
 
 def _loads(model: StagedLoadModel) -> tuple[FloatArray, FloatArray]:
@@ -54,40 +58,52 @@ def _loads(model: StagedLoadModel) -> tuple[FloatArray, FloatArray]:
     return np.array([stage.stress for stage in stages]), np.array([stage.duration for stage in stages])
 
 
-def _upright(stage: Stage) -> Stage:
-    """A stage whose axis is yy, which is vertical where laws place a soil, in place of zz."""
-    turned = tuple(
-        replace(one, coefficients=tuple(one.coefficients[i] for i in (0, 2, 1, 5, 4, 3))) for one in stage.controls
-    )
-    return replace(stage, controls=turned)
+def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray, states: bool) -> Calculate:
+    """Any law at a material point, in as few components as it takes; yy is the axis."""
+    spec, law = model.spec, model.law
+    n = 4 if 4 in law.components else 6
+    legs = []
+    for number, stage in enumerate(spec.stages, start=1):
+        lateral = None if model.confined else model.lateral_ratio * stage.stress
+        name = f"{number} ({stage.stress:g} kPa)"
+        legs.append(specimen_legs(name, n, stage.stress, lateral, stage.duration, 0.0, law.depends_on_time))
+    wanted = [
+        times[first:last] / stage.duration for (first, last), stage in zip(_parts(firsts), spec.stages, strict=True)
+    ]
+    count = len(law.state) if states else 0
+    columns = [n + 1, n, *([0] if states else []), *range(2 * n, 2 * n + count)]
 
-
-def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
-    """Any law at a material point."""
-    spec = model.spec
-    stages = [_upright(model.load(stage.stress, stage.duration)) for stage in spec.stages]
-    wanted = [times[first:last] for first, last in pairwise(firsts.tolist())]
-    moments = [np.append(inside, stage.duration) for inside, stage in zip(wanted, stages, strict=True)]
-    last = np.cumsum([len(one) for one in moments]) - 1
-    inside = np.ones(last[-1] + 1, dtype=np.bool_)
-    inside[last] = False
-
-    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray, FloatArray]:
         soil, lateral = _placed(model, parameters)
-        start = point_under([lateral, spec.initial_stress, lateral, 0.0, 0.0, 0.0], soil)
-        strain = follow(soil, start, stages, moments, tolerance=spec.tolerance).strain[:, [1, 0]]
-        return strain[inside], strain[last]
+        state = point_under([lateral, spec.initial_stress, lateral, *[0.0] * (n - 3)], soil)
+        start = np.concatenate([state.stress, state.strain, state.internal])
+        rows, ends = [np.empty((0, start.size))], []
+        for (load, *hold), fractions in zip(legs, wanted, strict=True):
+            path = follow_leg(soil, load, state, spec.tolerance, dense=False)
+            for leg in hold:
+                path = follow_leg(soil, leg, path.end, spec.tolerance, dense=bool(fractions.size))
+                rows.append(path.at(fractions))
+            if not hold:  # nothing happens after the load
+                rows.append(np.repeat(path.ends[-1:], fractions.size, axis=0))
+            state = path.end
+            ends.append(path.ends[-1])
+        return start[columns], np.concatenate(rows)[:, columns], np.array(ends)[:, columns]
 
     return calculate
+
+
+def _parts(firsts: IntArray) -> list[tuple[int, int]]:
+    return list(pairwise(firsts.tolist()))
 
 
 def _specimen(model: StagedLoadModel, times: FloatArray, firsts: IntArray, place: Place) -> Calculate:
     """Any law with finite elements."""
     specimen, (stresses, durations) = model.specimen, _loads(model)
 
-    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray, FloatArray]:
         soil, lateral = place(model, parameters)
-        return specimen.history(soil, lateral / model.spec.initial_stress, stresses, durations, times, firsts)
+        ratio = lateral / model.spec.initial_stress
+        return np.zeros(2), *specimen.history(soil, ratio, stresses, durations, times, firsts)
 
     return calculate
 
@@ -98,15 +114,17 @@ def _placed(model: StagedLoadModel, parameters: Mapping[str, float]) -> tuple[So
     return soil, model.initial_lateral(soil)
 
 
-def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray) -> Calculate:
+def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray, states: bool) -> Calculate:
     """Soft soil creep, whose loads at a material point are scalar equations."""
     spec = model.spec
     if spec.discretization == "finite_element":
         return _specimen(model, times, firsts, _placed_creep)
     stresses, durations = _loads(model)
 
-    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+    def calculate(parameters: Mapping[str, float]) -> tuple[FloatArray, FloatArray, FloatArray]:
         soil, lateral, log_pp = _initial_creep(model, parameters)
+        inside = np.empty((times.size if states else 0, 2))
+        at_ends = np.empty((stresses.size if states else 0, 2))
         status, stage, time, output, ends = constant_load_history(
             soil,
             stresses,
@@ -118,10 +136,15 @@ def _soft_soil_creep(model: StagedLoadModel, times: FloatArray, firsts: IntArray
             spec.tolerance,
             times,
             firsts,
+            inside,
+            at_ends,
         )
         if status != FINISHED:
             raise DivergedError(_failure(model, status, stage, time))
-        return output, ends
+        if not states:
+            return np.zeros(2), output, ends
+        start = np.array([0.0, 0.0, lateral, log_pp])
+        return start, np.concatenate([output, inside], axis=1), np.concatenate([ends, at_ends], axis=1)
 
     return calculate
 
@@ -153,7 +176,7 @@ def _failure(model: StagedLoadModel, status: int, stage: int, time: float) -> st
     )
 
 
-FAST_PATHS: Mapping[str, Callable[[StagedLoadModel, FloatArray, IntArray], Calculate]] = {
+FAST_PATHS: Mapping[str, Callable[[StagedLoadModel, FloatArray, IntArray, bool], Calculate]] = {
     "soft_soil_creep": _soft_soil_creep
 }
 """Calculations of one law that are faster than the general ones and agree with them."""

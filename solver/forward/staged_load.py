@@ -20,13 +20,14 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
-from geoswarm.solver.element_test.controls import Stage
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
+from geoswarm.solver.forward.apart import guarded
+from geoswarm.solver.forward.base import ForwardRun, SeriesInfo, unknown_series
 from geoswarm.solver.forward.staged_history import history_of
 from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
 from geoswarm.solver.laws.base import Law, Soil
 from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.user_laws.law import UserLaw
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.specimen import Specimen
@@ -37,6 +38,9 @@ _SAME_TIME = 1.0e-9
 """Relative difference (and, in days, absolute one) below which a time is that of a change of stage."""
 
 _CURVE_POINTS = 24
+
+_RATIO, _LATERAL = -1, 2
+"""Columns of a row of states; the state variables follow the lateral stress. -1: lateral over axial stress."""
 
 _UNIT_WEIGHT = 17.85
 """Of the published clay: bulk density 1.82 g/cm3."""
@@ -113,16 +117,17 @@ class StagedLoadModel(ABC):
 
     @cached_property
     def _series(self) -> tuple[SeriesInfo, ...]:
+        named = (*self.series_time, *(one[:4] for one in self._state_series))
         over_time = tuple(
             SeriesInfo(name, text, "time", "day", quantity, unit, 0.0, self._end * (1.0 + _SAME_TIME))
-            for name, text, quantity, unit in self.series_time
+            for name, text, quantity, unit in named
         )
         stages = float(len(self.spec.stages))
         over_stage = [
             SeriesInfo(
                 f"stage_{name}", f"{text} At the end of a stage.", "stage", "", quantity, unit, 1.0, stages, True
             )
-            for name, text, quantity, unit in self.series_time
+            for name, text, quantity, unit in named
         ]
         void_ratio = SeriesInfo(
             "stage_void_ratio",
@@ -136,6 +141,23 @@ class StagedLoadModel(ABC):
             True,
         )
         return (*over_time, *over_stage, void_ratio)
+
+    @cached_property
+    def _state_series(self) -> tuple[tuple[str, str, str, str, int], ...]:
+        """Series of stress and state variables at a material point: name, description, quantity, unit, column."""
+        if self.spec.discretization == "finite_element":
+            return ()
+        taken = {name for name, *_ in self.series_time} | {"void_ratio"}
+        stress = (
+            ("lateral_stress", "Horizontal effective stress.", "horizontal stress", "kPa", _LATERAL),
+            ("K0", "Ratio of horizontal to vertical effective stress.", "K0", "", _RATIO),
+        )
+        own = (
+            (one.name, f"{one.description.rstrip('.')}. State variable of the law.", one.symbol, one.unit, column)
+            for column, one in enumerate(self.law.state, start=_LATERAL + 1)
+            if one.name not in taken
+        )
+        return (*(stress if self.confined else ()), *own)
 
     @cached_property
     def _stage_ends(self) -> FloatArray:
@@ -181,10 +203,6 @@ class StagedLoadModel(ABC):
         """
 
     @abstractmethod
-    def load(self, stress: float, duration: float) -> Stage:
-        """One stage of loading as a material point is led through it."""
-
-    @abstractmethod
     def response(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
         """Series over time from axial and lateral strain since the beginning, (n, 2), and at the zero of time, (2,)."""
 
@@ -197,21 +215,38 @@ class StagedLoadModel(ABC):
             A series is unknown, or a point is outside the test.
         """
         schedule = self._schedule(points)
-        spec = self.spec
-        points_count = schedule.times.shape[0]
-        strain = np.zeros((1 + points_count + len(spec.stages), 2))
-        zero_row = points_count + spec.zero_at_stage - 1 if spec.zero_at_stage > 1 else 0
-        calculate = history_of(self, schedule.times, schedule.firsts)
+        points_count, zero_at = schedule.times.shape[0], self.spec.zero_at_stage
+        zero_row = points_count + zero_at - 1 if zero_at > 1 else 0
+        columns = {name: column for name, _, _, _, column in self._state_series}
+        of_state = {
+            name: columns[name.removeprefix("stage_")] for name in points if name.removeprefix("stage_") in columns
+        }
+        calculate = history_of(self, schedule.times, schedule.firsts, bool(of_state))
+        stage_of_row = np.concatenate(
+            [
+                [0],
+                1 + np.repeat(np.arange(len(self.spec.stages)), np.diff(schedule.firsts)),
+                1 + np.arange(len(self.spec.stages)),
+            ]
+        )
+        vertical = np.array([self.spec.initial_stress, *(stage.stress for stage in self.spec.stages)])[stage_of_row]
 
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
-            output, ends = calculate(parameters)
-            history = strain.copy()
-            history[1 : 1 + points_count] = output
-            history[1 + points_count :] = ends
-            zero = history[zero_row]
-            return {name: self._values(name, history[rows], zero) for name, rows in schedule.rows.items()}
+            start, output, ends = calculate(parameters)
+            history = np.concatenate([start[np.newaxis], output, ends])
+            strain, zero = history[:, :2], history[zero_row, :2]
+            found = {}
+            for name, rows in schedule.rows.items():
+                column = of_state.get(name)
+                if column is None:
+                    found[name] = self._values(name, strain[rows], zero)
+                elif column == _RATIO:
+                    found[name] = history[rows, _LATERAL] / vertical[rows]
+                else:
+                    found[name] = history[rows, column]
+            return found
 
-        return run
+        return guarded(run, [self.law] if isinstance(self.law, UserLaw) else [])
 
     @cached_property
     def specimen(self) -> Specimen:
@@ -252,7 +287,9 @@ class StagedLoadModel(ABC):
         """Merge all points; rows count the beginning (0), then the times inside stages, then the ends of stages."""
         known = {info.name: info for info in self.series}
         for name, x in points.items():
-            self._refuse(known.get(name), name, x, tuple(known))
+            if name not in known:
+                raise unknown_series(name, known)
+            self._require(known[name], x)
         wanted = [x + self._zero for name, x in points.items() if not name.startswith("stage_")]
         times = np.unique(np.concatenate(wanted)) if wanted else np.empty(0)
         stage = np.searchsorted(self._stage_ends * (1.0 + _SAME_TIME) + _SAME_TIME, times, side="left")
@@ -273,19 +310,9 @@ class StagedLoadModel(ABC):
         firsts = np.searchsorted(stage[inside], np.arange(len(self.spec.stages) + 1)).astype(np.int64)
         return _Schedule(times[inside] - starts[stage[inside]], firsts, rows)
 
-    def _refuse(self, info: SeriesInfo | None, name: str, x: FloatArray, known: tuple[str, ...]) -> None:
-        if info is None:
-            raise ProblemError([Issue("series", f"{name!r} is unknown; known are {', '.join(known)}")])
-        if name == "stage_void_ratio" and self.spec.initial_void_ratio is None:
+    def _require(self, info: SeriesInfo, x: FloatArray) -> None:
+        if info.name == "stage_void_ratio" and self.spec.initial_void_ratio is None:
             raise ProblemError(
                 [Issue("forward_model.initial_void_ratio", "is missing: stage_void_ratio needs a void ratio above 0")]
             )
-        assert info.x_lower is not None
-        assert info.x_upper is not None
-        wrong = ~((x >= info.x_lower) & (x <= info.x_upper))
-        if info.x_integer:
-            wrong |= x != np.round(x)
-        if wrong.any():
-            accepted = f"{'whole numbers ' if info.x_integer else ''}from {info.x_lower:g} to {info.x_upper:g}"
-            unit = f" {info.x_unit}" if info.x_unit else ""
-            raise ProblemError([Issue(name, f"x = {x[wrong][0]:g}{unit}: {accepted}{unit} are accepted")])
+        info.require(x)

@@ -5,15 +5,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
-from geoswarm.solver.laws.registry import UnknownLawError, find_law, kinds
+from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.one_material import OneMaterialSpec
+from geoswarm.solver.user_laws.material import LawChoice
 
 if TYPE_CHECKING:
-    from geoswarm.solver.laws.base import Law
+    pass
 
-__all__ = ["MAX_LENGTH", "MAX_STRESS", "MIN_LENGTH", "LoadStage", "SpecimenMesh", "StagedLoadSpec"]
+__all__ = ["MAX_DURATION", "MAX_LENGTH", "MAX_STRESS", "MIN_LENGTH", "LoadStage", "SpecimenMesh", "StagedLoadSpec"]
 
 # Far beyond any test; what lies beyond them is a mistake in units, or meant to overflow something.
 MIN_LENGTH, MAX_LENGTH = 1.0e-6, 1.0e3
@@ -50,12 +51,10 @@ class SpecimenMesh(BaseModel):
     rows: int = Field(1, ge=1, le=50, description="Cells over the height.")
 
 
-class StagedLoadSpec(ForwardModelSpec, ABC):
+class StagedLoadSpec(OneMaterialSpec, ABC):
     """Fields of the tests with constant loads in stages."""
 
-    material: str = Field(
-        "soft_soil_creep", description="Law of the material.", json_schema_extra={"enum": list(kinds())}
-    )
+    material: LawChoice = Field("soft_soil_creep", description="Law of the material.")
     discretization: Literal["material_point", "finite_element"] = Field(
         "material_point",
         description="How the specimen is represented: one point, or axisymmetric six-node triangles with their weight.",
@@ -114,20 +113,6 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         json_schema_extra=in_unit("1", 0.5, 3),
     )
 
-    @field_validator("material")
-    @classmethod
-    def _known(cls, kind: str) -> str:
-        try:
-            find_law(kind)
-        except UnknownLawError as error:
-            raise ValueError(str(error)) from error
-        return kind
-
-    @property
-    def law(self) -> Law:
-        """The law of the material."""
-        return find_law(self.material)
-
     @property
     @abstractmethod
     def radius(self) -> float:
@@ -138,14 +123,14 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
         """Whether the law has a calculation of its own for loads at a material point."""
         from geoswarm.solver.forward.staged_history import FAST_PATHS  # with Numba, for which a check need not wait
 
-        return self.material in FAST_PATHS
+        return self.law.kind in FAST_PATHS
 
     @property
     def kernels(self) -> frozenset[str]:
         """Those of finite elements, of the fast path, or of tests on any law."""
         if self.discretization == "finite_element":
-            return frozenset({"section", "elastic", self.material})
-        return frozenset({"oedometer"}) if self.has_fast_path else frozenset({"element_test", self.material})
+            return frozenset({"section", "elastic", self.law.kind})
+        return frozenset({"oedometer"}) if self.has_fast_path else frozenset({"element_test", self.law.kind})
 
     @property
     def components(self) -> int:
@@ -154,8 +139,8 @@ class StagedLoadSpec(ForwardModelSpec, ABC):
 
     @property
     def quick(self) -> bool:
-        """At one material point, not with finite elements."""
-        return self.discretization == "material_point"
+        """At one material point, not with finite elements, and with a law of ours."""
+        return self.discretization == "material_point" and not self.user_laws
 
     @model_validator(mode="after")
     def _consistent(self) -> StagedLoadSpec:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import ClassVar
+from pathlib import Path
+from typing import ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.forward.continuum.geometry import Name
-from geoswarm.solver.forward.continuum.materials import InterfaceSection, MaterialSection
+from geoswarm.solver.forward.continuum.materials import InterfaceSection, MaterialSection, UserSoil
 from geoswarm.solver.forward.continuum.phases import BoundaryName, Fixity, PhaseSection, VectorSection
+from geoswarm.solver.user_laws.section import UserLawSection
 
 __all__ = ["BodySections", "ControlSection", "check_names"]
 
@@ -70,6 +72,21 @@ class BodySections(BaseModel):
         description="Usual values of the parameters in the geometry, for which the mesh is planned; also defaults.",
     )
     control: ControlSection = Field(default=ControlSection(), description="Accuracy.")
+
+    @property
+    def user_laws(self) -> tuple[UserLawSection, ...]:
+        """Those of soils in libraries."""
+        return tuple(one for one in self.materials.values() if isinstance(one, UserSoil))
+
+    def with_files(self, folder: Path | None, path: str) -> Self:
+        """With what is known of the libraries of its soils."""
+        if not self.user_laws:
+            return self
+        materials = {
+            name: one.with_files(folder, f"{path}.materials.{name}") if isinstance(one, UserSoil) else one
+            for name, one in self.materials.items()
+        }
+        return self.model_copy(update={"materials": materials})
 
     @property
     def kernels(self) -> frozenset[str]:

@@ -3,32 +3,63 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from functools import reduce
 from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+from pydantic.json_schema import SkipJsonSchema
 
-from geoswarm.solver.forward.continuum.quantity import ValueRange
+from geoswarm.solver.declared_parameter import ParameterName
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.forward.continuum.quantity import Amount, ValueRange
 from geoswarm.solver.laws.base import Law, Setting
 from geoswarm.solver.laws.registry import installed_laws
 from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.user_laws.mfront import MfrontSection
+from geoswarm.solver.user_laws.section import UserLawSection
+from geoswarm.solver.user_laws.umat import UmatSection
+from geoswarm.solver.words import did_you_mean
 
-__all__ = ["InterfaceSection", "LawSection", "MaterialSection", "law_section"]
+__all__ = ["InterfaceSection", "LawSection", "MaterialSection", "SoilSection", "UmatSoil", "UserSoil", "law_section"]
 
 _Cohesion: TypeAlias = Annotated[Any, ValueRange("kPa", 0.0)]
 _Angle: TypeAlias = Annotated[Any, ValueRange("degree", 0.0, upper=90.0, upper_open=True)]
 
 
-class LawSection(BaseModel):
-    """A soil: what all laws have in common; each law adds its parameters and settings."""
+class SoilSection(BaseModel):
+    """A soil: what all laws have in common."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    of: ClassVar[Law]
-
     law: str
     unit_weight: Annotated[Any, ValueRange("kN/m^3", 0.0)] = Field(0.0, description="Unit weight, kN/m³.")
+
+    @property
+    @abstractmethod
+    def soil_law(self) -> Law:
+        """The law."""
+
+    @abstractmethod
+    def given(self, name: str) -> Any:
+        """What is given for a parameter or setting of the law: a number, a quantity, a choice, or None."""
+
+
+class LawSection(SoilSection):
+    """A soil of an installed law; each law adds its parameters and settings."""
+
+    of: ClassVar[Law]
+
+    @property
+    def soil_law(self) -> Law:
+        """The law that the section was made for."""
+        return self.of
+
+    def given(self, name: str) -> Any:
+        """The field of that name."""
+        return getattr(self, name)
 
     @model_validator(mode="after")
     def _consistent(self) -> LawSection:
@@ -71,6 +102,49 @@ def law_section(law: Law) -> type[LawSection]:
     return made
 
 
+class UserSoil(SoilSection, UserLawSection):
+    """A soil of a law in a library; its parameters get their values here."""
+
+    values: dict[ParameterName, Amount] = Field(
+        {}, max_length=100, description="Values of the law's parameters: numbers or expressions."
+    )
+
+    @property
+    def soil_law(self) -> Law:
+        """The law of the library."""
+        return self.made
+
+    def given(self, name: str) -> Any:
+        """The value of a parameter."""
+        return self.values.get(name)
+
+    def with_files(self, folder: Path | None, path: str) -> Self:
+        """With what is known of the library; raises ProblemError also for values that do not fit the parameters."""
+        found = super().with_files(folder, path)
+        known = {info.name: info for info in found.made.parameters}
+        for name in found.values:
+            if name not in known:
+                text = f"is unknown{did_you_mean(name, known)}; known: {', '.join(known)}"
+                raise ProblemError([Issue(f"{path}.values.{name}", text)])
+        for name, info in known.items():
+            if name not in found.values and info.default is None:
+                text = "is missing; a number or an expression is accepted"
+                raise ProblemError([Issue(f"{path}.values.{name}", text)])
+        return found
+
+
+class UmatSoil(UserSoil, UmatSection):
+    """A soil of a compiled Abaqus user routine."""
+
+    law: Literal["umat"] = "umat"
+
+
+class MfrontSoil(UserSoil, MfrontSection):
+    """A soil of a behaviour of MFront."""
+
+    law: Literal["mfront"] = "mfront"
+
+
 class InterfaceSection(BaseModel):
     """Friction between the two sides of an interface, which may open."""
 
@@ -90,9 +164,10 @@ class InterfaceSection(BaseModel):
 
 
 if TYPE_CHECKING:
-    MaterialSection: TypeAlias = LawSection | InterfaceSection
+    MaterialSection: TypeAlias = SoilSection | InterfaceSection
 else:
-    MaterialSection = Annotated[
-        reduce(or_, [*(law_section(law) for law in installed_laws()), InterfaceSection]), Field(discriminator="law")
-    ]
-    """A soil of any installed law, or an interface, told apart by its law."""
+    # Forms and services know the installed ones alone: a library is never named over the network.
+    _SECTIONS = [*(law_section(law) for law in installed_laws()), InterfaceSection]
+    _SECTIONS += [SkipJsonSchema[UmatSoil], SkipJsonSchema[MfrontSoil]]
+    MaterialSection = Annotated[reduce(or_, _SECTIONS), Field(discriminator="law")]
+    """A soil of any installed law, one of a library, or an interface, told apart by its law."""

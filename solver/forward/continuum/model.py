@@ -14,12 +14,13 @@ from geoswarm.solver.errors import InfeasibleError, Issue, ProblemError
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
+from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.forward.continuum.body import BodySections
-from geoswarm.solver.forward.continuum.materials import LawSection
+from geoswarm.solver.forward.continuum.materials import SoilSection, UserSoil
 from geoswarm.solver.forward.continuum.quantity import Quantity, quantities_in, value_of
 from geoswarm.solver.forward.continuum.translation import control_of, material_of, phases_of
-from geoswarm.solver.laws.registry import find_law
+from geoswarm.solver.user_laws.law import UserLaw
 
 __all__ = ["BodyModel", "BodyRun"]
 
@@ -89,7 +90,7 @@ class BodyModel(ABC):
 
     @cached_property
     def _parameters(self) -> tuple[ParameterInfo, ...]:
-        used = [find_law(one.law) for one in self.body.materials.values() if isinstance(one, LawSection)]
+        used = [one.soil_law for one in self.body.materials.values() if isinstance(one, SoilSection)]
         known = {info.name: info for law in reversed(used) for info in law.parameters}
         found = []
         for name, users in self._quantities.items():
@@ -190,11 +191,11 @@ class BodyModel(ABC):
                         quantity.value(values)
             for name, section in self.body.materials.items():
                 complete = {inner for q in quantities_in(section) for inner in q.expression.names} <= values.keys()
-                if isinstance(section, LawSection):
+                if isinstance(section, SoilSection):
                     message = _soil_fault(section, values)
                     if message is not None:
                         return f"material {name}: {message}"
-                if complete:
+                if complete and not isinstance(section, UserSoil):  # a library is not opened before a run
                     material_of(name, section, values)
         except InfeasibleError as error:
             return str(error)
@@ -213,7 +214,7 @@ class BodyModel(ABC):
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
             return wanted.responses(self.calculate(parameters, wanted.phase_times, wanted.observed))
 
-        return run
+        return guarded(run, [law for one in self.body.user_laws if isinstance(law := one.made, UserLaw)])
 
     def calculate(
         self,
@@ -254,15 +255,15 @@ class BodyModel(ABC):
         return BodyRun(mesh, tuple(results), offsets)
 
 
-def _soil_fault(section: LawSection, values: Mapping[str, float]) -> str | None:
+def _soil_fault(section: SoilSection, values: Mapping[str, float]) -> str | None:
     """What is wrong with those soil parameters that are known."""
     known = {}
-    for info in section.of.parameters:
-        given = getattr(section, info.name)
+    for info in section.soil_law.parameters:
+        given = section.given(info.name)
         if given is None or (isinstance(given, Quantity) and not given.expression.names <= values.keys()):
             continue
         known[info.name] = value_of(given, values)
-    return section.of.inadmissible(known)
+    return section.soil_law.inadmissible(known)
 
 
 class _Wanted:

@@ -12,7 +12,6 @@ from geoswarm.solver.forward.continuum.body import BodySections, ControlSection
 from geoswarm.solver.forward.continuum.materials import InterfaceSection, MaterialSection
 from geoswarm.solver.forward.continuum.phases import LoadSection
 from geoswarm.solver.forward.continuum.quantity import Number, value_of
-from geoswarm.solver.laws.registry import find_law
 
 __all__ = ["control_of", "material_of", "phases_of"]
 
@@ -63,10 +62,10 @@ def _material(section: MaterialSection, values: Mapping[str, float]) -> AnyMater
             number(section.psi),
             number(section.tension_cutoff),
         )
-    law = find_law(section.law)
-    given = {name: optional(getattr(section, name)) for name in (info.name for info in law.parameters)}
+    law = section.soil_law
+    given = {info.name: optional(section.given(info.name)) for info in law.parameters}
     for one in law.settings:
-        chosen = getattr(section, one.name)
+        chosen = section.given(one.name)
         given[one.name] = chosen if one.choices else optional(chosen)
     return Material(law.soil(given), number(section.unit_weight))
 

@@ -43,6 +43,8 @@ def history(
         tolerance,
         times,
         firsts,
+        np.empty((0, 2)),
+        np.empty((0, 2)),
     )
     return status, output, ends
 

@@ -90,8 +90,19 @@ def test_the_strain_after_a_stage_meets_the_tolerance(name: str, mu: float, tole
     mean, q = (case.before + 2.0 * lateral) / 3.0 + soil.attraction, case.before - lateral
     past = math.log(mean + q * q / (soil.M * soil.M * mean))
     stage = np.array([case.load]), np.array([DURATION])
+    nothing = np.empty((0, 2))
     status, _, _, _, ends = constant_load_history(
-        soil, *stage, -1.0, case.before, lateral, past, tolerance, np.empty(0), np.zeros(2, dtype=np.int64)
+        soil,
+        *stage,
+        -1.0,
+        case.before,
+        lateral,
+        past,
+        tolerance,
+        np.empty(0),
+        np.zeros(2, dtype=np.int64),
+        nothing,
+        nothing,
     )
     assert status == FINISHED
     assert ends[0, 0] == pytest.approx(strain_by_creep(case, mu), abs=tolerance)

@@ -1,0 +1,137 @@
+"""Oedometer test at constant rate of strain: drained at the top, pore pressure measured at the base."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field, model_validator
+
+from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STRESS
+from geoswarm.solver.laboratory.crs_model import CrsModel
+from geoswarm.solver.laboratory.pace import Hold
+from geoswarm.solver.laboratory.section import LaboratorySpec, Part, exactly_one
+from geoswarm.solver.laboratory.shear_stages import ShearStage
+
+__all__ = ["CrsOedometerSpec"]
+
+
+class CrsMovement(Part):
+    """The top is moved at a constant rate, down or up."""
+
+    kind: Literal["monotonic"] = "monotonic"
+    axial_strain: float = Field(
+        ge=-0.5,
+        le=0.9,
+        description="Axial strain at the end, settlement over the initial height; less than before: unloading.",
+        json_schema_extra=in_unit("1", 0.0, 0.3),
+    )
+    rate: float | None = Field(
+        None,
+        gt=0.0,
+        description="Change of the axial strain in a day (1 %/h is 0.24); or give duration.",
+        json_schema_extra=in_unit("1/day", 0.01, 2, shown=True),
+    )
+    duration: float | None = Field(
+        None,
+        gt=0.0,
+        le=MAX_DURATION,
+        description="Duration, day; exactly one of both is given.",
+        json_schema_extra=in_unit("day", shown=True),
+    )
+
+    @model_validator(mode="after")
+    def _one_pace(self) -> CrsMovement:
+        exactly_one(self, "rate", "duration")
+        return self
+
+    def stage(self, name: str) -> ShearStage:
+        """As it is calculated."""
+        durations = None if self.duration is None else (self.duration,)
+        return ShearStage(name, "strain", (self.axial_strain,), durations, self.rate)
+
+
+class CrsHold(Hold):
+    """The top stays (relaxation), or the total vertical stress (creep); pore pressures dissipate."""
+
+
+CrsStage: TypeAlias = Annotated[CrsMovement | CrsHold, Field(discriminator="kind")]
+
+
+class CrsOedometerSpec(LaboratorySpec):
+    """Oedometer test at constant rate of strain (CRS): drained at the top, closed at the base.
+
+    The specimen is a column of points of any law in which pore water flows; k is the permeability where the test
+    begins, C_k its change with the void ratio. ``axial_stress`` is the total vertical stress less the back pressure,
+    ``pore_pressure`` that at the base. Strain is settlement over the initial height.
+
+    Series over the axial strain are the values where that strain is reached for the first time; the curve of a stage
+    alone is ``branch_2.axial_stress``. ``time_axial_stress`` runs over the time since the beginning, ``stage_`` over
+    stages (values at their ends), ``path_axial_strain`` and ``path_void_ratio`` over the effective stress, where that
+    is first reached. What is never reached counts as its closest approach.
+    """
+
+    kind: Literal["crs_oedometer"] = "crs_oedometer"
+    height: float = Field(
+        gt=0.0,
+        le=10.0,
+        description="Initial height of the specimen, m; it is drained at the top only.",
+        json_schema_extra=in_unit("m", 0.01, 0.05),
+    )
+    stages: tuple[CrsStage, ...] = Field(min_length=1, max_length=1000, description="Stages, in their order.")
+    back_pressure: float = Field(
+        0.0,
+        ge=0.0,
+        le=MAX_STRESS,
+        description="Pore pressure at the drained top, kPa; it is added to the pore pressure, nothing else.",
+        json_schema_extra=in_unit("kPa", 0, 600),
+    )
+    tolerance: float = Field(
+        1.0e-4,
+        ge=1.0e-9,
+        le=1.0e-2,
+        description="Error of the integration aimed at, as strain, of stress over the bulk modulus; kept step by step.",
+    )
+    intervals: int = Field(
+        20, ge=4, le=500, description="Number of intervals over the height; errors fall with their square."
+    )
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Loading, unloading and reloading."""
+        return {
+            "kind": "crs_oedometer",
+            "material": "modified_cam_clay",
+            "height": 0.02,
+            "initial_stress": 20,
+            "stages": [
+                {"kind": "monotonic", "axial_strain": 0.12, "rate": 0.24},
+                {"kind": "monotonic", "axial_strain": 0.11, "rate": 0.12},
+                {"kind": "monotonic", "axial_strain": 0.2, "rate": 0.24},
+            ],
+            "initial_void_ratio": 1.2,
+        }
+
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Those of a consolidating column, and the law's."""
+        return frozenset({"consolidation", self.law.kind})
+
+    @model_validator(mode="after")
+    def _something_moves(self) -> CrsOedometerSpec:
+        before: float | None = 0.0
+        for number, stage in enumerate(self.stages):
+            if isinstance(stage, CrsMovement):
+                if stage.axial_strain == before:
+                    raise ValueError(
+                        f"stages[{number}].axial_strain = {before:g}: the stage before ends there; another value is "
+                        "accepted, or a stage of kind hold"
+                    )
+                before = stage.axial_strain
+            elif stage.keep == "stress":
+                before = None
+        return self
+
+    def build(self) -> CrsModel:
+        """Build the forward model."""
+        return CrsModel(self)

@@ -1,0 +1,135 @@
+"""What the sections of laboratory tests on any law have in common."""
+
+from __future__ import annotations
+
+from abc import ABC
+from typing import ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.one_material import OneMaterialSpec
+from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STRESS
+
+__all__ = ["LaboratorySpec", "Loading", "Part", "exactly_one"]
+
+
+class Part(BaseModel):
+    """A part of a section: unknown keys and numbers that are not finite are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Loading(Part):
+    """How long a stage of consolidation takes; a test adds the stresses at its end."""
+
+    duration: float = Field(
+        1.0, gt=0.0, le=MAX_DURATION, description="Duration, day.", json_schema_extra=in_unit("day", 0.1, 7)
+    )
+    loading_time: float = Field(
+        0.0,
+        ge=0.0,
+        description="Time in which the stress is reached, at constant rate, day; 0: at once.",
+        json_schema_extra=in_unit("day"),
+    )
+
+    @model_validator(mode="after")
+    def _load_within_the_stage(self) -> Loading:
+        if self.loading_time > self.duration:
+            raise ValueError(
+                f"loading_time = {self.loading_time:g} day: at most the duration, {self.duration:g}, is accepted"
+            )
+        return self
+
+
+class LaboratorySpec(OneMaterialSpec, ABC):
+    """Fields of the laboratory tests on a material point of any law."""
+
+    depends_on_section: ClassVar[bool] = True
+
+    settings: dict[str, str | float | None] = Field(
+        {}, max_length=50, description="Settings of the law by name, where they are not its defaults."
+    )
+    initial_void_ratio: float | None = Field(
+        None,
+        gt=0.0,
+        le=100.0,
+        description="Void ratio before the first stage; needed by series of the void ratio.",
+        json_schema_extra=in_unit("1", 0.4, 3),
+    )
+    geometry: Literal["updated", "fixed"] = Field(
+        "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
+    )
+    tolerance: float = Field(
+        1.0e-5,
+        ge=1.0e-9,
+        le=1.0e-2,
+        description="Error of the integration aimed at, as strain, of stress over the bulk modulus; kept step by step.",
+    )
+
+    initial_stress: float = Field(
+        gt=0.0,
+        le=MAX_STRESS,
+        description="Vertical effective stress under which the soil is placed, before the first stage, kPa.",
+        json_schema_extra=in_unit("kPa", 1, 400),
+    )
+    initial_ratio: float | Literal["K0"] = Field(
+        "K0",
+        description="Horizontal over vertical stress under which the soil is placed; K0: that of the law.",
+        json_schema_extra=in_unit("1", 0.4, 1),
+    )
+
+    @model_validator(mode="after")
+    def _settings_of_the_law(self) -> LaboratorySpec:
+        law = self.law
+        known = {one.name: one for one in law.settings}
+        for name, value in self.settings.items():
+            one = known.get(name)
+            if one is None:
+                names = ", ".join(known) if known else "it has none"
+                raise ValueError(f"settings.{name}: material {law.kind} has no such setting; known: {names}")
+            if one.choices and value not in one.choices:
+                raise ValueError(f"settings.{name} = {value!r}: one of {', '.join(one.choices)} is accepted")
+            if not one.choices and isinstance(value, str):
+                raise ValueError(f"settings.{name} = {value!r}: a number of at least {one.lower:g} is accepted")
+            if not one.choices and isinstance(value, float) and value < one.lower:
+                raise ValueError(f"settings.{name} = {value:g} {one.unit}: at least {one.lower:g} is accepted")
+        return self
+
+    @model_validator(mode="after")
+    def _ratio_that_is_known(self) -> LaboratorySpec:
+        if isinstance(self.initial_ratio, float) and not 0.0 < self.initial_ratio <= 100.0:
+            raise ValueError(f"initial_ratio = {self.initial_ratio:g}: above 0 and at most 100 is accepted, or K0")
+        if self.initial_ratio == "K0" and not self.law.knows_K0:
+            raise ValueError(f"initial_ratio = K0: material {self.law.kind} knows none; a number is accepted")
+        return self
+
+    @property
+    def components(self) -> int:
+        """Stress components of the calculation: 4, as of an axisymmetric or plane body, where the law takes them."""
+        return 4 if 4 in self.law.components else 6
+
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Those of tests on any law, and the law's."""
+        return frozenset({"element_test", self.law.kind})
+
+    @property
+    def quick(self) -> bool:
+        """One material point, of a law of ours."""
+        return not self.user_laws
+
+
+def exactly_one(part: BaseModel, *names: str) -> str:
+    """The one of some fields that is given.
+
+    Raises
+    ------
+    ValueError
+        None, or more than one is.
+    """
+    given = [name for name in names if getattr(part, name) is not None]
+    if len(given) != 1:
+        found = " and ".join(given) + " are given" if given else "none is given"
+        raise ValueError(f"exactly one of {', '.join(names)} is accepted; {found}")
+    return given[0]

@@ -1,0 +1,191 @@
+"""Triaxial test: a cylindrical specimen is consolidated and sheared, drained or not, once or in cycles."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+
+from pydantic import Field, model_validator
+
+from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.staged_section import MAX_STRESS
+from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, too_many_cycles, without_pace
+from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
+from geoswarm.solver.laboratory.triaxial_model import TriaxialModel
+
+__all__ = ["TriaxialConsolidation", "TriaxialSpec"]
+
+
+class _Stresses(Part):
+    axial: float = Field(
+        gt=0.0,
+        le=MAX_STRESS,
+        description="Axial effective stress at the end, kPa.",
+        json_schema_extra=in_unit("kPa", 25, 800),
+    )
+    radial: float | Literal["K0"] | None = Field(
+        None,
+        description="Radial effective stress at the end, kPa; K0: no radial strain; as axial unless given.",
+        json_schema_extra=in_unit("kPa"),
+    )
+
+    @model_validator(mode="after")
+    def _radial_stress(self) -> _Stresses:
+        if isinstance(self.radial, float) and not 0.0 < self.radial <= MAX_STRESS:
+            raise ValueError(f"radial = {self.radial:g} kPa: above 0 and at most {MAX_STRESS:g} is accepted, or K0")
+        return self
+
+
+class TriaxialConsolidation(Loading, _Stresses):
+    """One stage of consolidation: effective stresses, drained."""
+
+
+class _Ends(Part):
+    axial_strain: float | None = Field(
+        None,
+        ge=-2.0,
+        le=0.9,
+        description="Axial strain at the end, since the beginning of shearing; negative: extension.",
+        json_schema_extra=in_unit("1", -0.2, 0.2, shown=True),
+    )
+    deviator_stress: float | None = Field(
+        None,
+        ge=-MAX_STRESS,
+        le=MAX_STRESS,
+        description="Deviator stress at the end, kPa; negative: extension. Exactly one of both is given.",
+        json_schema_extra=in_unit("kPa", shown=True),
+    )
+
+
+class _Amplitudes(Part):
+    axial_strain_amplitude: float | None = Field(
+        None,
+        gt=0.0,
+        le=0.4,
+        description="Half the range of the axial strain.",
+        json_schema_extra=in_unit("1", 1e-5, 0.05, shown=True),
+    )
+    deviator_stress_amplitude: float | None = Field(
+        None,
+        gt=0.0,
+        le=MAX_STRESS,
+        description="Half the range of the deviator stress, kPa. Exactly one of both is given.",
+        json_schema_extra=in_unit("kPa", 5, 200, shown=True),
+    )
+
+
+class _Water(Part):
+    drainage: Literal["drained", "undrained"] | None = Field(
+        None, description="Drainage of this stage; that of the test unless given."
+    )
+    constant: Literal["radial_stress", "mean_stress", "axial_stress"] = Field(
+        "radial_stress", description="Stress that stays as it is: effective with drainage, total without."
+    )
+
+
+class TriaxialMonotonic(_Water, Monotonic, _Ends):
+    """Shearing to an axial strain or a deviator stress."""
+
+    ends: ClassVar[tuple[str, str]] = ("axial_strain", "deviator_stress")
+
+
+class TriaxialCyclic(_Water, Cyclic, _Amplitudes):
+    """Cycles of axial strain or deviator stress about the state at their beginning."""
+
+    ends: ClassVar[tuple[str, str]] = ("axial_strain_amplitude", "deviator_stress_amplitude")
+
+
+class TriaxialHold(_Water, Hold):
+    """Nothing is moved, time passes: creep or relaxation."""
+
+
+TriaxialStage: TypeAlias = Annotated[TriaxialMonotonic | TriaxialCyclic | TriaxialHold, Field(discriminator="kind")]
+
+
+class TriaxialSpec(LaboratorySpec):
+    """Triaxial test: consolidation and shearing of a cylinder, drained or undrained.
+
+    Stresses are effective. ``q`` is axial less radial stress, negative in extension; strains of shearing are
+    engineering strains since its beginning, compression positive.
+
+    Series over the axial strain (``q``, ``p``, ``pore_pressure`` ...) are the values where that strain is reached for
+    the first time. The curve of an unloading loop is that of its stage: ``branch_2.q`` is q in the second stage, where
+    the strain is first reached in it. ``time_q`` runs over the time since the beginning of shearing, ``stage_q`` over
+    stages and ``consolidation_q`` over those of consolidation (values at their ends), ``cycle_q`` over cycles (at
+    their ends; ``cycle_max_q`` and ``cycle_min_q`` inside them), ``path_q`` over the mean stress p, where that is
+    first reached. What is never reached counts as its closest approach. A path that turns is told better by q and p
+    over the strain.
+
+    Undrained, the volume is constant, or the water has a ``water_bulk_modulus``; the pore pressure is the total stress
+    that the test keeps less the effective one.
+    """
+
+    kind: Literal["triaxial"] = "triaxial"
+    initial_ratio: float | Literal["K0"] = Field(
+        1.0,
+        description="Radial over axial stress under which the soil is placed; K0: that of the law.",
+        json_schema_extra=in_unit("1", 0.4, 1),
+    )
+    consolidation: tuple[TriaxialConsolidation, ...] = Field(
+        (),
+        max_length=1000,
+        description="Stages of consolidation, drained, in their order.",
+        json_schema_extra={"x-shown": True},
+    )
+    drainage: Literal["drained", "undrained"] = Field(
+        "drained", description="Drainage during shearing.", json_schema_extra={"x-shown": True}
+    )
+    shearing: tuple[TriaxialStage, ...] = Field(
+        min_length=1, max_length=1000, description="Stages of shearing, in their order."
+    )
+    back_pressure: float = Field(
+        0.0,
+        ge=0.0,
+        le=MAX_STRESS,
+        description="Pore pressure before shearing, kPa; it is added to the pore pressure, nothing else.",
+        json_schema_extra=in_unit("kPa", 0, 600),
+    )
+    water_bulk_modulus: float | None = Field(
+        None,
+        gt=0.0,
+        description="Bulk modulus of the pore water, kPa, undrained; rigid unless given. Needs initial_void_ratio.",
+        json_schema_extra=in_unit("kPa", 1e4, 2.2e6),
+    )
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """A consolidated drained test with one loop."""
+        return {
+            "kind": "triaxial",
+            "material": "mohr_coulomb",
+            "initial_stress": 20,
+            "consolidation": [{"axial": 100}],
+            "shearing": [
+                {"kind": "monotonic", "axial_strain": 0.005},
+                {"kind": "monotonic", "deviator_stress": 20},
+                {"kind": "monotonic", "axial_strain": 0.1},
+            ],
+            "initial_void_ratio": 0.7,
+        }
+
+    def is_undrained(self, stage: _Water) -> bool:
+        """Whether a stage of shearing is undrained."""
+        return (stage.drainage or self.drainage) == "undrained"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> TriaxialSpec:
+        undrained = any(self.is_undrained(stage) for stage in self.shearing)
+        if self.water_bulk_modulus is not None and not undrained:
+            raise ValueError("water_bulk_modulus is given, but no stage of shearing is undrained; leave it out")
+        if self.water_bulk_modulus is not None and self.initial_void_ratio is None:
+            raise ValueError(
+                "initial_void_ratio is missing: with water_bulk_modulus the porosity gives the stiffness of the water; "
+                "a value above 0 is accepted, or leave water_bulk_modulus out for rigid water"
+            )
+        fault = without_pace(self.law, self.shearing) or too_many_cycles(self.shearing)
+        if fault is not None:
+            raise ValueError(fault)
+        return self
+
+    def build(self) -> TriaxialModel:
+        """Build the forward model."""
+        return TriaxialModel(self)

@@ -1,0 +1,49 @@
+"""Parameters that several laws have, and what is said where two of them do not fit together."""
+
+from __future__ import annotations
+
+from geoswarm.solver.parameter_info import ParameterInfo
+
+__all__ = ["critical_friction", "pre_overburden", "too_dilatant", "two_pasts"]
+
+
+def pre_overburden(highest: float) -> ParameterInfo:
+    """POP, usual up to a stress, kPa."""
+    return ParameterInfo(
+        "POP",
+        "POP",
+        "kPa",
+        "Initial pre-overburden pressure: preconsolidation stress minus initial stress; not together with OCR.",
+        default=0.0,
+        lower=0.0,
+        typical=(0.0, highest),
+    )
+
+
+def critical_friction(lowest: float, highest: float) -> ParameterInfo:
+    """phi_c, usual between two angles, degree."""
+    return ParameterInfo(
+        "phi_c",
+        "φ_c",
+        "degree",
+        "Critical friction angle.",
+        lower=0.0,
+        upper=90.0,
+        lower_open=True,
+        upper_open=True,
+        typical=(lowest, highest),
+    )
+
+
+def too_dilatant(phi: float | None, psi: float) -> str | None:
+    """What is wrong with more dilatancy than friction, degree; None: nothing, or friction is not known."""
+    if phi is None or psi <= phi:
+        return None
+    return f"psi = {psi:g} degree with phi = {phi:g} degree: psi at most phi is accepted"
+
+
+def two_pasts(OCR: float, POP: float) -> str | None:
+    """What is wrong with two preconsolidations, POP in kPa; None: nothing."""
+    if OCR == 1.0 or POP == 0.0:
+        return None
+    return f"OCR = {OCR:g} and POP = {POP:g} kPa are both given; one of them is accepted"

@@ -1,0 +1,97 @@
+"""The form of a new job with the laboratory tests on any law: stages of several kinds, a check, the YAML."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.test_new import CALM, fill, parameter
+
+Visit = Callable[..., Opened]
+
+READINGS = "\n".join(f"{x}\t{y}" for x, y in ((0.1, 20), (0.2, 40), (0.4, 80)))
+
+
+def give_readings(page: Page, series: str, rows: str, typed: str) -> None:
+    """Readings by hand, into the YAML: the form takes them over."""
+    expect(page.locator("#yaml")).to_have_value(re.compile(typed))  # what was typed before is there
+    x, y = zip(*(row.split("\t") for row in rows.splitlines()), strict=True)
+    page.locator("#yaml").evaluate(
+        """(place, more) => {
+            place.value = place.value.replace(/\\n*$/, "\\n") + more;
+            place.dispatchEvent(new Event("input", {bubbles: true}));
+        }""",
+        f"observations:\n  - series: {series}\n    x_unit: '%'\n"
+        f"    points: {{x: [{', '.join(x)}], y: [{', '.join(y)}]}}\n",
+    )
+    expect(page.locator(".observation")).to_contain_text(f"{len(x)} readings")
+
+
+def test_a_triaxial_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new")
+    fill(page, name="sand")
+    page.locator("input[name=kind][value=triaxial]").check()
+    page.get_by_role("button", name="Fill in a small example").click()
+    expect(page.locator('[data-path="forward_model.shearing[1].deviator_stress"]')).to_have_value("20")
+    page.get_by_role("group", name="Shearing", exact=True).get_by_role("button", name="Add an entry").click()
+    page.locator('[data-path="forward_model.shearing[3].kind"]').select_option("cyclic")
+    fill(
+        page,
+        **{
+            "forward_model.shearing[3].axial_strain_amplitude": "0.001",
+            "forward_model.shearing[3].cycles": "5",
+            "forward_model.consolidation[0].radial": "K0",
+        },
+    )
+    page.get_by_text("Further parameters").click()
+    parameter(page, "E", "free", lower="1e3", upper="1e5")
+    parameter(page, "nu", "fixed", value="0.3")
+    parameter(page, "c", "fixed", value="5")
+    parameter(page, "phi", "fixed", value="30")
+    give_readings(page, "q", READINGS, "phi: .value: 30")
+    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    page.get_by_role("button", name="Check", exact=True).click()
+    result = page.locator("#check-body")
+    expect(result).to_contain_text("The forward calculation works", timeout=CALM)
+    check_accessibility(page)
+
+
+def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new")
+    fill(page, name="clay")
+    page.locator("input[name=kind][value=direct_simple_shear]").check()
+    page.get_by_role("button", name="Fill in a small example").click()
+    expect(page.locator('[data-path="forward_model.shearing[0].shear_strain"]')).to_have_value("0.25")
+    page.locator('[data-path="forward_model.constant"]').select_option(label="normal stress")
+    page.get_by_text("Further parameters").click()
+    parameter(page, "M", "free", lower="0.5", upper="1.5")
+    for name, value in (("lambda", "0.2"), ("kappa", "0.04"), ("nu", "0.3"), ("e0", "1.1")):
+        parameter(page, name, "fixed", value=value)
+    give_readings(page, "shear_stress", READINGS, "e0: .value: 1.1")
+    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    page.get_by_role("button", name="Check", exact=True).click()
+    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
+    check_accessibility(page)
+
+
+def test_an_oedometer_at_constant_rate_takes_the_permeability(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new")
+    fill(page, name="clay")
+    page.locator("input[name=kind][value=crs_oedometer]").check()
+    page.get_by_role("button", name="Fill in a small example").click()
+    expect(page.locator('[data-path="forward_model.stages[1].axial_strain"]')).to_have_value("0.11")
+    parameter(page, "k", "free", lower="1e-6", upper="1e-3")
+    parameter(page, "lambda", "fixed", value="0.2")
+    parameter(page, "kappa", "fixed", value="0.04")
+    page.get_by_text("Further parameters").click()
+    for name, value in (("M", "1"), ("nu", "0.3"), ("e0", "1.2")):
+        parameter(page, name, "fixed", value=value)
+    give_readings(page, "pore_pressure", READINGS, "e0: .value: 1.2")
+    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    page.get_by_role("button", name="Check", exact=True).click()
+    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
+    check_accessibility(page)

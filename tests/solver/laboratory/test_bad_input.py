@@ -1,0 +1,111 @@
+"""What a laboratory test cannot be is told with field, value and remedy; what fails in a run is data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from geoswarm.solver.errors import ForwardError, InfeasibleError
+from tests.solver.laboratory.tests_of import CREEP, ELASTIC, MOHR_COULOMB, run, triaxial
+
+STRAIN = [{"axial_strain": 0.01}]
+
+
+@pytest.mark.parametrize(
+    ("material", "shearing", "changes", "message"),
+    [
+        ("elastik", STRAIN, {}, "unknown law 'elastik'"),
+        ("elastic", [{}], {}, "exactly one of axial_strain, deviator_stress is accepted; none is given"),
+        (
+            "elastic",
+            [{"axial_strain": 0.01, "deviator_stress": 5.0}],
+            {},
+            "exactly one of axial_strain, deviator_stress is accepted; axial_strain and deviator_stress are given",
+        ),
+        ("elastic", [{"axial_strain": 0.01, "rate": 1.0, "duration": 1.0}], {}, "rate and duration are both given"),
+        ("elastic", [{"kind": "cyclic", "cycles": 2}], {}, "exactly one of axial_strain_amplitude"),
+        ("elastic", STRAIN, {"initial_ratio": -0.5}, r"initial_ratio = -0.5: above 0 and at most 100 is accepted"),
+        ("no_plane", STRAIN, {"initial_ratio": "K0"}, "initial_ratio = K0: material no_plane knows none"),
+        ("soft_soil_creep", STRAIN, {}, r"shearing\[0\]: rate or duration is missing: time has an effect on material"),
+        (
+            "soft_soil_creep",
+            [{"kind": "cyclic", "axial_strain_amplitude": 0.01, "cycles": 2}],
+            {},
+            r"shearing\[0\]: period is missing",
+        ),
+        ("elastic", STRAIN, {"water_bulk_modulus": 2.0e6}, "no stage of shearing is undrained"),
+        (
+            "elastic",
+            STRAIN,
+            {"water_bulk_modulus": 2.0e6, "drainage": "undrained"},
+            "initial_void_ratio is missing: with water_bulk_modulus",
+        ),
+        ("elastic", STRAIN, {"initial_void_ratio": -0.4}, "greater than 0"),
+        ("elastic", STRAIN, {"consolidation": [{"axial": 100.0, "radial": -5.0}]}, "radial = -5 kPa: above 0"),
+        (
+            "elastic",
+            STRAIN,
+            {"consolidation": [{"axial": 100.0, "duration": 1.0, "loading_time": 2.0}]},
+            "loading_time = 2 day: at most the duration, 1, is accepted",
+        ),
+        ("elastic", STRAIN, {"settings": {"formulation": "translated"}}, "settings.formulation: material elastic has"),
+        ("mohr_coulomb", STRAIN, {"settings": {"tension_cutoff": -1.0}}, "tension_cutoff = -1 kPa: at least 0"),
+        ("mohr_coulomb", STRAIN, {"settings": {"tension_cutoff": "no"}}, "a number of at least 0 is accepted"),
+        (
+            "soft_soil_creep",
+            [{"axial_strain": 0.01, "rate": 1.0}],
+            {"settings": {"formulation": "other"}},
+            "one of translated, untranslated is accepted",
+        ),
+        (
+            "elastic",
+            [{"kind": "cyclic", "axial_strain_amplitude": 1e-3, "cycles": 15000}] * 2,
+            {},
+            "30000 cycles in all; at most 20000",
+        ),
+    ],
+)
+@pytest.mark.usefixtures("other_laws")
+def test_sections_that_cannot_be_are_refused(
+    material: str, shearing: list[dict[str, Any]], changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValidationError, match=message):
+        triaxial(material, shearing, **changes)
+
+
+def test_a_void_ratio_that_falls_to_zero_is_a_failed_evaluation() -> None:
+    spec = triaxial("elastic", [{"axial_strain": 0.4}], initial_void_ratio=0.1)
+    with pytest.raises(
+        InfeasibleError, match=r"stage shearing 1: the void ratio falls to -0\.0\d+; above 0 is accepted"
+    ):
+        run(spec, ELASTIC, 0.1, "q")
+
+
+def test_an_initial_stress_beyond_the_strength_is_a_failed_evaluation() -> None:
+    spec = triaxial("mohr_coulomb", STRAIN, initial_ratio=0.1)
+    with pytest.raises(InfeasibleError, match=r"initial horizontal stress = 10 kPa \(K0 = 0.1\) violates the strength"):
+        run(spec, MOHR_COULOMB | {"c": 0.0}, 0.01, "q")
+
+
+def test_consolidation_beyond_the_strength_names_its_stage() -> None:
+    spec = triaxial("mohr_coulomb", STRAIN, consolidation=[{"axial": 120.0}, {"axial": 900.0, "radial": 100.0}])
+    with pytest.raises(ForwardError, match="stage consolidation 2: no solution at"):
+        run(spec, MOHR_COULOMB, 0.01, "q")
+
+
+def test_parameters_that_a_law_refuses_are_told_before_a_run() -> None:
+    model = triaxial("mohr_coulomb", STRAIN).build()
+    assert model.check({"phi": 95.0}) == "phi = 95 degree: at least 0 and below 90 is accepted"
+    with pytest.raises(InfeasibleError, match="E and G"):
+        model.prepare({"q": np.array([0.01])})({"nu": 0.3, "c": 1.0, "phi": 30.0})
+
+
+def test_drained_and_undrained_creep_run_to_their_strength() -> None:
+    for drainage in ("drained", "undrained"):
+        spec = triaxial("soft_soil_creep", [{"axial_strain": 0.2, "rate": 0.2}], drainage=drainage)
+        ratio, q = run(spec, CREEP, [0.1, 0.2], "stress_ratio", "q")
+        assert np.isfinite(q).all()
+        assert (ratio < 6.0 * np.sin(np.radians(28.0)) / (3.0 - np.sin(np.radians(28.0))) * (1.0 + 0.2)).all()
