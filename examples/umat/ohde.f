@@ -1,0 +1,43 @@
+C     A soil whose stiffness grows with the mean stress: E = E_ref (p/p_ref)**m
+C     while p is the largest so far, and RATIO times that below it (Ohde 1939 for
+C     the oedometer). PROPS: E_ref, m, RATIO, nu, p_ref. STATEV: the largest p.
+      SUBROUTINE UMAT(STRESS,STATEV,DDSDDE,SSE,SPD,SCD,
+     1 RPL,DDSDDT,DRPLDE,DRPLDT,
+     2 STRAN,DSTRAN,TIME,DTIME,TEMP,DTEMP,PREDEF,DPRED,CMNAME,
+     3 NDI,NSHR,NTENS,NSTATV,PROPS,NPROPS,COORDS,DROT,PNEWDT,
+     4 CELENT,DFGRD0,DFGRD1,NOEL,NPT,LAYER,KSPT,KSTEP,KINC)
+      INCLUDE 'ABA_PARAM.INC'
+      CHARACTER*80 CMNAME
+      DIMENSION STRESS(NTENS),STATEV(NSTATV),DDSDDE(NTENS,NTENS),
+     1 DDSDDT(NTENS),DRPLDE(NTENS),STRAN(NTENS),DSTRAN(NTENS),
+     2 TIME(2),PREDEF(1),DPRED(1),PROPS(NPROPS),COORDS(3),DROT(3,3),
+     3 DFGRD0(3,3),DFGRD1(3,3)
+      PARAMETER (PLEAST=1.D-3)
+      P=-(STRESS(1)+STRESS(2)+STRESS(3))/3.D0
+      DVOL=DSTRAN(1)+DSTRAN(2)+DSTRAN(3)
+      E=PROPS(1)*(MAX(P,PLEAST)/PROPS(5))**PROPS(2)
+C     Below the largest mean stress, or on the way down from it.
+      IF (P.LT.0.999999D0*STATEV(1).OR.DVOL.GT.0.D0) E=PROPS(3)*E
+      G=E/(2.D0*(1.D0+PROPS(4)))
+      ALAME=2.D0*G*PROPS(4)/(1.D0-2.D0*PROPS(4))
+      DO 20 I=1,NTENS
+        DO 10 J=1,NTENS
+          DDSDDE(I,J)=0.D0
+          IF (I.LE.NDI.AND.J.LE.NDI) DDSDDE(I,J)=ALAME
+10      CONTINUE
+        IF (I.LE.NDI) DDSDDE(I,I)=ALAME+2.D0*G
+        IF (I.GT.NDI) DDSDDE(I,I)=G
+20    CONTINUE
+      DO 40 I=1,NTENS
+        DO 30 J=1,NTENS
+          STRESS(I)=STRESS(I)+DDSDDE(I,J)*DSTRAN(J)
+30      CONTINUE
+40    CONTINUE
+      P=-(STRESS(1)+STRESS(2)+STRESS(3))/3.D0
+      IF (P.LE.0.D0) THEN
+        WRITE(6,*) 'TENSION: MEAN STRESS', P
+        CALL XIT
+      END IF
+      STATEV(1)=MAX(STATEV(1),P)
+      RETURN
+      END

@@ -1,0 +1,86 @@
+C     Linear elasticity that misbehaves above a stress. PROPS: E, nu, how
+C     it misbehaves, the stress. STATEV: void ratio.
+      SUBROUTINE UMAT(STRESS,STATEV,DDSDDE,SSE,SPD,SCD,
+     1 RPL,DDSDDT,DRPLDE,DRPLDT,
+     2 STRAN,DSTRAN,TIME,DTIME,TEMP,DTEMP,PREDEF,DPRED,CMNAME,
+     3 NDI,NSHR,NTENS,NSTATV,PROPS,NPROPS,COORDS,DROT,PNEWDT,
+     4 CELENT,DFGRD0,DFGRD1,NOEL,NPT,LAYER,KSPT,KSTEP,KINC)
+      INCLUDE 'aba_param.inc'
+      CHARACTER*80 CMNAME
+      DIMENSION STRESS(NTENS),STATEV(NSTATV),DDSDDE(NTENS,NTENS),
+     1 DDSDDT(NTENS),DRPLDE(NTENS),STRAN(NTENS),DSTRAN(NTENS),
+     2 TIME(2),PREDEF(1),DPRED(1),PROPS(NPROPS),COORDS(3),DROT(3,3),
+     3 DFGRD0(3,3),DFGRD1(3,3)
+      DIMENSION A(3)
+      SAVE FIRST
+      DATA FIRST /0.D0/
+      E=PROPS(1)
+      MODE=NINT(PROPS(3))
+      IF (MODE.EQ.20) THEN
+C       What is read at the first call is kept, whoever calls next.
+        IF (FIRST.EQ.0.D0) FIRST=E
+        E=FIRST
+      END IF
+      IF (MODE.EQ.21) THEN
+        DO 5 I=1,200
+          WRITE(6,*) 'a line of output', I, KINC
+          WRITE(7,*) 'a line for the message file', I, CMNAME
+5       CONTINUE
+      END IF
+      G=E/(2.D0*(1.D0+PROPS(2)))
+      ALAME=2.D0*G*PROPS(2)/(1.D0-2.D0*PROPS(2))
+      DO 20 I=1,NTENS
+        DO 10 J=1,NTENS
+          DDSDDE(I,J)=0.D0
+          IF (I.LE.NDI.AND.J.LE.NDI) DDSDDE(I,J)=ALAME
+10      CONTINUE
+        IF (I.LE.NDI) DDSDDE(I,I)=ALAME+2.D0*G
+        IF (I.GT.NDI) DDSDDE(I,I)=G
+20    CONTINUE
+      DO 40 I=1,NTENS
+        DO 30 J=1,NTENS
+          STRESS(I)=STRESS(I)+DDSDDE(I,J)*DSTRAN(J)
+30      CONTINUE
+40    CONTINUE
+      DE=0.D0
+      DO 50 I=1,NDI
+        DE=DE+DSTRAN(I)
+50    CONTINUE
+      STATEV(1)=STATEV(1)+(1.D0+STATEV(1))*DE
+      IF (MODE.EQ.8.AND.ABS(DE).GT.PROPS(4)) THEN
+        PNEWDT=0.25D0
+        STRESS(2)=1.D99
+      END IF
+      IF (MODE.LT.20.AND.MODE.NE.8.AND.STRESS(2).LT.-PROPS(4)) THEN
+        WRITE(6,*) 'NO WAY ON IN MODE', MODE
+        IF (MODE.EQ.1) CALL XIT
+        IF (MODE.EQ.2) STOP 'ENOUGH'
+        IF (MODE.EQ.3) STOP 17
+        IF (MODE.EQ.4) ERROR STOP 'BAD'
+        IF (MODE.EQ.5) CALL EXIT(3)
+        IF (MODE.EQ.6) CALL STDB_ABQERR(-3,
+     1    'VALUE %I OF %R IN %S',MODE,STRESS(2),CMNAME)
+        IF (MODE.EQ.7) A(MODE)=STRESS(2)
+        IF (MODE.EQ.7) STRESS(1)=A(MODE)
+        IF (MODE.EQ.9) STRESS(1)=SQRT(STRESS(2))
+        IF (MODE.EQ.10) DDSDDE(2,2)=LOG(STRESS(2))
+        IF (MODE.EQ.11) STATEV(1)=-1.D0/(STRESS(2)-STRESS(2))
+        IF (MODE.EQ.12) CALL ABORT
+        IF (MODE.EQ.13) CALL CRASH
+        IF (MODE.EQ.14) CALL STDB_ABQERR(-1,'%S WARNS',0,0.D0,CMNAME)
+        IF (MODE.EQ.15) CALL HANG(STRESS)
+      END IF
+      RETURN
+      END
+
+      SUBROUTINE CRASH
+      REAL*8 X
+      POINTER (KX, X)
+      KX=8
+      X=1.D0
+      END
+
+      SUBROUTINE HANG(S)
+      REAL*8 S(1)
+10    IF (S(1).LT.1.D300) GOTO 10
+      END
