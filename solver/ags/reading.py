@@ -1,0 +1,153 @@
+"""Reads a file in the AGS 4 format.
+
+Rules of the format (AGS 4.1, rules 1 to 6 and 18): a line begins with GROUP, HEADING, UNIT, TYPE or DATA; cells are in
+double quotes and separated by commas; a quote inside is doubled; a cell holds no line break.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
+from geoswarm.solver.problem.tables.reading import MAX_CELL_CHARACTERS, MAX_LINE_CHARACTERS, MAX_TABLE_BYTES
+from geoswarm.solver.words import visible
+
+__all__ = ["read_ags", "read_ags_file"]
+
+MAX_ROWS = 200_000
+"""DATA rows of a group."""
+MAX_COLUMNS = 500
+"""Headings of a group."""
+
+_KINDS = ("GROUP", "HEADING", "UNIT", "TYPE", "DATA")
+
+
+@dataclass(slots=True)
+class _Open:
+    """A group while it is read."""
+
+    name: str
+    line: int
+    headings: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    types: tuple[str, ...] = ()
+    rows: list[AgsRow] = field(default_factory=list)
+
+
+def read_ags_file(path: Path) -> AgsFile:
+    """Read a file; raises AgsError where it cannot be read, or is not AGS 4."""
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(MAX_TABLE_BYTES + 1)
+    except OSError as error:
+        raise AgsError(f"{path}: {error.strerror or error}") from None
+    return read_ags(content, path.name)
+
+
+def read_ags(content: bytes, name: str) -> AgsFile:
+    """Read the content of a file: UTF-8, with its mark or without, else Windows-1252.
+
+    Raises
+    ------
+    AgsError
+        It is not AGS 4; the message names the line.
+
+    Examples
+    --------
+    >>> file = read_ags(b'"GROUP","PROJ"\\r\\n"HEADING","PROJ_ID"\\r\\n"DATA","7"\\r\\n', "a.ags")
+    >>> group = file.groups["PROJ"]
+    >>> group.text(group.rows[0], "PROJ_ID")
+    '7'
+    """
+    if len(content) > MAX_TABLE_BYTES:
+        raise AgsError(f"{name} is larger than {MAX_TABLE_BYTES // 2**20} MiB, the most that is accepted")
+    if b"\0" in content:
+        raise AgsError(f"{name} is no text file; a file in the AGS 4 format is accepted")
+    groups: dict[str, _Open] = {}
+    for number, line in enumerate(_decoded(content).split("\n"), start=1):
+        cells = _cells(line.removesuffix("\r"), name, number)
+        if cells:
+            _take(groups, cells, name, number)
+    if not groups:
+        raise AgsError(f"{name} holds no groups; a file in the AGS 4 format is accepted")
+    found = {
+        one.name: AgsGroup(name, one.name, one.line, one.headings, one.units, one.types, tuple(one.rows))
+        for one in groups.values()
+    }
+    return AgsFile(name, found)
+
+
+def _decoded(content: bytes) -> str:
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
+
+
+def _cells(line: str, name: str, number: int) -> list[str]:
+    if not line.strip():
+        return []
+    if len(line) > MAX_LINE_CHARACTERS:
+        raise AgsError(f"{name} line {number} has {len(line)} characters; at most {MAX_LINE_CHARACTERS} are accepted")
+    if line.lstrip('" \t').startswith("**"):
+        raise AgsError(
+            f"{name} line {number}: {visible(line.strip()[:40])} is AGS 3; AGS 4 is accepted. Ask for the data as AGS "
+            "4, or convert the file"
+        )
+    try:
+        (cells,) = csv.reader([line], skipinitialspace=True, strict=True)
+    except csv.Error as error:
+        told = f"{name} line {number}: {error}; cells in double quotes, with a quote inside doubled, are accepted"
+        raise AgsError(told) from None
+    longest = max(map(len, cells), default=0)
+    if longest > MAX_CELL_CHARACTERS:
+        raise AgsError(
+            f"{name} line {number} has a cell of {longest} characters; at most {MAX_CELL_CHARACTERS} are accepted"
+        )
+    return cells
+
+
+def _take(groups: dict[str, _Open], cells: list[str], name: str, number: int) -> None:
+    """Take a line into its group."""
+    kind, values = cells[0].strip(), tuple(cells[1:])
+    if kind not in _KINDS:
+        raise AgsError(
+            f"{name} line {number} begins with '{visible(kind[:40])}'; {', '.join(_KINDS)} are accepted in the AGS 4 "
+            "format"
+        )
+    if kind == "GROUP":
+        title = values[0].strip() if values else ""
+        if not title or any(values[1:]):
+            raise AgsError(f"{name} line {number}: GROUP and one name is accepted")
+        if title in groups:
+            raise AgsError(f"{name} line {number}: group {title} is there already, in line {groups[title].line}")
+        groups[title] = _Open(title, number)
+        return
+    if not groups:
+        raise AgsError(f"{name} line {number}: {kind} stands before the first GROUP")
+    group = groups[next(reversed(groups))]
+    where = f"{name} line {number}: group {group.name}"
+    if kind == "HEADING":
+        if group.headings:
+            raise AgsError(f"{where} has a second row HEADING; one is accepted")
+        group.headings = tuple(value.strip() for value in values)
+        if not values or len(values) > MAX_COLUMNS:
+            raise AgsError(f"{where} has {len(values)} headings; 1 to {MAX_COLUMNS} are accepted")
+        twice = next((one for one in group.headings if group.headings.count(one) > 1), None)
+        if twice is not None:
+            raise AgsError(f"{where} has the heading {visible(twice)} twice")
+        return
+    if not group.headings:
+        raise AgsError(f"{where}: {kind} stands before HEADING")
+    if len(values) != len(group.headings):
+        raise AgsError(f"{where}: {len(values)} cells of {kind} under {len(group.headings)} headings")
+    if kind == "UNIT":
+        group.units = values
+    elif kind == "TYPE":
+        group.types = values
+    elif len(group.rows) == MAX_ROWS:
+        raise AgsError(f"{where} has more than {MAX_ROWS} rows of data, the most that are accepted")
+    else:
+        group.rows.append(AgsRow(number, values))
