@@ -14,7 +14,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
 from geoswarm.solver.report.laboratory import StagedTest, laboratory_values, staged_tests
 
-__all__ = ["CompressionCurve", "compression_curves"]
+__all__ = ["CompressionCurve", "compression_curves", "measured_strain"]
 
 _LATE = 0.5
 """A reading stands for the end of a stage when it was made in the last half of it."""
@@ -86,7 +86,7 @@ def _curve(
     numbers = np.arange(1.0, len(spec.stages) + 1.0)
     strain = test.model.prepare({strain_series: numbers})(test.values(values))[strain_series]
     at_zero = 0.0 if spec.zero_at_stage == 1 else _strain_before(test, values, strain)
-    read, measured = _measured(problem, test)
+    read, measured = measured_strain(problem, test)
 
     def shown(since_zero: FloatArray) -> FloatArray:
         return 100.0 * since_zero if e is None else e - (1.0 + e) * (at_zero + since_zero)
@@ -113,7 +113,7 @@ def _strain_before(test: StagedTest, values: Mapping[str, float], strain: FloatA
     return float(first[0] - strain[0])
 
 
-def _measured(problem: Problem, test: StagedTest) -> tuple[IntArray, FloatArray]:
+def measured_strain(problem: Problem, test: StagedTest) -> tuple[IntArray, FloatArray]:
     """Stages that were read, from 1, and the strain since the zero of the readings."""
     spec = test.model.spec
     prefix = f"{test.part}." if test.part else ""

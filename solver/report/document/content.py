@@ -12,6 +12,7 @@ from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
+from geoswarm.solver.report.classical import classical_values
 from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.document.captions import CAPTIONS
 from geoswarm.solver.report.document.laboratory_table import laboratory_table
@@ -263,7 +264,7 @@ def _laboratory_tables(
     """The parameters of laboratory tests as laboratories know them: polished where somebody went there."""
     values = best if polished is None else problem.values([polished[name] for name in problem.free_names])
     found = laboratory_values(problem, values, None if statistics is None else statistics.linearisation)
-    return [laboratory_table(found, _doubt(statistics))] if found else []
+    return [laboratory_table(found, _doubt(statistics), classical_values(problem))] if found else []
 
 
 def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]) -> Table:

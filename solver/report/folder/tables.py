@@ -12,6 +12,7 @@ import numpy as np
 
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.classical import classical_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
 from geoswarm.solver.report.laboratory import laboratory_values
 from geoswarm.solver.report.record import Optimum
@@ -76,6 +77,7 @@ def result_document(problem: Problem, result: CalibrationResult, optimum: Optimu
             "evaluations": polished.evaluations,
         },
         "laboratory": [] if values is None else laboratory_document(laboratory_values(problem, values, linearisation)),
+        "classical": laboratory_document(classical_values(problem)),
         "best": best
         and {
             "generation": result.best_generation,

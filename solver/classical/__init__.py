@@ -1,0 +1,11 @@
+"""Classical evaluation of laboratory tests: what a ruler on the diagram gives, without a soil law.
+
+====================  =================================================================
+``errors``            why a curve does not allow an evaluation
+``straight``          the straight line with the least squares
+``compression``       Cc and Cs: slopes of the void ratio over the logarithm of stress
+``preconsolidation``  preconsolidation stress after Casagrande, and in ln(1 + e)
+``consolidation``     c_v by the root and the logarithm of time, and C_alpha
+``mohr_circles``      cohesion and friction angle from stresses at failure
+====================  =================================================================
+"""
