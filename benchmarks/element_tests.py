@@ -1,4 +1,4 @@
-"""Time of one warm run of the published laboratory tests on one core, Python overhead included.
+"""Time of one warm run of laboratory tests on one core, Python overhead included: published ones, and 200 readings.
 
 Run: ``python -m benchmarks.element_tests [repeats]``. Prints medians.
 """
@@ -9,15 +9,17 @@ import platform
 import statistics
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from geoswarm.solver.constitutive.creep_update import creep_update
 from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
-from geoswarm.solver.element_test.material_point import PointState, follow
+from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load
+from tests.soils import creep_law, creep_point
 from tests.solver.forward.staged_tests import (
     IDENTIFIED,
     ISOTROPIC_IDENTIFIED,
@@ -25,6 +27,7 @@ from tests.solver.forward.staged_tests import (
     observation_times,
     oedometer_spec,
 )
+from tests.solver.laboratory.tests_of import crs_oedometer, simple_shear, triaxial
 
 
 def median_ms(call: Callable[[], object], repeats: int) -> float:
@@ -61,11 +64,31 @@ def main(repeats: int = 1000) -> None:
         "general update, stress and tangent              "
         f"{median_ms(lambda: creep_update(stress, strain, 0.0, 4.5, soil), repeats):8.4f} ms"
     )
-    point = PointState.from_stress([60.0, 60.0, 100.0, 0.0, 0.0, 0.0], soil)
+    law, point = creep_law(soil), creep_point([60.0, 60.0, 100.0, 0.0, 0.0, 0.0], soil)
     print(
         "general driver, one oedometer stage             "
-        f"{median_ms(lambda: follow(soil, point, [confined_load(200.0, 1.0)], [[1.0]]), max(1, repeats // 10)):8.4f} ms"
+        f"{median_ms(lambda: follow(law, point, [confined_load(200.0, 1.0)], [[1.0]]), max(1, repeats // 10)):8.4f} ms"
     )
+    for name, spec, series in readings():
+        x = np.linspace(0.0, 0.2, 200)
+        run = spec.build().prepare(dict.fromkeys(series, x))
+        print(f"{name:48}{median_ms(partial(run, CLAY), max(1, repeats // 10)):8.4f} ms")
+
+
+CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.2, "k": 1.0e-4, "C_k": 0.5}
+
+
+def readings() -> Iterator[tuple[str, Any, tuple[str, str]]]:
+    """Tests on modified Cam clay, each read 200 times in two series: name, section, series."""
+    clay = "modified_cam_clay"
+    for drainage, second in (("drained", "volumetric_strain"), ("undrained", "pore_pressure")):
+        yield f"triaxial, {drainage}", triaxial(clay, [{"axial_strain": 0.2}], drainage=drainage), ("q", second)
+    for constant, second in (("normal_stress", "vertical_strain"), ("volume", "pore_pressure")):
+        spec = simple_shear(clay, [{"shear_strain": 0.2}], constant=constant)
+        yield f"simple shear, constant {constant}", spec, ("shear_stress", second)
+    stages = [{"axial_strain": strain, "rate": 0.24} for strain in (0.12, 0.11, 0.2)]
+    spec = crs_oedometer(clay, stages, initial_void_ratio=1.2)
+    yield "oedometer at constant rate, with a loop", spec, ("axial_stress", "pore_pressure")
 
 
 if __name__ == "__main__":

@@ -16,10 +16,20 @@ from geoswarm.solver.methods.registry import BUILT_IN, find_method, kinds_of
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "problem-file.md"
 KINDS = (
-    *("oedometer", "isotropic_compression", "section", "finite_element", "formula", "combined"),
-    *("python", "command", "umbridge", "registered"),
+    *(
+        "oedometer",
+        "isotropic_compression",
+        "crs_oedometer",
+        "triaxial",
+        "direct_simple_shear",
+        "section",
+        "finite_element",
+    ),
+    *("formula", "combined", "python", "command", "umbridge", "registered"),
 )
 EXAMPLES = {"oedometer": "oedometer", "isotropic_compression": "isotropic_compression", "section": "slope"}
+LABORATORY = ("crs_oedometer", "triaxial", "direct_simple_shear")
+"""Tests on any law, whose parameters and series are told for the example of their kind."""
 
 INTRODUCTION = """\
 # The problem file
@@ -221,8 +231,9 @@ def page() -> str:
 
 def forward_model(kind: str, definitions: dict[str, Any]) -> str:
     """The part of the page about one kind of forward model."""
-    from geoswarm.solver.forward.registry import parse_spec
+    from geoswarm.solver.forward.registry import find_spec, parse_spec
     from geoswarm.solver.problem import read_document
+    from geoswarm.solver.problem.text.writing import problem_yaml
 
     schema = definitions[f"forward_model_{kind}"]
     parts = [f"### kind: {kind}", schema["description"].replace("``", "`"), fields(schema, definitions)]
@@ -270,6 +281,19 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
         )
     elif kind == "finite_element":
         parts.append("What is not told here is as for `section`. Parameters are the names in the expressions.")
+    elif kind in LABORATORY:
+        section = find_spec(kind).example() or {}
+        known = parse_spec(section).build().series
+        repeated = ("time_", "stage_", "branch_", "cycle_")
+        water = kind == "crs_oedometer"
+        states = "" if water else ", and the state variables of the law come to all of them"
+        parts += [
+            f"Parameters are those of the law{', `k` and `C_k`' if water else ''}. For example:",
+            f"```yaml\n{problem_yaml({'forward_model': section}).strip()}\n```",
+            "Its series, where those over time (`time_`), stages (`stage_`, `branch_2.`) and cycles (`cycle_`) have "
+            f"the same names after their prefix{states}; what they mean: [laboratory tests](laboratory-tests.md).",
+            series(info for info in known if not info.name.startswith(repeated)),
+        ]
     else:
         example = (ROOT / "examples" / EXAMPLES[kind] / "problem.yaml").read_text(encoding="utf-8")
         model = parse_spec(read_document(example, "yaml")["forward_model"]).build()

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -47,22 +47,35 @@ class Example:
     truth
         Values of the parameters that the problem leaves free, base units; fixed and linked ones are in the problem.
     noise
-        Standard deviation of the reading error [m].
+        Standard deviation of the reading error, base unit: m, or of each series.
     seed
         Of the reading errors.
     decimals
         Digits after the point of a reading in its unit.
     source
         Where the true parameters come from.
+    points
+        x of the readings of each series, base unit; readings over time at usual times where not given.
     """
 
     folder: str
     truth: Mapping[str, float]
-    noise: float
+    noise: float | Mapping[str, float]
     seed: int
     decimals: int
     source: str
+    points: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
+    def noise_of(self, series: str) -> float:
+        """Standard deviation of the reading error of a series, base unit."""
+        return self.noise if isinstance(self.noise, float) else self.noise[series]
+
+
+SHEARED = tuple(round(0.001 * strain, 4) for strain in (0, 0.5, 1, 2, 3, 4, 6, 8, 10, 12, 15, *range(20, 121, 5)))
+"""Axial strains at which a triaxial test is read."""
+
+TURNED = tuple(round(0.001 * strain, 4) for strain in (0, 1, 2, 4, 6, 8, 10, 15, *range(20, 201, 10)))
+"""Shear strains at which a simple shear test is read."""
 
 EXAMPLES = (
     Example(
@@ -105,6 +118,47 @@ EXAMPLES = (
         decimals=3,
         source="chosen between the two identified sets of Meier et al. 2008",
     ),
+    Example(
+        "triaxial",
+        {"E": 1.8e4, "nu": 0.28, "c": 8.0, "phi": 31.0, "psi": 4.0},
+        noise={
+            **{f"cell_{cell}.q": 2.0 for cell in (50, 100, 200)},
+            **{f"cell_{cell}.volumetric_strain": 3.0e-4 for cell in (50, 100, 200)},
+            "cell_100.branch_2.q": 2.0,
+        },
+        seed=1577,
+        decimals=3,
+        source="chosen for this example",
+        points={
+            **{f"cell_{cell}.q": SHEARED for cell in (50, 100, 200)},
+            **{f"cell_{cell}.volumetric_strain": SHEARED for cell in (50, 100, 200)},
+            "cell_100.branch_2.q": (0.0300, 0.0285, 0.0270, 0.0255, 0.0240, 0.0225, 0.0210),
+        },
+    ),
+    Example(
+        "direct_simple_shear",
+        {"M": 1.05, "lambda": 0.16, "kappa": 0.03, "nu": 0.25},
+        noise={
+            f"{part}.{series}": noise
+            for part in ("normal", "over")
+            for series, noise in (
+                ("consolidation_vertical_strain", 1.0e-3),
+                ("shear_stress", 1.0),
+                ("pore_pressure", 2.0),
+            )
+        },
+        seed=1579,
+        decimals=3,
+        source="chosen for this example",
+        points={
+            **{f"{part}.consolidation_vertical_strain": (1.0, 2.0, 3.0) for part in ("normal", "over")},
+            **{
+                f"{part}.{series}": TURNED
+                for part in ("normal", "over")
+                for series in ("shear_stress", "pore_pressure")
+            },
+        },
+    ),
 )
 
 
@@ -138,7 +192,7 @@ def _tighten(forward_model: dict[str, Any]) -> None:
     """Let integration errors vanish beside the last digit written: the data belong to the model, not to a step size."""
     for part in forward_model.get("parts", {}).values():
         _tighten(part)
-    if "stages" in forward_model:
+    if "stages" in forward_model or "shearing" in forward_model:
         forward_model["tolerance"] = TOLERANCE
 
 
@@ -149,24 +203,28 @@ def generate(example: Example, folder: Path) -> list[Path]:
     files = {section["series"]: section["file"] for section in document["observations"]}
     units = {section["series"]: (section.get("x_unit"), section["y_unit"]) for section in document["observations"]}
     document["observations"] = [
-        {"series": series, "points": {"x": times, "y": [0.0] * len(times)}} | ({"x_unit": "day"} if unit else {})
-        for series, (unit, _) in units.items()
-        for times in [_times_of(document["forward_model"], series)]
+        {"series": series, "points": {"x": x, "y": [0.0] * len(x)}}
+        for series in units
+        for x in [list(example.points.get(series) or _times_of(document["forward_model"], series))]
     ]
+    document.pop("weighting", None)
     problem = parse_problem(document)
     values = problem.values([example.truth[name] for name in problem.free_names])
     responses = problem.model.prepare({o.series: o.x for o in problem.observations})(values)
     random = np.random.default_rng(example.seed)
     written = []
+    known = {info.name: info for info in problem.model.series}
     for o in problem.observations:
-        readings = responses[o.series] + random.normal(0.0, example.noise, o.x.size)
+        noise, info = example.noise_of(o.series), known[o.series]
+        readings = responses[o.series] + random.normal(0.0, noise, o.x.size)
         x_unit, y_unit = units[o.series]
-        x = o.x if x_unit is None else convert(o.x, "day", x_unit)
-        y = convert(readings, "m", y_unit)
+        x = o.x if x_unit is None else convert(o.x, info.x_unit, x_unit)
+        y = convert(readings, info.y_unit, y_unit)
         parameters = ", ".join(f"{name} {value:g}" for name, value in values.items())
         lines = [
             f"# synthetic: not measured; {document['forward_model']['kind']} at {parameters} ({example.source}), "
-            f"normal noise of {example.noise:g} m, seed {example.seed}; made by examples/generate_reference_data.py",
+            f"normal noise of {noise:g}{f' {info.y_unit}' if info.y_unit else ''}, seed {example.seed}; made by "
+            "examples/generate_reference_data.py",
             f"# x in {x_unit or 'numbers of the points'}, y in {y_unit}",
             "x,y",
         ]

@@ -32,6 +32,7 @@ from geoswarm.solver.stopping import (
     TargetObjective,
     satisfied_reasons,
 )
+from geoswarm.solver.system.activity import counting
 
 __all__ = [
     "Best",
@@ -218,22 +219,24 @@ class Calibration:
         """Run the forward calculation for values of all parameters by name."""
         parameters = np.array([values[name] for name in self.free_names], dtype=np.float64)
         began = time.perf_counter()
-        try:
-            with np.errstate(all="ignore"):
-                found = self._run(values)
-            seconds = time.perf_counter() - began
-            responses = self.objective.responses(found)
-            misfits = self.objective.misfits(responses)
-        except ForwardError as error:
-            reason, message = error.reason, message_of(error)
-        except MemoryError:
-            reason, message = "killed_memory", "the forward model ran out of memory"
-        except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
-            reason, message = "bad_output", f"the forward model raised {in_words(error)}"
-        else:
-            note = found.note if isinstance(found, NotedResponse) else None
-            return Evaluation(parameters, self.objective.value(misfits), misfits, responses, None, note, seconds)
-        return Evaluation(parameters, None, {}, {}, reason, message, time.perf_counter() - began)
+        with counting() as waited:
+            try:
+                with np.errstate(all="ignore"):
+                    found = self._run(values)
+                seconds = time.perf_counter() - began - waited.seconds
+                responses = self.objective.responses(found)
+                misfits = self.objective.misfits(responses)
+            except ForwardError as error:
+                reason, message = error.reason, message_of(error)
+            except MemoryError:
+                reason, message = "killed_memory", "the forward model ran out of memory"
+            except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
+                reason, message = "bad_output", f"the forward model raised {in_words(error)}"
+            else:
+                note = found.note if isinstance(found, NotedResponse) else None
+                return Evaluation(parameters, self.objective.value(misfits), misfits, responses, None, note, seconds)
+        seconds = time.perf_counter() - began - waited.seconds
+        return Evaluation(parameters, None, {}, {}, reason, message, seconds)
 
     @property
     def accelerated(self) -> bool:

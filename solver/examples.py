@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.resources import as_file, files
@@ -17,17 +17,17 @@ _ENGINES = ("command", "registered")
 
 @dataclass(frozen=True, slots=True)
 class ExampleSummary:
-    """What an example shows; ``forward_model`` and ``method`` are the kinds in its problem."""
+    """What an example shows.
+
+    ``forward_model`` and ``method`` are the kinds in its problem; ``needs_engine`` says whether it needs a program of
+    others, a compiler for instance, which must be installed.
+    """
 
     name: str
     title: str
     forward_model: str
     method: str
-
-    @property
-    def needs_engine(self) -> bool:
-        """Whether it starts a program of others, which must be installed."""
-        return self.forward_model in _ENGINES
+    needs_engine: bool
 
 
 def example_names(*, engines: bool = True) -> tuple[str, ...]:
@@ -71,7 +71,9 @@ def describe_example(name: str) -> ExampleSummary:
         document = read_problem_file(path)
         heading = path.with_name(_EXPLANATION).read_text(encoding="utf-8").partition("\n")[0]
     kind, method = document["forward_model"]["kind"], document["method"]["kind"]
-    return ExampleSummary(name, heading.lstrip("# ").replace("\\", ""), kind, method)
+    library = isinstance(document["forward_model"].get("material"), Mapping)  # a law in one, which is compiled first
+    needs_engine = library or kind in _ENGINES
+    return ExampleSummary(name, heading.lstrip("# ").replace("\\", ""), kind, method, needs_engine)
 
 
 def _folder() -> Traversable:

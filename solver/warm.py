@@ -24,7 +24,7 @@ from geoswarm.solver.errors import BrokenForwardModelError
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import find_spec, kinds
 from geoswarm.solver.kernels.cache import SOLVER, alone, fingerprint, settle
-from geoswarm.solver.laws.registry import BUILT_IN, find_law, installed_laws
+from geoswarm.solver.laws.registry import BUILT_IN, USER_LAWS, find_law, installed_laws, user_update
 from geoswarm.solver.problem import Problem, parse_problem
 
 __all__ = [
@@ -58,7 +58,7 @@ MATERIAL: dict[str, Any] = {
     "psi": {"value": 0.0},
 }
 OTHER_LAWS = "other_laws"
-_VALUES = {"element_test": 1.0e4}
+_VALUES = {"element_test": 1.0e4, "consolidation": 1.0e4}
 STAGES: list[dict[str, float]] = [{"stress": 50.0, "duration": 1.0}, {"stress": 20.0, "duration": 1.0}]
 
 
@@ -116,18 +116,35 @@ _OEDOMETER = _sample({"kind": "oedometer", "height": 0.02, "initial_stress": 1.0
 _ELASTIC = _sample(
     {"kind": "oedometer", "height": 0.02, "initial_stress": 1.0, "material": "elastic"}, "settlement"
 ) | {"parameters": {"E": {"lower": 1.0e2, "upper": 1.0e5}, "nu": {"value": 0.3}}}
-SAMPLES: dict[str, dict[str, Any]] = {"oedometer": _OEDOMETER, "section": SECTION, "element_test": _ELASTIC}
+_CONSOLIDATION = {
+    **_ELASTIC,
+    "forward_model": {
+        **{"kind": "crs_oedometer", "material": "elastic", "height": 0.02, "initial_stress": 10.0},
+        "stages": [{"kind": "monotonic", "axial_strain": 0.01, "duration": 1.0}],
+    },
+    "parameters": {**_ELASTIC["parameters"], "k": {"value": 1.0e-3}},
+    "observations": [{"series": "axial_stress", "points": {"x": [0.0, 0.01], "y": [0.0, 0.0]}}],
+}
+SAMPLES: dict[str, dict[str, Any]] = {
+    "oedometer": _OEDOMETER,
+    "section": SECTION,
+    "element_test": _ELASTIC,
+    "consolidation": _CONSOLIDATION,
+}
 """What has to run once so that all kernels of a group are compiled: the fast path of soft soil creep, finite elements,
-and laboratory tests on any law."""
+laboratory tests on any law, and consolidating columns of any law."""
 
-GROUPS = (*SAMPLES, *BUILT_IN, OTHER_LAWS)
-"""What is compiled by itself: the samples, each law, and the laws of other packages."""
+GROUPS = (*SAMPLES, *BUILT_IN, *USER_LAWS, OTHER_LAWS)
+"""What is compiled by itself: the samples, each law, what calls laws of libraries, and the laws of other packages."""
 
 KERNELS = {
     "oedometer": 15,
     "section": 34,
-    "element_test": 5,
+    "element_test": 4,
+    "consolidation": 9,
     "drucker_prager": 12,
+    "hardening_soil": 18,
+    "hypoplastic_clay": 12,
     "modified_cam_clay": 3,
     "mohr_coulomb": 7,
     "soft_soil_creep": 15,
@@ -135,13 +152,14 @@ KERNELS = {
 }
 """About how many kernels each of them compiles; others but few."""
 
-_AFTER = {"matsuoka_nakai": "drucker_prager", "soft_soil": "soft_soil_creep"}
+_AFTER = {"hypoplastic_sand": "hypoplastic_clay", "matsuoka_nakai": "drucker_prager", "soft_soil": "soft_soil_creep"}
 """Laws with the kernels of another, which has them compiled first."""
 
 _SOURCES = {
     "oedometer": "element_test/constant_load.py",
     "section": "fem/solve.py",
-    "element_test": "element_test/stage_steps.py",
+    "element_test": "element_test/legs.py",
+    "consolidation": "element_test/column.py",
 }
 """Where the kernels of the samples begin; below solver."""
 
@@ -193,6 +211,8 @@ def run_sample(group: str) -> None:
         problem = parse_problem(SAMPLES[group])
         run = problem.model.prepare({observation.series: observation.x for observation in problem.observations})
         run(problem.values([_VALUES.get(group, MATERIAL["mu_star"]["value"])]))
+    elif group in USER_LAWS:
+        _ = user_update(group).address
     else:
         for law in _laws_of(group):
             _ = law.update.address
@@ -226,11 +246,15 @@ def load_kernels() -> None:
 def warm(report: Callable[[str, float], None] | None = None) -> None:
     """Have every group compiled, several at once by processes of their own, and load them.
 
+    As plain Python (NUMBA_DISABLE_JIT) there is nothing to compile, and laws cannot be called by their address.
+
     Parameters
     ----------
     report
         Is told the group of kernels and the wall time until it was there [s].
     """
+    if _plain_python():
+        return
     folder = settle()
     with alone(folder):
         began = time.perf_counter()
@@ -283,6 +307,9 @@ def _fingerprint_of(group: str) -> tuple[str, ...]:
     """What changes with the sources of a group."""
     if group in _SOURCES:
         return (fingerprint(SOLVER / _SOURCES[group]),)
+    if group in USER_LAWS:
+        module = USER_LAWS[group].partition(":")[0].removeprefix("geoswarm.solver.")
+        return (fingerprint(SOLVER / f"{module.replace('.', '/')}.py"),)
     return tuple(fingerprint(Path(inspect.getfile(type(law)))) for law in _laws_of(group))
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.element_test.legs import PointState
 from geoswarm.solver.element_test.material_point import History, point_under
-from geoswarm.solver.element_test.stage_steps import PointState
 from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.setup import SoilTable
 from geoswarm.solver.laws.base import Soil

@@ -42,7 +42,8 @@ def record(made: type[Made] | None = None, *, eq: bool = True, closed: bool = Fa
     def make(made: type[Made]) -> type[Made]:
         if closed:
             # pydantic reads this of any class; it is set so that records need not import pydantic
-            made.__pydantic_config__ = {"json_schema_extra": {"additionalProperties": False}}  # type: ignore[attr-defined]
+            strict = {"json_schema_extra": {"additionalProperties": False}}
+            made.__pydantic_config__ = strict  # type: ignore[attr-defined]  # no class declares it
         return dataclass(frozen=True, slots=True, kw_only=True, eq=eq)(made)
 
     return make if made is None else make(made)

@@ -12,6 +12,13 @@
 ``principal_return``      what returns on principal axes have in common
 ``invariants``            invariants of principal stresses with first and second derivatives
 ``logarithmic``           functions of elasticity that stiffens with pressure
+``hardening_surfaces``    surfaces, flow and stiffness of hardening soil
+``hardening_return``      the principal stresses of its step
+``hardening_soil``        one step of hardening soil, in a plane or general
+``hypoplastic_update``    one step of a hypoplastic law by substeps
+``hypoplastic_clay``      the functions of hypoplasticity of clay
+``hypoplastic_sand``      the functions of hypoplasticity of sand
+``intergranular_strain``  intergranular strain along a straight path of strain
 ``tensors``               symmetric tensors as six components, small dense algebra
 ========================  ==================================================================
 """

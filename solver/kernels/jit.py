@@ -33,7 +33,7 @@ def _load_numpy_support() -> None:
         return
     sys.modules[name] = ModuleType(name)
     try:
-        import numba.np.arraymath  # noqa: F401
+        import numba.np.arraymath  # noqa: F401  loads its kernels
     finally:
         del sys.modules[name]
 
@@ -50,11 +50,11 @@ def _cached(function: Callable[..., object]) -> Iterator[bool]:
     if _folder is None:
         yield False
         return
-    config.CACHE_DIR = str(part_of(_folder, Path(function.__code__.co_filename)))  # type: ignore[attr-defined]
+    config.CACHE_DIR = str(part_of(_folder, Path(function.__code__.co_filename)))  # type: ignore[attr-defined]  # by name
     try:
         yield True
     finally:
-        config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]
+        config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]  # Numba sets its options by name
 
 
 def kernel(function: Function) -> Function:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.binary import StressUpdate
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
@@ -53,7 +53,10 @@ class StrengthPlaces(NamedTuple):
 
 
 class Law(ABC):
-    """A soil law. Stress is compression positive, kPa, in the order of :mod:`geoswarm.solver.laws.binary`."""
+    """A soil law.
+
+    Stress is compression positive, kPa, in the order of :mod:`geoswarm.solver.laws.binary`; yy is vertical.
+    """
 
     kind: ClassVar[str]
     title: ClassVar[str]
@@ -71,6 +74,9 @@ class Law(ABC):
 
     strength: ClassVar[StrengthPlaces | None] = None
     """A Mohr-Coulomb strength that finite elements may change in steps."""
+
+    discrete: ClassVar[BoolArray | None] = None
+    """Which state variables (s,) are flags or counters, of which a mean of several steps means nothing; None: none."""
 
     perfectly_plastic: ClassVar[bool] = False
     """Whether the tangent may lose all stiffness: finite elements then mix elastic stiffness into it."""
@@ -103,6 +109,11 @@ class Law(ABC):
     def knows_K0(self) -> bool:
         """Whether :meth:`K0` gives a number."""
         return type(self).K0 is not Law.K0
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Whether the pace of a test matters; of laws that give a time scale."""
+        return type(self).log_time_scale is not Law.log_time_scale
 
     def K0(self, constants: FloatArray) -> float | None:
         """Ratio of horizontal to vertical stress at rest; None: the law knows none."""

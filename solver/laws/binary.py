@@ -36,7 +36,8 @@ from geoswarm.solver.kernels.jit import compiled
 __all__ = ["NumbaUpdate", "StressUpdate", "call_update", "carray"]
 
 _POINTERS = 7
-_SIGNATURE = types.int64(types.int64, types.float64, *[types.CPointer(types.float64)] * _POINTERS)  # type: ignore[no-untyped-call]
+_NUMBERS = types.CPointer(types.float64)  # type: ignore[no-untyped-call]  # Numba has no types
+_SIGNATURE = types.int64(types.int64, types.float64, *[_NUMBERS] * _POINTERS)
 carray: Any = numba.carray  # type: ignore[attr-defined]  # Numba exports it
 """An array of a pointer and a shape, in updates that are written for Numba."""
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_double, *[ctypes.c_void_p] * _POINTERS)
@@ -110,7 +111,7 @@ def _call_update(  # type: ignore[no-untyped-def]  # Numba has no types
         if not (isinstance(one, types.Array) and one.layout == "C" and one.dtype == types.float64):
             raise TypingError(f"{one}: contiguous arrays of float64 are accepted")
 
-    def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]  # Numba has no types
         whole, number = ir.IntType(64), ir.DoubleType()
         kind = ir.FunctionType(whole, [whole, number, *[number.as_pointer()] * _POINTERS])
         function = builder.inttoptr(values[0], kind.as_pointer())

@@ -13,7 +13,9 @@ from geoswarm.solver.constitutive.cam_clay import cam_clay_step
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
+from geoswarm.solver.laws.usual_parameters import pre_overburden
 from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.stress_measures import mean_and_squared_q
 
 __all__ = ["ModifiedCamClay"]
 
@@ -110,15 +112,7 @@ _PARAMETERS = (
         lower=1.0,
         typical=(1.0, 4.0),
     ),
-    ParameterInfo(
-        "POP",
-        "POP",
-        "kPa",
-        "Initial pre-overburden pressure: preconsolidation stress minus initial stress; not together with OCR.",
-        default=0.0,
-        lower=0.0,
-        typical=(0.0, 100.0),
-    ),
+    pre_overburden(100.0),
     ParameterInfo(
         "p_c",
         "p_c",
@@ -278,7 +272,6 @@ class ModifiedCamClay(Law):
 
 def _equivalent(stress: FloatArray, M: float) -> FloatArray:
     """p + q^2/(M^2 p), kPa, of stresses (..., 4 or 6)."""
-    p = stress[..., :3].mean(axis=-1)
-    q2 = 1.5 * ((stress[..., :3] - p[..., np.newaxis]) ** 2).sum(axis=-1) + 3.0 * (stress[..., 3:] ** 2).sum(axis=-1)
+    p, q2 = mean_and_squared_q(stress)
     pressure: FloatArray = p + q2 / (M**2 * p)
     return pressure

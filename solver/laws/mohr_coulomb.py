@@ -14,6 +14,7 @@ from geoswarm.solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
 from geoswarm.solver.laws.base import Law, Setting, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.elastic import MODULI, moduli_contradiction, moduli_incomplete, young_of
+from geoswarm.solver.laws.usual_parameters import too_dilatant
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["TENSION_CUTOFF", "MohrCoulomb"]
@@ -61,10 +62,7 @@ class MohrCoulomb(Law):
 
     def contradiction(self, values: Mapping[str, float]) -> str | None:
         """Both moduli, or more dilatancy than friction."""
-        phi, psi = values.get("phi"), values.get("psi", 0.0)
-        if phi is not None and psi > phi:
-            return f"psi = {psi:g} degree with phi = {phi:g} degree: psi at most phi is accepted"
-        return moduli_contradiction(values)
+        return too_dilatant(values.get("phi"), values.get("psi", 0.0)) or moduli_contradiction(values)
 
     def incomplete(self, given: frozenset[str]) -> str | None:
         """The modulus."""

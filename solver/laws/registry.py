@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from geoswarm.solver.errors import SolverError
@@ -10,8 +11,19 @@ from geoswarm.solver.installed import Installed
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
+    from geoswarm.solver.laws.binary import StressUpdate
 
-__all__ = ["BUILT_IN", "GROUP", "UnknownLawError", "find_law", "forget", "installed_laws", "kinds"]
+__all__ = [
+    "BUILT_IN",
+    "GROUP",
+    "USER_LAWS",
+    "UnknownLawError",
+    "find_law",
+    "forget",
+    "installed_laws",
+    "kinds",
+    "user_update",
+]
 
 log = logging.getLogger(__name__)
 
@@ -19,6 +31,9 @@ GROUP = "geoswarm.laws"
 BUILT_IN = {
     "elastic": "geoswarm.solver.laws.elastic:Elastic",
     "drucker_prager": "geoswarm.solver.laws.drucker_prager:DruckerPrager",
+    "hardening_soil": "geoswarm.solver.laws.hardening_soil:HardeningSoilLaw",
+    "hypoplastic_clay": "geoswarm.solver.laws.hypoplastic_clay:HypoplasticClay",
+    "hypoplastic_sand": "geoswarm.solver.laws.hypoplastic_sand:HypoplasticSand",
     "matsuoka_nakai": "geoswarm.solver.laws.matsuoka_nakai:MatsuokaNakai",
     "modified_cam_clay": "geoswarm.solver.laws.modified_cam_clay:ModifiedCamClay",
     "mohr_coulomb": "geoswarm.solver.laws.mohr_coulomb:MohrCoulomb",
@@ -26,6 +41,13 @@ BUILT_IN = {
     "soft_soil_creep": "geoswarm.solver.laws.soft_soil_creep:SoftSoilCreepLaw",
 }
 """Where the built-in laws are, by kind."""
+
+USER_LAWS = {
+    "umat": "geoswarm.solver.laws.umat_bridge:umat_update",
+    "mfront": "geoswarm.solver.laws.mfront_bridge:mfront_update",
+}
+"""Laws in libraries of the user's, by kind, and the thin function around each. A problem describes them, see
+:mod:`geoswarm.solver.user_laws`; they have no name under which they could be found."""
 
 
 class UnknownLawError(SolverError):
@@ -75,6 +97,13 @@ def find_law(kind: str) -> Law:
         No such law is installed (the message lists the known ones), or it cannot be loaded.
     """
     return _installed.find(kind)
+
+
+def user_update(kind: str) -> StressUpdate:
+    """Return the thin function around laws of a kind in libraries."""
+    module, _, name = USER_LAWS[kind].partition(":")
+    found: StressUpdate = getattr(import_module(module), name)
+    return found
 
 
 def forget() -> None:

@@ -54,6 +54,11 @@ class SoftSoilLaw(SoftSoilCreepLaw):
             tension_cutoff=tension_cutoff,
         )
 
+    @property
+    def depends_on_time(self) -> bool:
+        """Time has no effect."""
+        return False
+
     def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> None:
         """Time has no effect."""
         del stress, state, constants

@@ -20,7 +20,9 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
+from geoswarm.solver.laws.usual_parameters import pre_overburden, too_dilatant, two_pasts
 from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.stress_measures import mean_and_squared_q
 
 __all__ = ["PARAMETERS", "SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
 
@@ -112,15 +114,7 @@ PARAMETERS = (
         lower=1.0,
         typical=(1.0, 4.0),
     ),
-    ParameterInfo(
-        "POP",
-        "POP",
-        "kPa",
-        "Initial pre-overburden pressure: preconsolidation stress minus initial stress; not together with OCR.",
-        default=0.0,
-        lower=0.0,
-        typical=(0.0, 50.0),
-    ),
+    pre_overburden(50.0),
 )
 
 
@@ -173,12 +167,14 @@ class SoftSoilCreepLaw(Law):
         if stiff is not None and soft is not None and not stiff > soft:
             return f"lambda_star = {stiff:g} with kappa_star = {soft:g}: lambda_star above kappa_star is accepted"
         phi, psi, K0nc, M = known.get("phi"), known["psi"], known["K0nc"], known["M"]
-        if phi is not None and psi > phi:
-            return f"psi = {psi:g} degree with phi = {phi:g} degree: psi at most phi is accepted"
+        fault = too_dilatant(phi, psi)
+        if fault is not None:
+            return fault
         if K0nc > 0.0 and M > 0.0:
             return f"K0nc = {K0nc:g} and M = {M:g} are both given; one of them is accepted, the other follows from it"
-        if known["OCR"] != 1.0 and known["POP"] != 0.0:
-            return f"OCR = {known['OCR']:g} and POP = {known['POP']:g} kPa are both given; one of them is accepted"
+        fault = two_pasts(known["OCR"], known["POP"])
+        if fault is not None:
+            return fault
         if M == 0.0 and stiff is not None and soft is not None and (phi is not None or K0nc > 0.0):
             ratio = K0nc if K0nc > 0.0 or phi is None else 1.0 - math.sin(math.radians(phi))
             try:
@@ -262,8 +258,7 @@ def creep_constants(constants: FloatArray) -> SoftSoilCreep:
 
 def equivalent_pressures(stress: FloatArray, soil: SoftSoilCreep) -> FloatArray:
     """Equivalent pressure p_eq, kPa, of stresses (..., 4 or 6), compression positive."""
-    p = stress[..., :3].mean(axis=-1)
-    q2 = 1.5 * ((stress[..., :3] - p[..., np.newaxis]) ** 2).sum(axis=-1) + 3.0 * (stress[..., 3:] ** 2).sum(axis=-1)
+    p, q2 = mean_and_squared_q(stress)
     x = np.maximum(p + soil.shift, soil.pressure_floor)
     pressure: FloatArray = x + q2 / (soil.M**2 * (x + soil.extra))
     return pressure

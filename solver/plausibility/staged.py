@@ -16,6 +16,15 @@ from geoswarm.solver.units import convert
 __all__ = ["StagedReadings", "staged_readings"]
 
 
+_DEFORMATIONS = frozenset(
+    {
+        *("settlement", "axial_strain", "axial_displacement", "radial_displacement", "volumetric_strain"),
+        "void_ratio",
+    }
+)
+"""Series that show how a specimen is compressed; stresses and state variables are judged by nothing here."""
+
+
 @dataclass(frozen=True, slots=True)
 class StagedReadings:
     """All readings of one series of such a test, those that take no part, too.
@@ -70,11 +79,11 @@ class StagedReadings:
 
 
 def staged_readings(problem: Problem) -> Iterator[StagedReadings]:
-    """Every observation of a test in stages."""
+    """Every observation of the deformation of a test in stages."""
     infos = {info.name: info for info in problem.model.series}
     for index, one in enumerate(problem.observations):
         section, spec, series = section_of_test(problem.forward_model, one.series)
-        if not isinstance(spec, StagedLoadSpec):
+        if not isinstance(spec, StagedLoadSpec) or series.removeprefix("stage_") not in _DEFORMATIONS:
             continue
         info = infos[one.series]
         x_unit, y_unit = one.x_unit or info.x_unit, one.y_unit or info.y_unit

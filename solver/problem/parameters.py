@@ -25,6 +25,7 @@ __all__ = [
     "build_parameter",
     "check_against_model",
     "link_order",
+    "missing_parameters",
     "outside_limits",
     "parse_known",
 ]
@@ -189,7 +190,7 @@ def check_against_model(
         ]
     issues += [
         Issue(f"parameters.{info.name}", f"is missing ({_what(info)}); give bounds, a value or an expression")
-        for info in _missing(model, declared)
+        for info in missing_parameters(model, declared)
     ]
     return issues
 
@@ -199,7 +200,8 @@ def _what(info: ParameterInfo) -> str:
     return f"{what}, {info.unit}" if info.unit else what
 
 
-def _missing(model: ForwardModel, declared: Collection[str]) -> list[ParameterInfo]:
+def missing_parameters(model: ForwardModel, declared: Collection[str]) -> list[ParameterInfo]:
+    """Parameters that a forward model needs and that are not among those declared."""
     if isinstance(model, CombinedModel):
         return model.missing(declared)
     return [info for info in model.parameters if info.default is None and not info.is_among(declared)]

@@ -18,53 +18,18 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from geoswarm.solver.declared_parameter import DeclaredParameter, ParameterName
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.runs.fingerprints import FileStamp, settled
 from geoswarm.solver.forward.base import SeriesInfo
-from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.forward.registry import kinds
 from geoswarm.solver.problem.text.reading import read_problem_file
 from geoswarm.solver.registered.settings import Setting, SettingName
 
 __all__ = ["FILE", "Declaration", "Declared", "DeclaredParameter", "DeclaredSeries", "read_declaration"]
 
 FILE = "model.yaml"
-ParameterName = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
-_KINDS = ("command", "python", "umbridge")
-
-
-class DeclaredParameter(BaseModel):
-    """A parameter as users see it."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    symbol: str = Field("", max_length=20)
-    unit: str = Field("", max_length=50)
-    description: str = Field("", max_length=300)
-    default: float | None = None
-    lower: float | None = None
-    upper: float | None = None
-    typical: tuple[float, float] | None = None
-
-    @model_validator(mode="after")
-    def _ordered(self) -> DeclaredParameter:
-        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
-            raise ValueError(f"lower {self.lower:g} must be below upper {self.upper:g}")
-        if self.typical is not None and self.typical[0] >= self.typical[1]:
-            raise ValueError(f"typical must rise, got {self.typical[0]:g} to {self.typical[1]:g}")
-        return self
-
-    def info(self, name: str) -> ParameterInfo:
-        """As forward models tell it."""
-        return ParameterInfo(
-            name,
-            self.symbol or name,
-            self.unit,
-            self.description or name,
-            default=self.default,
-            lower=self.lower,
-            upper=self.upper,
-            typical=self.typical,
-        )
+SeriesName = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_.]*$", max_length=200)]
 
 
 class DeclaredSeries(BaseModel):
@@ -87,7 +52,7 @@ class Declared(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     parameters: dict[ParameterName, DeclaredParameter] = Field(max_length=100)
-    series: dict[ParameterName, DeclaredSeries] = Field(max_length=1000)
+    series: dict[SeriesName, DeclaredSeries] = Field(max_length=1000)
 
 
 class Declaration(BaseModel):
@@ -107,8 +72,9 @@ class Declaration(BaseModel):
         if twice:
             raise ValueError(f"{min(twice)} is a parameter and a setting; a name can only be one of the two")
         kind = self.forward_model.get("kind")
-        if kind not in _KINDS:
-            raise ValueError(f"forward_model.kind must be one of {', '.join(_KINDS)}, not {kind!r}")
+        accepted = [one for one in kinds() if one != "registered"]
+        if kind not in accepted:
+            raise ValueError(f"forward_model.kind must be one of {', '.join(accepted)}, not {kind!r}")
         folder = Path(str(self.forward_model.get("folder") or ""))
         if folder.is_absolute() or ".." in folder.parts:
             raise ValueError(

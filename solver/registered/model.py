@@ -19,6 +19,7 @@ from geoswarm.solver.forward.programs.foreign import ForeignModel
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.parameter_info import outside_limits
 from geoswarm.solver.problem.issues import issues_of
+from geoswarm.solver.problem.parameters import missing_parameters
 from geoswarm.solver.registered.declaration import FILE, Declaration, Declared, DeclaredSeries, read_declaration
 from geoswarm.solver.registered.folders import version_of
 from geoswarm.solver.registered.settings import Given, chosen, numbers_of, texts_of
@@ -53,10 +54,9 @@ def program_of(
     texts = texts_of(declaration.settings, values)
     model: ForwardModel = CommandModel(spec, texts, private=private) if isinstance(spec, CommandSpec) else spec.build()
     known = declaration.parameters.keys() | numbers_of(declaration.settings, values).keys()
-    for info in model.parameters:
-        if info.name not in known and info.default is None:
-            where = "parameters, nor among settings with a number"
-            raise ProblemError([Issue(f"{FILE}: parameters.{info.name}", f"is used, but not declared among {where}")])
+    for info in missing_parameters(model, known):
+        where = "parameters, nor among settings with a number"
+        raise ProblemError([Issue(f"{FILE}: parameters.{info.name}", f"is used, but not declared among {where}")])
     return model
 
 
@@ -104,6 +104,11 @@ def _section(folder: Path, declaration: Declaration) -> ForwardModelSpec:
     except ValidationError as error:
         schema = find_spec(str(section["kind"])).model_json_schema
         raise ProblemError(issues_of(error, section, "forward_model", schema)) from None
+    for law in spec.user_laws:
+        library = Path(law.library)
+        if library.is_absolute() or ".." in library.parts or law.file != law.library:
+            text = f"'{library}': the library must lie in the folder of the model, whose files are its version; link it"
+            raise ProblemError([Issue(f"{FILE}: library", text)])
     return spec.with_files(folder, "forward_model")
 
 

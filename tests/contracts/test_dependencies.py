@@ -17,6 +17,7 @@ HEADINGS = {
     "statistics": "Extra `statistics`",
     "parquet": "Extra `parquet`",
     "pest": "Extra `pest`",
+    "mfront": "Extra `mfront`",
     "bench": "Extra `bench`",
     "dev": "Extra `dev`",
 }

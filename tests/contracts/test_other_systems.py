@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 WITHOUT_POSIX = """
 import builtins, sys
 POSIX = {"fcntl", "grp", "posix", "pty", "pwd", "resource", "syslog", "termios", "tty"}
@@ -36,6 +38,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_runs_and_the_client_need_no_module_of_posix(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(WITHOUT_POSIX)

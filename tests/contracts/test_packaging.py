@@ -122,7 +122,7 @@ def test_metadata_is_complete(wheel: Path) -> None:
     assert fields["Name"] == "geoswarm"
     assert fields["Version"] == project()["project"]["version"]
     assert fields["License-Expression"] == "Apache-2.0"
-    extras = {"server", "tracing", "plots", "mesh", "statistics", "parquet", "pest", "bench", "dev"}
+    extras = {"server", "tracing", "plots", "mesh", "statistics", "parquet", "pest", "mfront", "bench", "dev"}
     assert set(fields.get_all("Provides-Extra", [])) == extras
     assert "# " in fields.get_payload()
     assert "Apache License" in metadata(wheel, "licenses/LICENSE")

@@ -23,12 +23,16 @@ BANDS = {  # around the true values, for the seed in the problem file; the oedom
         "c": (25.0, 27.0),
         "isotropic.mu_star": (1.9e-3, 2.7e-3),
     },
+    "triaxial": {"E": (1.75e4, 1.85e4), "nu": (0.26, 0.30), "c": (7.0, 9.0), "phi": (30.7, 31.3), "psi": (3.8, 4.2)},
+    "direct_simple_shear": {"M": (1.04, 1.06), "lambda": (0.158, 0.162), "kappa": (0.029, 0.031), "nu": (0.23, 0.27)},
 }
 OBJECTIVES = {  # two-sided: below the noise would be as wrong as far above it
     "oedometer": (2.0e-9, 5.0e-9),
     "isotropic_compression": (4.0e-9, 6.0e-9),
     "formula": (2.0e-6, 7.0e-6),
     "combined": (5.5e-9, 8.5e-9),
+    "triaxial": (5.0e-7, 7.0e-7),
+    "direct_simple_shear": (3.5e-5, 4.3e-5),
 }
 
 LONG = "slope"

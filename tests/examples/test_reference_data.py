@@ -26,7 +26,9 @@ def test_every_data_file_says_that_it_is_synthetic(example: Example) -> None:
     for path in files:
         first = path.read_text(encoding="utf-8").splitlines()[0]
         assert first.startswith("# synthetic: not measured;")
-        assert f"normal noise of {example.noise:g} m, seed {example.seed}" in first
+        noises = [example.noise] if isinstance(example.noise, float) else example.noise.values()
+        assert any(f"normal noise of {noise:g}" in first for noise in noises)
+        assert f", seed {example.seed};" in first
     assert "synthetic" in (HERE / example.folder / "README.md").read_text(encoding="utf-8").lower()
 
 
@@ -35,10 +37,10 @@ def test_noise_is_what_the_file_says(example: Example) -> None:
     problem = load_problem(HERE / example.folder / "problem.yaml")
     truth = problem.values([example.truth[name] for name in problem.free_names])
     responses = problem.model.prepare({o.series: o.x for o in problem.observations})(truth)
-    errors = np.concatenate([o.y - responses[o.series] for o in problem.observations])
+    errors = np.concatenate([(o.y - responses[o.series]) / example.noise_of(o.series) for o in problem.observations])
     # four standard errors of mean and standard deviation
-    assert abs(errors.mean()) < 4.0 * example.noise / np.sqrt(errors.size)
-    assert errors.std() == pytest.approx(example.noise, rel=4.0 / np.sqrt(2.0 * errors.size))
+    assert abs(errors.mean()) < 4.0 / np.sqrt(errors.size)
+    assert errors.std() == pytest.approx(1.0, rel=4.0 / np.sqrt(2.0 * errors.size))
 
 
 def test_reading_times_grow_and_end_before_the_next_load_and_at_the_end() -> None:

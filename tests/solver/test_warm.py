@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -60,6 +61,16 @@ def test_the_command_says_what_it_does(caplog: pytest.LogCaptureFixture) -> None
     with caplog.at_level(logging.INFO):
         _main()
     assert [record.getMessage().split(" is ready")[0] for record in caplog.records][1:] == list(GROUPS)
+
+
+def test_as_plain_python_there_is_nothing_to_compile() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-m", "geoswarm.solver.warm"],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+    )
+    assert (ended.returncode, "is ready" in ended.stdout + ended.stderr) == (0, False), ended.stderr
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def test_a_key_opens_for_its_owner_and_only_its_hash_is_kept(ring: ApiKeys, stor
     assert ring.principal(key) == Principal("alice", "submit", view.id)
     assert (view.state, view.label, view.expires_at) == ("active", "laptop", None)
     row = store.read(lambda connection: connection.execute(select(api_keys)).one())
-    assert key.rpartition("_")[2] not in " ".join(map(str, row))
+    assert key.split("_", 2)[2] not in " ".join(map(str, row))  # the secret itself may contain "_"
     assert re.fullmatch("[0-9a-f]{64}", row.hash)
     assert ring.used()
 

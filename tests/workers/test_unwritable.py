@@ -133,7 +133,7 @@ def test_readiness_tells_that_the_database_takes_nothing_in(store: Store, switch
 def test_nothing_is_lost_and_work_goes_on_by_itself(
     store: Store, service: JobService, settings: Settings, switch: Switch
 ) -> None:
-    problem = line(stopping={"max_evaluations": 900})
+    problem = line(stopping={"max_evaluations": 300})
     expected = expected_history(problem)
     with working(
         store, settings.model_copy(update={"burst_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0})

@@ -77,7 +77,7 @@ _ending = mmap.mmap(-1, 1)
 _slots = anonymous_file()
 
 
-@worker_init.connect  # type: ignore[untyped-decorator]
+@worker_init.connect  # type: ignore[untyped-decorator]  # Celery has no types
 def _import_models(**_: Any) -> None:
     settings: Settings = current_app.geoswarm_settings
     settle()  # once for all pool processes
@@ -85,7 +85,7 @@ def _import_models(**_: Any) -> None:
         import_models()  # before the fork: every pool process, restarted ones too, begins with them
 
 
-@worker_shutting_down.connect  # type: ignore[untyped-decorator]
+@worker_shutting_down.connect  # type: ignore[untyped-decorator]  # Celery has no types
 def _announce_end(**_: Any) -> None:
     _ending[0] = 1
     threading.Thread(target=_insist_on_end, name="geoswarm-end", daemon=True).start()
@@ -100,7 +100,7 @@ def _insist_on_end() -> None:
     os._exit(0)
 
 
-@worker_process_init.connect  # type: ignore[untyped-decorator]
+@worker_process_init.connect  # type: ignore[untyped-decorator]  # Celery has no types
 def _open(**_: Any) -> None:
     global _process
     settings: Settings = current_app.geoswarm_settings
@@ -142,7 +142,7 @@ def _look_around(process: _Process) -> None:
                 process.working.release()
 
 
-@worker_process_shutdown.connect  # type: ignore[untyped-decorator]
+@worker_process_shutdown.connect  # type: ignore[untyped-decorator]  # Celery has no types
 def _close(**_: Any) -> None:
     global _process
     if _process is not None:
@@ -150,7 +150,7 @@ def _close(**_: Any) -> None:
         process.close()
 
 
-@shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]
+@shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]  # Celery has no types
 def serve(job_id: str) -> None:  # noqa: ARG001  who looks at the queue shall see whom a message is about
     """Answer a ring: there may be work, not necessarily for the job that rang, as others may be more urgent."""
     if _process is None:

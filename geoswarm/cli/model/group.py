@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from geoswarm.cli.model.build_umat import build_umat_command
 from geoswarm.cli.model.new import new_command
 from geoswarm.cli.model.trial import try_command
 
@@ -17,3 +18,4 @@ def model_command() -> None:
 
 model_command.add_command(new_command)
 model_command.add_command(try_command)
+model_command.add_command(build_umat_command)

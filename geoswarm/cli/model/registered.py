@@ -13,6 +13,7 @@ from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
 
 if TYPE_CHECKING:
+    from geoswarm.solver.forward.base import ForwardModel
     from geoswarm.solver.registered.declaration import Declaration, DeclaredParameter
 
 __all__ = ["models_command"]
@@ -94,10 +95,10 @@ def check_model(name: str, given: tuple[str, ...]) -> None:
     model = program_of(folder, declaration, {})
     values = read_values(given, partial(_mistake, declaration))
     values = {one: values[one] if one in values else _value(one, info) for one, info in declaration.parameters.items()}
-    if not isinstance(model, CommandModel):
-        note(f"Model {name} is sound; it starts no program, so nothing was run.")
-        return
     numbers = numbers_of(declaration.settings, chosen(declaration.settings, {}))
+    if not isinstance(model, CommandModel):
+        _run_once(name, model, {**values, **numbers})
+        return
     failure: str | None = None
     with watched() as runs:
         try:
@@ -109,6 +110,23 @@ def check_model(name: str, given: tuple[str, ...]) -> None:
         echo_run(run, whole=False)
     if failure is not None:
         raise FailedRunError(failure)
+
+
+def _run_once(name: str, model: ForwardModel, values: dict[str, float]) -> None:
+    """Calculate the first series of a model that starts no program, where it knows at which points."""
+    from geoswarm.solver.errors import ForwardError
+
+    series = model.series[0]
+    x = model.grid(series.name)
+    if not x.size:
+        note(f"Model {name} is sound; it starts no program, so nothing was run.")
+        return
+    try:
+        y = model.prepare({series.name: x})(values)[series.name]
+    except ForwardError as error:
+        raise FailedRunError(f"the run failed ({error.reason}): {error}") from None
+    last = f"{number(float(y[-1]))} {series.y_unit} at {number(float(x[-1]))} {series.x_unit}"
+    echo_facts(name, {"series": series.name, "points": str(x.size), "last": last})
 
 
 def _found(name: str) -> tuple[Any, Declaration]:

@@ -112,6 +112,8 @@ observations:
 STARTERS: dict[str, Starter] = {
     "oedometer": Starter("oedometer", _OEDOMETER, {"settlement.csv": "time [min],settlement [mm]"}),
     "isotropic_compression": Starter("isotropic_compression"),
+    "triaxial": Starter("triaxial"),
+    "direct_simple_shear": Starter("direct_simple_shear"),
     "formula": Starter("formula", _FORMULA, {"settlement.csv": "time [day],settlement [cm]"}),
     "combined": Starter("combined"),
     "section": Starter("slope"),

@@ -11,14 +11,14 @@ from geoswarm.cli import main
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 NAMES = [
-    *("calculix", "combined", "formula", "fortran_pest", "isotropic_compression", "kratos", "oedometer", "opengeosys"),
-    *("opengeosys_slope", "plaxis", "python_spreadsheet", "slope"),
+    *("calculix", "combined", "direct_simple_shear", "formula", "fortran_pest", "isotropic_compression", "kratos"),
+    *("oedometer", "opengeosys", "opengeosys_slope", "plaxis", "python_spreadsheet", "slope", "triaxial", "umat"),
 ]
 
 
 def files_of(folder: Path) -> dict[str, str]:
     """Texts of an example by name; not what running its scripts, or compiling its program, has left there."""
-    left = (".pyc", "consolidation")
+    left = (".pyc", "consolidation", ".so")
     found = [path for path in folder.rglob("*") if path.is_file() and not path.name.endswith(left)]
     return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in found}
 
@@ -36,12 +36,14 @@ def test_json_has_kind_and_method(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["examples", "--json"]) == 0
     items = json.loads(capsys.readouterr().out)["items"]
     assert [item["name"] for item in items] == NAMES
-    assert items[-1] == {
+    assert items[NAMES.index("slope")] == {
         "name": "slope",
         "title": "A creeping slope",
         "forward_model": "section",
         "method": "particle_swarm",
+        "needs_engine": False,
     }
+    assert items[-1]["needs_engine"] is True
 
 
 @pytest.mark.parametrize("name", NAMES)

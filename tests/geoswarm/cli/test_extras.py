@@ -16,6 +16,7 @@ from geoswarm.cli.words.error_messages import CommandContext, report
 from geoswarm.solver.system.extras import extra_of, needs_extra
 from tests.contracts.repository import project
 from tests.installation import Installation, install
+from tests.solver.ags.synthetic import content
 from tests.solver.problems import decay_document
 
 URL = ("--url", "http://127.0.0.1:9")  # nothing listens there
@@ -58,9 +59,11 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "examples": [([], 0, None), (["formula", "formula"], 0, None)],
     "model new": [(["--run", "a", "--input", "none", "--mark", "a=1", "--result", "b"], 2, None)],
     "model try": [(["problem.json"], 2, None)],
+    "model build-umat": [(["none.f"], 2, None)],
     "models list": [([], 0, None)],
     "models show": [(["none"], 2, None)],
     "models check": [(["none"], 2, None)],
+    "import ags": [(["data.ags"], 0, None), (["data.ags", "--output", "ags", "--specimen", "BH1/3/1"], 0, None)],
     "import pest": [(["case.pst", "--output", "made"], 2, "pest")],
     "umbridge": [(["none.json"], 2, None)],
     "demo": [([], 2, "server")],
@@ -109,6 +112,7 @@ def folder(base: Installation, tmp_path_factory: pytest.TempPathFactory) -> Path
     for name, document in {"problem": decay_document(), "sobol": sobol, "meshed": MESHED}.items():
         (made / f"{name}.json").write_text(json.dumps(document), encoding="utf-8")
     (made / "case.pst").write_text("pcf\n", encoding="utf-8")
+    (made / "data.ags").write_bytes(content())
     (made / "slope.msh").write_text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", encoding="utf-8")
     done = base.geoswarm("run", "problem.json", "--output", "run", folder=made)
     assert done.returncode == 0, done.stderr

@@ -75,6 +75,7 @@ def locked(installation: Installation, folder: Path) -> Iterator[dict[str, str]]
     temporary.mkdir()
     solver = installation.packages / "geoswarm" / "solver"
     compiled = solver / "__pycache__"
+    compiled.mkdir(exist_ok=True)  # nothing is compiled yet where this test runs alone
     aside = compiled.rename(solver / "aside")
     folders = [solver, *(path for path in solver.rglob("*") if path.is_dir())]
     for one in folders:

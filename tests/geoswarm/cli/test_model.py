@@ -119,12 +119,12 @@ def test_models_are_listed_shown_and_checked(
     assert main(["models", "list"]) == 0
     assert "GEOSWARM_MODELS names folders" in capsys.readouterr().err
     register(folder / "models")
-    (folder / "models" / "exit_3" / "model.yaml").write_text("forward_model: {kind: oedometer}\nparameters: {a: {}}\n")
+    (folder / "models" / "exit_3" / "model.yaml").write_text("forward_model: {kind: registered}\nparameters: {a: {}}\n")
     monkeypatch.setenv("GEOSWARM_MODELS", str(folder / "models"))
     assert main(["models", "list", "--json"]) == 0
     rows = {row["model"]: row for row in json.loads(capsys.readouterr().out)}
     assert len(rows["good"]["version"]) == 64
-    assert "must be one of command, python, umbridge" in rows["exit_3"]["title"]
+    assert "forward_model.kind must be one of formula, combined, oedometer" in rows["exit_3"]["title"]
     assert main(["models", "show", "good"]) == 0
     assert "at least -10 and at most 10" in capsys.readouterr().out
     assert main(["models", "check", "good"]) == 0

@@ -68,6 +68,58 @@ def test_the_general_driver_gives_what_the_fast_path_gives(monkeypatch: pytest.M
         assert general[name] == pytest.approx(fast[name], abs=5.0e-6)
 
 
+def test_the_lateral_stress_of_elasticity_follows_poissons_ratio() -> None:
+    model = oedometer("elastic", K0=0.6).build()
+    x = {"stage_lateral_stress": np.array([1.0, 2.0, 3.0]), "K0": np.array([0.0, 0.5, 1.0, 2.0])}
+    found = model.prepare(x)({"E": YOUNG, "nu": POISSON})
+    lateral = 0.6 * 20.0 + POISSON / (1.0 - POISSON) * (STRESSES - 20.0)
+    assert found["stage_lateral_stress"] == pytest.approx(lateral, rel=1.0e-9)
+    assert found["K0"] == pytest.approx([0.6, *(lateral[[0, 0, 1]] / STRESSES[[0, 0, 1]])], rel=1.0e-9)
+
+
+def test_state_variables_of_the_general_driver_are_those_of_the_fast_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    times = np.array([0.0, 0.01, 0.5, 1.0, 1.2, 3.0, 3.5])
+    x = {"lateral_stress": times, "log_pp": times, "stage_log_pp": np.array([1.0, 2.0, 3.0])}
+    spec = oedometer("soft_soil_creep", tolerance=1.0e-6, OCR=1.2)
+    fast = spec.build().prepare(x)(IDENTIFIED)
+    alone = spec.build().prepare({"settlement": times})(IDENTIFIED)["settlement"]
+    assert (spec.build().prepare({**x, "settlement": times})(IDENTIFIED)["settlement"] == alone).all()
+    monkeypatch.setattr(staged_history, "FAST_PATHS", {})
+    general = spec.build().prepare(x)(IDENTIFIED)
+    assert general["lateral_stress"] == pytest.approx(fast["lateral_stress"], abs=0.02)
+    for name in ("log_pp", "stage_log_pp"):
+        assert general[name] == pytest.approx(fast[name], abs=2.0e-4)
+
+
+def test_measured_K0_and_preconsolidation_of_the_incremental_oedometer() -> None:
+    """Values of an independent integration of the rate equations (small strain), to the printed digits."""
+    soil = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.005, "c": 0.0, "phi": 30.0, "K0nc": 0.5, "OCR": 1.3}
+    stages = [
+        {"stress": 100.0, "duration": 1.0},
+        {"stress": 200.0, "duration": 1.0},
+        {"stress": 400.0, "duration": 100.0},
+    ]
+    model = oedometer("soft_soil_creep", stages=stages, initial_stress=50.0, tolerance=1.0e-7).build()
+    found = model.prepare({"K0": np.array([1.0, 2.0, 3.0, 102.0])})(soil)
+    assert found["K0"] == pytest.approx([0.52826, 0.52972, 0.52972, 0.52981], abs=1.0e-5)
+
+
+def test_the_preconsolidation_pressure_of_isotropic_creep() -> None:
+    """p_p = p_p0 exp(mu*/(lambda* - kappa*) ln(1 + t/tau)) under a constant pressure that was there before."""
+    section = {"height": 0.1, "diameter": 0.05, "initial_stress": 20.0, "stages": [{"stress": 20.0, "duration": 50.0}]}
+    model = IsotropicCompressionSpec.model_validate(section).build()
+    soil = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.004, "c": 0.0, "phi": 30.0}
+    times = np.array([0.0, 0.3, 7.0, 50.0])
+    found = model.prepare({"log_pp": times})(soil)["log_pp"]
+    assert found == pytest.approx(math.log(20.0) + 0.05 * np.log1p(times), rel=1.0e-9)
+    assert not {"K0", "lateral_stress"} & {info.name for info in model.series}
+
+
+def test_finite_elements_have_no_series_of_states() -> None:
+    names = {info.name for info in oedometer("soft_soil_creep", discretization="finite_element").build().series}
+    assert not {"K0", "lateral_stress", "log_pp"} & names
+
+
 @pytest.mark.parametrize(
     ("material", "soil"),
     [

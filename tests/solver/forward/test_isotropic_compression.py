@@ -100,9 +100,11 @@ def test_series_and_bad_sections() -> None:
         "axial_displacement",
         "radial_displacement",
         "volumetric_strain",
+        "log_pp",
         "stage_axial_displacement",
         "stage_radial_displacement",
         "stage_volumetric_strain",
+        "stage_log_pp",
         "stage_void_ratio",
     ]
     with pytest.raises(ValidationError, match="diameter"):

@@ -28,8 +28,14 @@ def test_series_and_parameters_are_declared() -> None:
     assert names == [
         "settlement",
         "axial_strain",
+        "lateral_stress",
+        "K0",
+        "log_pp",
         "stage_settlement",
         "stage_axial_strain",
+        "stage_lateral_stress",
+        "stage_K0",
+        "stage_log_pp",
         "stage_void_ratio",
     ]
     assert [info.name for info in MODEL.parameters if info.default is None] == [

@@ -269,3 +269,10 @@ def test_check_tells_all_of_it() -> None:
         "stopping": {"max_evaluations": 10},
     }
     assert any("forward_model.height = 20 m" in one for one in check_problem(parse_problem(document)).warnings)
+
+
+def test_stresses_and_state_variables_are_no_strains() -> None:
+    stages = np.arange(1.0, len(STRESSES) + 1.0)
+    for series, y in (("stage_K0", np.full(stages.size, 1.6)), ("stage_log_pp", np.full(stages.size, 4.0))):
+        given = points(stages, y)["points"]
+        assert warnings({"series": series, "points": given, "x_unit": None, "y_unit": None}) == ()

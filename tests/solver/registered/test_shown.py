@@ -114,7 +114,7 @@ def test_a_failed_run_tells_neither_folders_nor_values(tmp_path: Path) -> None:
         ({"kind": "command", "run": ["x"], "files": ["gone.inc"]}, "gone.inc is not in good"),
         ({"kind": "command", "run": ["x"], "templates": {"a": "gone.in"}}, "gone.in"),
         ({"kind": "python", "file": "gone.py", "function": "f"}, "good/gone.py is not there"),
-        ({"kind": "oedometer"}, "must be one of command, python, umbridge"),
+        ({"kind": "registered"}, "forward_model.kind must be one of formula, combined, oedometer"),
     ],
 )
 def test_a_broken_model_is_told_by_its_name(section: dict[str, Any], words: str, models: Path, tmp_path: Path) -> None:

@@ -83,10 +83,12 @@ export function parametersSection(context, place) {
     const rest = known.filter((info) => !first.includes(info));
     const own = Object.keys(given()).filter((name) => !names.has(name));
     const free = Object.values(given()).filter((one) => modeOf(one) === "free").length;
+    // Who takes one after the other finds the rest still unfolded.
+    const open = list.querySelector(":scope > details.more")?.open ?? false;
     exchange(list,
       known.length || own.length ? element("p", { class: "help" }, `${free} free. Free ones are identified between their bounds, fixed ones are known, linked ones follow from others.`) : empty("Describe the forward model: then its parameters stand here."),
       first.map((info) => card(info.name, info)), own.map((name) => card(name, null)),
-      rest.length ? element("details", { class: "more" }, element("summary", {}, `Further parameters: ${rest.slice(0, 6).map((info) => symbol(info.name)).join(", ")}${rest.length > 6 ? " …" : ""}`), rest.map((info) => card(info.name, info))) : null,
+      rest.length ? element("details", { class: "more", open }, element("summary", {}, `Further parameters: ${rest.slice(0, 6).map((info) => symbol(info.name)).join(", ")}${rest.length > 6 ? " …" : ""}`), rest.map((info) => card(info.name, info))) : null,
       known.length ? helper() : null, errorPlace(["parameters"]));
     drawRules();
   }

@@ -8,13 +8,13 @@ import { words } from "./schema.js";
 
 /**
  * The inputs of an object: needed ones first, the others folded away. `skip` names keys that are left out, `lead` optional
- * ones that are shown at once; `change` is called after what alters the form itself.
+ * ones that are shown at once, as are those that say so (x-shown); `change` is called after what alters the form itself.
  */
 export function objectForm(context, path, schema, { skip = [], lead = [], change } = {}) {
   const { schemas } = context;
   const required = new Set(schema.required ?? []);
   const entries = Object.entries(schema.properties).filter(([key, one]) => !skip.includes(key) && !("const" in schemas.resolve(one)));
-  const first = entries.filter(([key]) => required.has(key) || lead.includes(key));
+  const first = entries.filter(([key, one]) => required.has(key) || lead.includes(key) || one["x-shown"]);
   const more = entries.filter((one) => !first.includes(one));
   const made = ([key, one]) => anyField(context, [...path, key], one, { label: labelOf(key), required: required.has(key), change });
   const given = more.some(([key]) => context.draft.read([...path, key]) !== undefined);
@@ -97,7 +97,7 @@ function listBody(context, path, schema, draw) {
   const { draft } = context;
   const items = draft.read(path) ?? [];
   return [
-    items.map((_, i) => element("details", { class: "item", open: items.length <= 3 },
+    items.map((_, i) => element("details", { class: "item", open: items.length <= 3 || !Object.keys(items[i] ?? {}).length },
       element("summary", {}, `${i + 1}. ${title(items[i])}`),
       anyField(context, [...path, i], { ...context.schemas.present(schema.items).schema, description: "" }, { label: title(items[i]) || `entry ${i + 1}`, required: true }),
       button(`Remove ${i + 1}`, () => { draft.write([...path, i], undefined); draw(); }))),
