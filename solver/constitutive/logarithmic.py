@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel_in_place
 
 __all__ = ["log_ratio"]
 
 _SERIES_LIMIT = 1.0e-3
 
 
-@kernel
+@kernel_in_place
 def log_ratio(d: float) -> tuple[float, float]:
     """ln(1 + d)/d and its derivative by d, without loss of digits near 0.
 

@@ -36,7 +36,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from geoswarm.solver.constitutive.logarithmic import log_ratio
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 
 __all__ = [
     "ALPHA_GUARD",
@@ -307,7 +307,7 @@ def secant_compliance(p_old: float, p: float, soil: SoftSoilCreep) -> tuple[floa
     return new - old, compliance, (tangent - compliance) / (p - p_old)
 
 
-@kernel
+@kernel_in_place
 def creep_increment(
     p: float, q2: float, log_time: float, log_pp: float, soil: SoftSoilCreep
 ) -> tuple[float, float, float, float, float, float]:

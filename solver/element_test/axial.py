@@ -18,7 +18,7 @@ from geoswarm.solver.constitutive.soft_soil_creep import (
     equivalent_pressure,
     secant_compliance,
 )
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 
 __all__ = [
     "confined_load",
@@ -59,7 +59,7 @@ def lateral_limits(axial: float, soil: SoftSoilCreep) -> tuple[float, float, flo
     return lower, (strong * axial + cohesion) / weak, lower_flow, 2.0 * (1.0 + soil.sin_psi) / (1.0 - soil.sin_psi)
 
 
-@kernel
+@kernel_in_place
 def strain_increment(
     axial_old: float,
     lateral_old: float,

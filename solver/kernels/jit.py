@@ -14,7 +14,7 @@ from numba.core import config
 
 from geoswarm.solver.kernels.cache import part_of, settle
 
-__all__ = ["compiled", "inlined", "kernel"]
+__all__ = ["compiled", "inlined", "kernel", "kernel_in_place"]
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -64,10 +64,23 @@ def kernel(function: Function) -> Function:
     give inf or nan, which the finite-value guard of the objective then names. A function whose name begins with an
     underscore is called by kernels only, which makes it quicker to compile.
     """
+    return _kernel(function, in_place=False)
+
+
+def kernel_in_place(function: Function) -> Function:
+    """Compile a kernel whose machine code is put in the place of each call of it.
+
+    For what the innermost loops call and what is so long that the compiler would leave the call: 6 % of an oedometer
+    test. The numbers are the same.
+    """
+    return _kernel(function, in_place=True)
+
+
+def _kernel(function: Function, *, in_place: bool) -> Function:
     private = function.__name__.startswith("_")
     with _cached(function) as cache:
         options: Any = {"cache": cache, "nogil": True, "no_cfunc_wrapper": True, "no_cpython_wrapper": private}
-        return cast(Function, numba.njit(error_model="numpy", **options)(function))
+        return cast(Function, numba.njit(error_model="numpy", forceinline=in_place, **options)(function))
 
 
 def inlined(function: Function) -> Function:
