@@ -28,7 +28,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
-from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix, solve_dense
+from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix, solve_dense, turned
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["creep_update"]
@@ -232,7 +232,7 @@ def creep_update(
     old, given, start, new = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     T = np.empty(6)
     D = np.empty((3, 3))
-    axes = np.eye(3)
+    axes = np.empty((3, 3))
     creep, choice = 0.0, int(np.int64(0))  # a number that is written out would have the search compiled once more
     p = p_old
     agreed = False
@@ -294,8 +294,7 @@ def creep_update(
     for k in range(6):
         for i in range(3):
             new_stress[k] += Q[k, i] * new[i]
-    tangent = Q @ local @ Q.T
-    return new_stress, tangent, log_pp + creep / (soil.lambda_star - soil.kappa_star), choice
+    return new_stress, turned(Q, local), log_pp + creep / (soil.lambda_star - soil.kappa_star), choice
 
 
 @kernel

@@ -17,7 +17,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.creep_update import creep_update
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
 from geoswarm.solver.constitutive.tensors import principal_axes
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import inlined, kernel
 
 __all__ = ["soft_soil_step"]
 
@@ -182,7 +182,7 @@ def _creep_alone(
     return creep, True
 
 
-@kernel
+@inlined
 def soft_soil_step(
     stress: FloatArray,
     strain_increment: FloatArray,

@@ -99,11 +99,14 @@ def _state_after(
     soil: SoftSoilCreep,
 ) -> tuple[float, float]:
     """Lateral stress and ln p_p after a hold over s = 0 .. length, as accurate as a step."""
-    one_lat, one_pp, _, _, _ = _substeps(1, length, log_theta, axial, lateral, log_pp, guess, confined, soil)
+    one = int(np.int64(1))  # numbers that are written out would have the substeps compiled for each of them
+    one_lat, one_pp, _, _, _ = _substeps(one, length, log_theta, axial, lateral, log_pp, guess, confined, soil)
     if not confined:
         return one_lat, one_pp
-    two_lat, two_pp, _, _, _ = _substeps(2, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil)
-    three_lat, three_pp, _, _, _ = _substeps(3, length, log_theta, axial, lateral, log_pp, two_lat, confined, soil)
+    two_lat, two_pp, _, _, _ = _substeps(one + 1, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil)
+    three_lat, three_pp, _, _, _ = _substeps(
+        one + 2, length, log_theta, axial, lateral, log_pp, two_lat, confined, soil
+    )
     return 4.5 * three_lat - 4.0 * two_lat + 0.5 * one_lat, 4.5 * three_pp - 4.0 * two_pp + 0.5 * one_pp
 
 
@@ -174,6 +177,7 @@ def constant_load_history(
     stiffness = soil.lambda_star - soil.kappa_star
     local = _LOCAL_SHARE * tolerance
     length = 2.0
+    one = int(np.int64(1))  # as above
     for stage in range(stresses.shape[0]):
         load = stresses[stage]
         if confined:
@@ -221,7 +225,7 @@ def constant_load_history(
                 if steps > _MAX_STEPS or not length > 1.0e-14 * whole:
                     return DIVERGED, stage, now, output, ends
                 one_lat, one_pp, one_ax, one_ls, ok1 = _substeps(
-                    1, length, log_theta, axial, lateral, log_pp, lateral, confined, soil
+                    one, length, log_theta, axial, lateral, log_pp, lateral, confined, soil
                 )
                 if not confined:
                     # Constant stress: one step is exact.
@@ -229,10 +233,10 @@ def constant_load_history(
                     error = 0.0
                 else:
                     two_lat, two_pp, two_ax, _, ok2 = _substeps(
-                        2, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil
+                        one + 1, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil
                     )
                     three_lat, three_pp, three_ax, _, ok3 = _substeps(
-                        3, length, log_theta, axial, lateral, log_pp, two_lat, confined, soil
+                        one + 2, length, log_theta, axial, lateral, log_pp, two_lat, confined, soil
                     )
                     if not (ok1 and ok2 and ok3):
                         length *= 0.25

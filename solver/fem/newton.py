@@ -21,7 +21,7 @@ from geoswarm.solver.fem.ordering import Fronts
 from geoswarm.solver.fem.triangle import assemble_triangles
 from geoswarm.solver.kernels.jit import kernel
 
-__all__ = ["CONVERGED", "NOT_CONVERGED", "SINGULAR", "Accuracy", "Step", "assemble", "newton_step"]
+__all__ = ["CONVERGED", "NOT_CONVERGED", "SINGULAR", "Accuracy", "Step", "assemble", "newton_step", "out_of_balance"]
 
 CONVERGED: Final = -1
 NOT_CONVERGED: Final = -2
@@ -129,7 +129,7 @@ def assemble(
 
 
 @kernel
-def _residual(
+def out_of_balance(
     inner: FloatArray,
     outer: FloatArray,
     fixed: BoolArray,
@@ -151,16 +151,6 @@ def _residual(
     return math.sqrt(missing), max(math.sqrt(max(size, reaction)), floor)
 
 
-@kernel
-def _blended(body: Body) -> bool:
-    """Whether a material has a tangent that is blended."""
-    blended = False
-    for number in range(body.elastic.shape[0]):
-        blended |= body.elastic[number, 1] > 0.0
-    return blended
-
-
-@kernel
 def newton_step(
     body: Body,
     x: FloatArray,
@@ -195,22 +185,23 @@ def newton_step(
         of the forces.
     """
     dofs = du.shape[0]
-    outer, r, best, rest = np.empty(dofs), np.empty(dofs), np.empty(dofs), np.empty(dofs)
-    log_time, dead, edge_loads, fixed, target = step.log_time, step.dead, step.edge_loads, step.fixed, step.target
-    tolerance, tangents = accuracy.tolerance, equations.tangents
-    least_blend = accuracy.blend if _blended(body) else 0.0
+    outer, r, rest = np.empty(dofs), np.empty(dofs), np.empty(dofs)
+    fixed, target, tolerance = step.fixed, step.target, accuracy.tolerance
+    least_blend = accuracy.blend if (body.elastic[:, 1] > 0.0).any() else 0.0
     blend = least_blend
     # Where a blend follows the residual, or a factorisation is kept, tangents wait until they are wanted.
     at_once = not (accuracy.modified or (accuracy.bold and blend > 0.0))
-    status = assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, at_once, blend, tangents, inner, outer)
+
+    def balance(tangent: bool) -> int:
+        loads = (step.dead, step.edge_loads, fixed)
+        return assemble(body, x, du, step.log_time, old, new, *loads, tangent, blend, equations.tangents, inner, outer)
+
+    status = balance(at_once)
     if status >= 0:
         return status, 0, 0, 1, math.inf
-    missing, size = _residual(inner, outer, fixed, target, du, accuracy.floor, r)
+    missing, size = out_of_balance(inner, outer, fixed, target, du, accuracy.floor, r)
     factorisations, assemblies = 0, 1
-    fresh, held = True, True
-    for i in range(dofs):
-        if fixed[i] and r[i] != 0.0:
-            held = False
+    fresh, held = True, not r[fixed].any()
     smallest, stale = math.inf, 0
     last, last_but_one = missing, missing
     ready = held and missing <= tolerance * size
@@ -220,26 +211,22 @@ def newton_step(
         if fresh:
             if not at_once:
                 assemblies += 1
-                late = not at_once  # the word True would have it compiled once more
-                assemble(body, x, du, log_time, old, new, dead, edge_loads, fixed, late, blend, tangents, inner, outer)
+                balance(True)
             if not factorise(plan, equations, fixed):
                 return SINGULAR, iteration, factorisations, assemblies, missing / size
             factorisations += 1
-        _copy(r, rest)
+        rest[:] = r
         solve_factorised(plan, equations, r)
         work = product(r, rest)
-        _copy(du, best)
+        best = du.copy()
         before = missing
         length = 1.0
         for trial in range(_TRIALS):
-            for i in range(dofs):
-                du[i] = best[i] + length * r[i]
+            np.add(best, length * r, out=du)
             assemblies += 1
-            status = assemble(
-                body, x, du, log_time, old, new, dead, edge_loads, fixed, at_once, blend, tangents, inner, outer
-            )
+            status = balance(at_once)
             if status < 0:
-                missing, size = _residual(inner, outer, fixed, target, du, accuracy.floor, rest)
+                missing, size = out_of_balance(inner, outer, fixed, target, du, accuracy.floor, rest)
                 allowed = before * (1.0 - _DECREASE * length)
                 if accuracy.bold:
                     allowed = _GROWTH * max(before, last, last_but_one)
@@ -258,9 +245,10 @@ def newton_step(
         if held and not ready:
             # The work of what is left on its own correction, by how much smaller the residual has become.
             done = product(du, inner) - product(du, step.carried)
-            energy = math.sqrt(abs(work / done)) * missing / before if done != 0.0 else math.inf
+            known = done != 0.0 and before > 0.0
+            energy = math.sqrt(abs(work / done)) * missing / before if known else math.inf
             ready = energy <= accuracy.energy
-        _copy(rest, r)
+        r[:] = rest
         if accuracy.bold:
             if missing > before:
                 blend = min(2.0 * blend, _LARGEST_BLEND)

@@ -7,26 +7,10 @@ from typing import ClassVar
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep import Formulation, SoftSoilCreep, soft_soil
-from geoswarm.solver.constitutive.soft_soil_step import soft_soil_step
-from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.soft_soil_creep import PARAMETERS, SoftSoilCreepLaw
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["SoftSoilLaw"]
-
-
-@NumbaUpdate
-def _update(components, _log_time, strain, stress, state, constants, new_stress, new_state, tangent):  # type: ignore[no-untyped-def]  # pointers
-    c = carray(constants, 16)
-    soil = SoftSoilCreep(
-        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], c[11], c[12], c[13], c[14], c[15]
-    )
-    old, step = carray(stress, components), carray(strain, components)
-    new, C = carray(new_stress, components), carray(tangent, (components, components))
-    new_state[0], active = soft_soil_step(old, step, 0.0, state[0], soil, new, C)
-    if active < 0:
-        return -1
-    return 2 * active + (1 if new_state[0] > state[0] else 0)  # yield by compression is a limit of its own
 
 
 class SoftSoilLaw(SoftSoilCreepLaw):
@@ -35,7 +19,6 @@ class SoftSoilLaw(SoftSoilCreepLaw):
     kind: ClassVar[str] = "soft_soil"
     title: ClassVar[str] = "soft soil"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = tuple(info for info in PARAMETERS if info.name != "mu_star")
-    update: ClassVar[NumbaUpdate] = _update
 
     def kernel_constants(
         self, given: Mapping[str, float], formulation: Formulation, tension_cutoff: float | None

@@ -128,6 +128,8 @@ def _update(components, log_time, strain, stress, state, constants, new_stress, 
     new, C = carray(new_stress, components), carray(tangent, (components, components))
     log_time -= math.log(soil.tau)
     new_state[0], active = soft_soil_step(old, step, log_time, state[0], soil, new, C)
+    if soil.mu_star == 0.0 and active >= 0:
+        return 2 * active + (1 if new_state[0] > state[0] else 0)  # yield by compression is a limit of its own
     return active
 
 
