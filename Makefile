@@ -34,7 +34,7 @@ $(WARM): $(INSTALLED) $(KERNELS)
 	@$(BIN)/python -m geoswarm.solver.warm
 	touch $@
 
-servers:  ## install the PostgreSQL and Redis that tests and benchmarks start for themselves
+servers:  ## install the PostgreSQL, Redis and browser that tests and benchmarks start for themselves
 	@scripts/install_servers.sh
 
 engines:  ## install the programs of others that the examples call
