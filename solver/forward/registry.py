@@ -42,6 +42,7 @@ BUILT_IN = {
     "isotropic_compression": "geoswarm.solver.forward.isotropic_compression:IsotropicCompressionSpec",
     "triaxial": "geoswarm.solver.laboratory.triaxial:TriaxialSpec",
     "crs_oedometer": "geoswarm.solver.laboratory.crs:CrsOedometerSpec",
+    "consolidation": "geoswarm.solver.laboratory.consolidation:ConsolidationSpec",
     "direct_simple_shear": "geoswarm.solver.laboratory.simple_shear:DirectSimpleShearSpec",
     "section": "geoswarm.solver.forward.cross_section:SectionSpec",
     "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",

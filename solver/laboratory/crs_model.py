@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,72 +9,52 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geoswarm.solver.element_test.column import OUTPUT
+from geoswarm.solver.element_test.consolidation import Column
 from geoswarm.solver.element_test.specimen import same_strain
 from geoswarm.solver.element_test.trace import Trace
-from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laboratory.crs_record import Column, Flow, lead
+from geoswarm.solver.laboratory.crs_record import Flow, lead
 from geoswarm.solver.laboratory.model import LaboratoryModel
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laboratory.record import Record
 from geoswarm.solver.laboratory.series import TestSeries
 from geoswarm.solver.laboratory.shear_axes import path_series, shear_series
 from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
-from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
+from geoswarm.solver.laboratory.water_flow import (
+    AXIAL_STRAIN,
+    BASE,
+    FLOW,
+    K0_MEAN,
+    MEAN_STRESS,
+    OUTPUT,
+    STRESS,
+    VOID_RATIO,
+    flow_fault,
+    permeability_of,
+)
+from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
     from geoswarm.solver.laboratory.crs import CrsOedometerSpec
 
 __all__ = ["CrsModel"]
 
-_STRESS, _STRAIN, _BASE, _VERTICAL, _HORIZONTAL = range(OUTPUT)
-"""Columns of what is observed of a column."""
-
-_FLOW = (
-    ParameterInfo(
-        "k",
-        "k",
-        "m/day",
-        "Permeability where the test begins; 1e-9 m/s is 8.64e-5 m/day.",
-        lower=0.0,
-        lower_open=True,
-        typical=(1.0e-7, 1.0e-2),
-    ),
-    ParameterInfo(
-        "C_k",
-        "C_k",
-        "",
-        "Change of the void ratio for a tenfold permeability; 0: the permeability is constant.",
-        default=0.0,
-        lower=0.0,
-        typical=(0.2, 2.0),
-    ),
-)
 _AVERAGE = np.array([1.0, 0.0, -2.0 / 3.0])
 """Effective stress as laboratories evaluate it, from what is observed."""
 
-_AXIAL_STRAIN = Quantity("axial_strain", "Axial strain", "axial strain", "", lambda seen: seen.rows[:, _STRAIN])
-_VOID_RATIO = Quantity(
-    "void_ratio",
-    "Mean void ratio",
-    "void ratio",
-    "",
-    lambda seen: seen.voids.of_settlement(seen.rows[:, _STRAIN]),
-)
 _MEASURED = (
     Quantity(
         "axial_stress",
         "Total vertical stress less the back pressure",
         "axial stress",
         "kPa",
-        lambda seen: seen.rows[:, _STRESS],
+        lambda seen: seen.rows[:, STRESS],
     ),
     Quantity(
         "pore_pressure",
         "Pore pressure at the base",
         "pore pressure",
         "kPa",
-        lambda seen: seen.rows[:, _BASE] + seen.pore,
+        lambda seen: seen.rows[:, BASE] + seen.pore,
     ),
     Quantity(
         "effective_stress",
@@ -84,28 +63,16 @@ _MEASURED = (
         "kPa",
         lambda seen: seen.rows[:, :3] @ _AVERAGE,
     ),
-    Quantity(
-        "mean_effective_stress",
-        "Vertical effective stress, mean over the height",
-        "mean effective stress",
-        "kPa",
-        lambda seen: seen.rows[:, _VERTICAL],
-    ),
+    MEAN_STRESS,
     Quantity(
         "pore_pressure_ratio",
         "Excess pore pressure at the base over axial stress",
         "pore pressure ratio",
         "",
-        lambda seen: seen.rows[:, _BASE] / seen.rows[:, _STRESS],
+        lambda seen: seen.rows[:, BASE] / seen.rows[:, STRESS],
     ),
-    Quantity(
-        "K0",
-        "Ratio of horizontal to vertical effective stress, means over the height",
-        "K0",
-        "",
-        lambda seen: seen.rows[:, _HORIZONTAL] / seen.rows[:, _VERTICAL],
-    ),
-    _AXIAL_STRAIN,
+    K0_MEAN,
+    AXIAL_STRAIN,
 )
 _AXES = Axes(
     strain=np.ones(1),
@@ -129,17 +96,11 @@ class CrsModel(LaboratoryModel):
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
         """Parameters of the law, and of the flow of water."""
-        return (*self.law.parameters, *_FLOW)
+        return (*self.law.parameters, *FLOW)
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the parameters given, or None."""
-        flow = outside_limits(_FLOW, parameters)
-        if flow is None and parameters.get("C_k", 0.0) > 0.0 and self.spec.initial_void_ratio is None:
-            flow = (
-                f"C_k = {parameters['C_k']:g}: initial_void_ratio is missing in the section; without it 0 is accepted"
-            )
-        own = {info.name for info in _FLOW}
-        return flow or self.law.inadmissible({name: one for name, one in parameters.items() if name not in own})
+        return flow_fault(self.law, parameters, self.spec.initial_void_ratio)
 
     @cached_property
     def stages(self) -> Sequence[ShearStage]:
@@ -157,13 +118,9 @@ class CrsModel(LaboratoryModel):
         InfeasibleError
             A parameter is missing or inadmissible.
         """
-        fault = self.check(parameters)
-        if fault is not None or "k" not in parameters:
-            raise InfeasibleError(fault or "the flow of water needs k, which is not given")
-        change, growth = parameters.get("C_k", 0.0), 0.0
-        if change > 0.0:
-            growth = math.log(10.0) * (1.0 + (self.spec.initial_void_ratio or 0.0)) / change
-        return Flow(parameters["k"], growth, self.spec.height, self.spec.geometry == "updated")
+        spec = self.spec
+        k, growth = permeability_of(self.law, parameters, spec.initial_void_ratio)
+        return Flow(k, growth, spec.height, spec.geometry == "updated")
 
     def test(self, parameters: Mapping[str, float], *, shearing: bool = True, dense: bool = True) -> Record:
         """Calculate the test.
@@ -175,8 +132,8 @@ class CrsModel(LaboratoryModel):
         """
         del shearing, dense  # values between the ends of steps cost nothing more
         soil, spec = self.soil(parameters), self.spec
-        column = Column.of(self.placed(soil), spec.intervals)
-        start, paths = lead(soil, column, self.flow(parameters), self.stages, self.voids, spec.tolerance)
+        column = Column.of([(soil, self.placed(soil))] * (spec.intervals + 1))
+        start, paths = lead(column, self.flow(parameters), self.stages, self.voids, spec.tolerance)
         count = len(paths)
         return Record(
             start,
@@ -193,8 +150,8 @@ class CrsModel(LaboratoryModel):
 
     def series_of(self) -> Sequence[TestSeries]:
         """Stresses, pore pressure, strain and void ratio."""
-        voids = (_VOID_RATIO,) if self.spec.initial_void_ratio is not None else ()
+        voids = (VOID_RATIO,) if self.spec.initial_void_ratio is not None else ()
         return [
             *shear_series(_AXES, self.stages, 0, "axial strain", (*_MEASURED, *voids), (), (), "the test"),
-            *(path_series("effective stress", _AVERAGE, one, "the test") for one in (_AXIAL_STRAIN, *voids)),
+            *(path_series("effective stress", _AVERAGE, one, "the test") for one in (AXIAL_STRAIN, *voids)),
         ]

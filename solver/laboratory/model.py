@@ -107,9 +107,9 @@ class LaboratoryModel(ABC):
         shearing = any(one.axis.shearing for one in wanted.values())
         dense = any(one.axis.dense for one in wanted.values())
 
-        together: dict[tuple[str, bytes], list[str]] = {}  # what is looked at in the same states
+        together: dict[tuple[int, bytes], list[str]] = {}  # what is looked at in the same states
         for name, one in wanted.items():
-            together.setdefault((one.axis.prefix, points[name].tobytes()), []).append(name)
+            together.setdefault((id(one.axis), points[name].tobytes()), []).append(name)
 
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
             test = self.test(parameters, shearing=shearing, dense=dense)

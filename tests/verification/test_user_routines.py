@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.element_test.consolidation import Column
 from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import History, follow, point_under
 from geoswarm.solver.element_test.setups import (
@@ -23,7 +24,7 @@ from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
-from geoswarm.solver.laboratory.crs_record import Column, Flow, lead
+from geoswarm.solver.laboratory.crs_record import Flow, lead
 from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laboratory.shear_stages import ShearStage
 from geoswarm.solver.laws.base import Soil
@@ -95,8 +96,8 @@ def test_a_consolidating_column_keeps_flags_whole_and_agrees_with_our_cone() -> 
     flow = Flow(2.0e-4, 0.0, 0.02, large=False)
     found = []
     for one in (soil(DRUCKER_PRAGER, values), find_law("drucker_prager").soil(values)):
-        column = Column.of(point_under([60.0, 100.0, 60.0, 0.0], one), 8)
-        _, paths = lead(one, column, flow, stages, Voids(None, fixed=True, water_modulus=None), 1.0e-7)
+        column = Column.of([(one, point_under([60.0, 100.0, 60.0, 0.0], one))] * 9)
+        _, paths = lead(column, flow, stages, Voids(None, fixed=True, water_modulus=None), 1.0e-7)
         found.append(np.array([path.ends[-1] for path in paths]))
         if not column.internal.size:
             continue

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.laboratory.consolidation import ConsolidationSpec
 from geoswarm.solver.laboratory.crs import CrsOedometerSpec
 from geoswarm.solver.laboratory.simple_shear import DirectSimpleShearSpec
 from geoswarm.solver.laboratory.triaxial import TriaxialSpec
 
-__all__ = ["CREEP", "ELASTIC", "MOHR_COULOMB", "crs_oedometer", "run", "simple_shear", "triaxial"]
+__all__ = ["CREEP", "ELASTIC", "MOHR_COULOMB", "consolidation", "crs_oedometer", "run", "simple_shear", "triaxial"]
 
 ELASTIC = {"E": 2.0e4, "nu": 0.3}
 MOHR_COULOMB = {"E": 2.0e4, "nu": 0.3, "c": 5.0, "phi": 30.0, "psi": 10.0}
@@ -59,3 +60,15 @@ def crs_oedometer(material: str, stages: Sequence[Mapping[str, Any]], **changes:
         **changes,
     }
     return CrsOedometerSpec.model_validate(section)
+
+
+def consolidation(material: str, stages: Sequence[tuple[float, float]], **changes: Any) -> ConsolidationSpec:
+    """A specimen of 2 cm under 100 kPa vertical and the law's K0; stages are (stress, duration)."""
+    section = {
+        "material": material,
+        "height": 0.02,
+        "initial_stress": 100.0,
+        "stages": [{"stress": stress, "duration": duration} for stress, duration in stages],
+        **changes,
+    }
+    return ConsolidationSpec.model_validate(section)

@@ -1,0 +1,224 @@
+"""Consolidation of a column of points of any laws: what water meets, the states of the points, and a stage of loading."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.element_test import column as kernels
+from geoswarm.solver.element_test.advance import AS_FOUND
+from geoswarm.solver.element_test.column_steps import DONE, NO_STEP, PAUSED, lead_column
+from geoswarm.solver.element_test.legs import Path, PointState
+from geoswarm.solver.errors import DivergedError
+from geoswarm.solver.laws.base import Soil
+
+__all__ = ["WATER", "Column", "Ground", "Movement", "Watched", "follow_movement"]
+
+WATER: Final = 9.81
+"""Unit weight of water, kN/m³."""
+
+_CHUNK: Final = 16
+_MOST_STEPS: Final = 5_000
+_FIRST: Final = 1.0e-4
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What water meets on its way through a column whose points are counted from its base.
+
+    Parameters
+    ----------
+    share
+        Part of the height that each point stands for, (j,).
+    conduct
+        k_0/(gamma_w H d), 1/(kPa day), (j,): H is the height of the column, d the way from the point to the next part.
+    growth
+        Of ln k with the present over the initial length, (j,).
+    weight
+        Effective stress at the points before the first movement, kPa, (j,), where points differ; or zeros.
+    lift
+        Fall of the total stress for a unit of lost length of each part, kPa, (j,): buoyancy.
+    sink, resist
+        What drains take for each part of the height, 1/(kPa day), and the share of their resistance in it, (j,).
+    open_base, large
+        Whether the base is drained, and whether strain is logarithmic.
+    """
+
+    share: FloatArray
+    conduct: FloatArray
+    growth: FloatArray
+    weight: FloatArray
+    lift: FloatArray
+    sink: FloatArray
+    resist: FloatArray
+    open_base: bool
+    large: bool
+
+    @cached_property
+    def rows(self) -> FloatArray:
+        """As the kernel takes them, (7, j)."""
+        rows = np.empty((kernels.GROUND_ROWS, self.share.size))
+        rows[kernels.SHARE], rows[kernels.CONDUCT], rows[kernels.GROWTH] = self.share, self.conduct, self.growth
+        rows[kernels.WEIGHT], rows[kernels.LIFT] = self.weight, self.lift
+        rows[kernels.SINK], rows[kernels.RESIST] = self.sink, self.resist
+        return rows
+
+
+@dataclass
+class Column:
+    """Soils and states of the points of a column, from its base: stress (j, n), strain (j,), internal (j, s)."""
+
+    soils: Sequence[Soil]
+    stress: FloatArray
+    strain: FloatArray
+    internal: FloatArray
+
+    @classmethod
+    def of(cls, points: Sequence[tuple[Soil, PointState]]) -> Column:
+        """Points without strain; those with fewer state variables than others have zeros in their place."""
+        count, most = len(points), max(state.internal.size for _, state in points)
+        internal = np.zeros((count, most))
+        for row, (_, state) in zip(internal, points, strict=True):
+            row[: state.internal.size] = state.internal
+        stress = np.array([state.stress for _, state in points])
+        return cls([soil for soil, _ in points], stress, np.zeros(count), internal)
+
+    @cached_property
+    def _groups(self) -> list[tuple[Soil, IntArray]]:
+        """Each soil with its points."""
+        found: dict[int, list[int]] = {}
+        for place, soil in enumerate(self.soils):
+            found.setdefault(id(soil), []).append(place)
+        return [(self.soils[places[0]], np.array(places)) for places in found.values()]
+
+    @cached_property
+    def laws(self) -> kernels.Soils:
+        """Addresses of the stress updates (j,) and constants (j, c)."""
+        addresses = np.zeros(len(self.soils), dtype=np.int64)
+        constants = np.zeros((len(self.soils), max(soil.constants.size for soil, _ in self._groups)))
+        for soil, places in self._groups:
+            addresses[places] = soil.law.update.address
+            constants[places, : soil.constants.size] = soil.constants
+        return addresses, constants
+
+    @cached_property
+    def state_weights(self) -> FloatArray:
+        """Strain that one unit of each state variable stands for, (j, s); of flags and counters :data:`AS_FOUND`."""
+        weights = np.zeros(self.internal.shape)
+        for soil, places in self._groups:
+            of_law = soil.law.state_weights(soil.constants)
+            if soil.law.discrete is not None:
+                of_law = np.where(soil.law.discrete, AS_FOUND, of_law)
+            weights[places, : of_law.size] = of_law
+        return weights
+
+    def bulk_moduli(self) -> FloatArray:
+        """Elastic bulk moduli at the present stresses, (j,), kPa."""
+        moduli, p = np.empty(len(self.soils)), self.stress[:, :3].mean(axis=1)
+        for soil, places in self._groups:
+            law, constants = soil.law, soil.constants
+            moduli[places] = [law.elastic_moduli(constants, one)[0] for one in p[places].tolist()]
+        return moduli
+
+    def profile(self, large: bool) -> FloatArray:
+        """Vertical stress, loss of length over the initial one, and horizontal stress of the points, (3 j,)."""
+        output = np.empty(kernels.PROFILE * self.strain.size)
+        kernels.profile(self.stress, self.strain, large, output)
+        return output
+
+
+@dataclass(frozen=True)
+class Movement:
+    """A stage: what leads the top of a column, :data:`geoswarm.solver.element_test.column.BY_LOAD` for instance.
+
+    ``begin`` and ``goal`` are its values at the beginning and at the end, ``duration`` is in days.
+    """
+
+    name: str
+    lead: int
+    begin: float
+    goal: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Watched:
+    """Combinations of a profile (w, 3 j) whose error within steps is controlled, and the point of each (w,).
+
+    Where a point is given the combination is a stress, and its error counts as a strain by the stiffness there; -1: it
+    is a strain.
+    """
+
+    combinations: FloatArray
+    points: IntArray
+
+    @property
+    def of_stress(self) -> BoolArray:
+        """Which are stresses, (w,)."""
+        found: BoolArray = self.points >= 0
+        return found
+
+
+def follow_movement(
+    column: Column,
+    ground: Ground,
+    movement: Movement,
+    watched: Watched,
+    tolerance: float,
+    check: Callable[[str, FloatArray], None],
+) -> Path:
+    """Lead a column through a stage, to whose end it is brought; a path of profiles (3 j,).
+
+    Parameters
+    ----------
+    tolerance
+        Error aimed at in each step, as strain, of stress over the bulk modulus.
+    check
+        Is told the name of the stage and the strains (j,) now and then, and raises what is wrong with them.
+
+    Raises
+    ------
+    DivergedError
+        No step was found; names the stage and how far it came.
+    """
+    count = column.strain.size
+    guess, limits = np.zeros(count), np.full(count, -1, dtype=np.int64)
+    now, length, steps = 0.0, _FIRST, 0
+    width = kernels.PROFILE * count
+    pieces = [(np.empty((0, 4)), np.empty((0, width)), column.profile(ground.large)[np.newaxis])]
+    outcome = PAUSED if movement.duration > 0.0 else DONE
+    of_state = np.where(column.state_weights == AS_FOUND, AS_FOUND, column.state_weights / tolerance)
+    while outcome == PAUSED:
+        of_stress = 1.0 / (tolerance * column.bulk_moduli())
+        of_watched = np.where(watched.of_stress, of_stress[watched.points], 1.0 / tolerance)
+        room = (np.empty((_CHUNK, 4)), np.empty((_CHUNK, width)), np.empty((_CHUNK, width)))
+        done, outcome, length = lead_column(
+            movement.begin,
+            movement.goal,
+            movement.duration,
+            now,
+            length,
+            (ground.rows, movement.lead, ground.open_base, ground.large),
+            (column.stress, column.strain, column.internal),
+            column.laws,
+            guess,
+            limits,
+            (of_stress, 1.0 / tolerance, of_state),
+            (watched.combinations, of_watched),
+            *room,
+        )
+        pieces.append((room[0][:done], room[1][:done], room[2][:done]))
+        now = float(room[0][done - 1, 1]) if done else now
+        steps += done
+        check(movement.name, column.strain)
+        if outcome == NO_STEP or steps > _MOST_STEPS:
+            raise DivergedError(
+                f"stage {movement.name}: no solution {now * movement.duration:.6g} day after its beginning"
+            )
+    places, middles, ends = (np.concatenate([piece[i] for piece in pieces]) for i in range(3))
+    return Path(movement.duration, places, middles, ends, 1)

@@ -1,0 +1,106 @@
+"""Oedometer test in stages of loading with the flow of pore water: consolidation on one or two sides."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.staged_section import MAX_STAGES, MAX_STRESS
+from geoswarm.solver.laboratory.consolidation_model import ConsolidationModel
+from geoswarm.solver.laboratory.section import LaboratorySpec, Loading
+
+__all__ = ["ConsolidationSpec"]
+
+
+class ConsolidationStage(Loading):
+    """A load, more or less than the one before, and the time under it."""
+
+    stress: float = Field(
+        gt=0.0,
+        le=MAX_STRESS,
+        description="Total vertical stress at its end, less the back pressure, kPa.",
+        json_schema_extra=in_unit("kPa", 5, 1600),
+    )
+
+
+class ConsolidationSpec(LaboratorySpec):
+    """Oedometer in stages of loading, with the flow of pore water: settlement within a stage, and pore pressure.
+
+    The specimen is a column of any law in which pore water flows to one or both ends; k is the permeability where the
+    test begins, C_k its change with the void ratio. Loads act at once, or grow over ``loading_time``. Strain is
+    settlement over the initial height.
+
+    Series over time (``settlement``, ``axial_strain``, ``pore_pressure`` ...) begin with the first stage, or stage n
+    with ``zero_at_stage: n``. ``branch_2.settlement`` is that within stage 2, over the time since its load began, and
+    counted from then. ``stage_settlement`` is that at ends of stages, over their numbers.
+    """
+
+    kind: Literal["consolidation"] = "consolidation"
+    height: float = Field(
+        gt=0.0,
+        le=10.0,
+        description="Initial height of the specimen, m.",
+        json_schema_extra=in_unit("m", 0.01, 0.05),
+    )
+    drainage: Literal["one_side", "two_sides"] = Field(
+        "two_sides",
+        description="one_side: at the top, the pore pressure is that at the base; two_sides: the one at mid-height.",
+    )
+    stages: tuple[ConsolidationStage, ...] = Field(
+        min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
+    )
+    zero_at_stage: int = Field(
+        1, ge=1, description="Stage before whose application time, settlement and strain are zero."
+    )
+    back_pressure: float = Field(
+        0.0,
+        ge=0.0,
+        le=MAX_STRESS,
+        description="Pore pressure at the drained ends, kPa; it is added to the pore pressure, nothing else.",
+        json_schema_extra=in_unit("kPa", 0, 600),
+    )
+    tolerance: float = Field(
+        1.0e-4,
+        ge=1.0e-9,
+        le=1.0e-2,
+        description="Error of the integration aimed at, as strain, of stress over the bulk modulus; kept step by step.",
+    )
+    cells: int = Field(
+        30,
+        ge=4,
+        le=500,
+        description="Number of cells over the height, smaller at drained ends; errors fall with its square.",
+    )
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Loading and unloading."""
+        return {
+            "kind": "consolidation",
+            "material": "modified_cam_clay",
+            "height": 0.02,
+            "initial_stress": 25,
+            "stages": [
+                {"stress": 50, "duration": 1},
+                {"stress": 100, "duration": 1},
+                {"stress": 25, "duration": 1},
+            ],
+            "initial_void_ratio": 1.2,
+        }
+
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Those of a consolidating column, and the law's."""
+        return frozenset({"consolidation", self.law.kind})
+
+    @model_validator(mode="after")
+    def _zero_at_a_stage(self) -> ConsolidationSpec:
+        if self.zero_at_stage > len(self.stages):
+            raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
+        return self
+
+    def build(self) -> ConsolidationModel:
+        """Build the forward model."""
+        return ConsolidationModel(self)

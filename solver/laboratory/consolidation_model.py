@@ -1,0 +1,249 @@
+"""The oedometer test with the flow of pore water: how it is calculated, its parameters and series."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.element_test.cells import Cells, graded
+from geoswarm.solver.element_test.column import BY_LOAD, PROFILE
+from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Movement, Watched, follow_movement
+from geoswarm.solver.element_test.legs import Path
+from geoswarm.solver.element_test.trace import Trace
+from geoswarm.solver.laboratory.model import LaboratoryModel
+from geoswarm.solver.laboratory.quantities import Quantity
+from geoswarm.solver.laboratory.record import Record
+from geoswarm.solver.laboratory.series import Axis, Look, TestSeries
+from geoswarm.solver.laboratory.water_flow import (
+    AXIAL_STRAIN,
+    BASE,
+    FLOW,
+    HORIZONTAL,
+    K0_MEAN,
+    MEAN_STRESS,
+    OUTPUT,
+    STRAIN,
+    STRESS,
+    VERTICAL,
+    VOID_RATIO,
+    flow_fault,
+    permeability_of,
+)
+from geoswarm.solver.parameter_info import ParameterInfo
+
+if TYPE_CHECKING:
+    from geoswarm.solver.laboratory.consolidation import ConsolidationSpec
+
+__all__ = ["ConsolidationModel"]
+
+_CURVE_POINTS = 24
+_SAME_TIME = 1.0e-9
+"""Relative part of a duration by which a reading may be later than its end."""
+
+
+@dataclass(frozen=True)
+class ConsolidationModel(LaboratoryModel):
+    """Forward model of the oedometer test with the flow of pore water."""
+
+    spec: ConsolidationSpec
+
+    @property
+    def parameters(self) -> tuple[ParameterInfo, ...]:
+        """Parameters of the law, and of the flow of water."""
+        return (*self.law.parameters, *FLOW)
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:
+        """What is inadmissible about the parameters given, or None."""
+        return flow_fault(self.law, parameters, self.spec.initial_void_ratio)
+
+    @cached_property
+    def way(self) -> float:
+        """Longest way of the water, m. Drained on two sides, the specimen is calculated from its middle to its top."""
+        return self.spec.height * (0.5 if self.spec.drainage == "two_sides" else 1.0)
+
+    @cached_property
+    def cells(self) -> Cells:
+        """Of what is calculated."""
+        heights = graded(self.way, self.spec.cells, False, True)
+        return Cells(heights, np.zeros(heights.size, dtype=np.int64), open_base=False)
+
+    @cached_property
+    def _combined(self) -> FloatArray:
+        """What makes a profile (3 j,) what is observed, (OUTPUT, 3 j), without the load, which no profile holds."""
+        share = self.cells.share
+        found = np.zeros((OUTPUT, PROFILE, share.size))
+        found[STRAIN, 1] = share
+        found[BASE, 0] = -self.cells.at(0.0, zero_at_drains=True)
+        found[VERTICAL, 0] = found[HORIZONTAL, 2] = share
+        return found.reshape(OUTPUT, -1)
+
+    @cached_property
+    def _movements(self) -> tuple[list[Movement], IntArray]:
+        """What is done to the specimen, and the last movement of each stage."""
+        found, last = [], []
+        before = 0.0
+        for number, stage in enumerate(self.spec.stages, start=1):
+            name, load = f"{number} ({stage.stress:g} kPa)", stage.stress - self.spec.initial_stress
+            found.append(Movement(name, BY_LOAD, before, load, stage.loading_time))
+            if stage.loading_time < stage.duration:
+                found.append(Movement(name, BY_LOAD, load, load, stage.duration - stage.loading_time))
+            last.append(len(found) - 1)
+            before = load
+        return found, np.array(last)
+
+    @cached_property
+    def _ends(self) -> FloatArray:
+        """Times of the ends of stages since the first one, day; 0 before them."""
+        return np.cumsum([0.0, *(stage.duration for stage in self.spec.stages)])
+
+    @property
+    def _zero(self) -> float:
+        return float(self._ends[self.spec.zero_at_stage - 1])
+
+    def _ground(self, parameters: Mapping[str, float]) -> Ground:
+        spec, cells = self.spec, self.cells
+        k, growth = permeability_of(self.law, parameters, spec.initial_void_ratio)
+        count = cells.heights.size
+        zero = np.zeros(count)
+        return Ground(
+            cells.share,
+            2.0 * k / (WATER * self.way * cells.heights),
+            np.full(count, growth),
+            np.full(count, spec.initial_stress),
+            zero,
+            zero,
+            zero,
+            False,
+            spec.geometry == "updated",
+        )
+
+    def test(self, parameters: Mapping[str, float], *, shearing: bool = True, dense: bool = True) -> Record:
+        """Calculate the test.
+
+        Raises
+        ------
+        ForwardError
+            It has no solution for these parameters.
+        """
+        del shearing, dense  # values between the ends of steps cost nothing more
+        soil, spec, ground = self.soil(parameters), self.spec, self._ground(parameters)
+        column = Column.of([(soil, self.placed(soil))] * spec.cells)
+        combined = self._combined
+        rows = [STRAIN, BASE, VERTICAL, HORIZONTAL]
+        watched = Watched(combined[rows], np.array([-1, 0, 0, 0]))
+        movements, last = self._movements
+        paths: list[Path] = []
+        for movement in movements:
+            if movement.duration == 0.0:
+                paths.append(self._at_once(movement, combined @ column.profile(ground.large)))
+            else:
+                path = follow_movement(column, ground, movement, watched, spec.tolerance, self.voids.check)
+                paths.append(self._observed(path, movement))
+        start = paths[0].ends[0]
+        before = start if spec.zero_at_stage == 1 else paths[last[spec.zero_at_stage - 2]].ends[-1]
+        count = len(paths)
+        return Record(
+            start,
+            before[np.newaxis],
+            Trace(paths),
+            np.zeros(count, dtype=np.bool_),
+            np.zeros(count),
+            np.zeros((count, 1)),
+            last,
+            np.empty((0, 2), dtype=np.int64),
+            self.voids,
+            spec.back_pressure,
+        )
+
+    def _at_once(self, movement: Movement, row: FloatArray) -> Path:
+        """A load that the water takes at once."""
+        rows = np.stack([row, row])
+        self._loaded(rows, np.array([movement.begin, movement.goal]))
+        return Path(0.0, np.array([[0.0, 1.0, np.nan, 1.0]]), rows.mean(axis=0, keepdims=True), rows, 1)
+
+    def _observed(self, path: Path, movement: Movement) -> Path:
+        """What is observed along the profiles of a movement."""
+        middles, ends = path.middles @ self._combined.T, path.ends @ self._combined.T
+        change = movement.goal - movement.begin
+        self._loaded(middles, movement.begin + change * path.places[:, :2].mean(axis=1))
+        self._loaded(ends, movement.begin + change * np.append(path.places[:1, 0], path.places[:, 1]))
+        return Path(path.duration, path.places, middles, ends, 1)
+
+    def _loaded(self, rows: FloatArray, load: FloatArray) -> None:
+        """Add to rows what the load is, (m,), kPa, since the beginning."""
+        total = self.spec.initial_stress + load
+        rows[:, STRESS] = total
+        pressed = -self._combined[BASE].sum()
+        rows[:, BASE] += pressed * total
+
+    def series_of(self) -> Sequence[TestSeries]:
+        """Settlement, strain, pore pressure, stresses and void ratio."""
+        height, voids = self.spec.height, self.spec.initial_void_ratio is not None
+        settlement = Quantity(
+            "settlement",
+            "Settlement of the top, positive downwards",
+            "settlement",
+            "m",
+            lambda seen: height * (seen.rows[:, STRAIN] - seen.reference[STRAIN]),
+        )
+        where = "at mid-height" if self.spec.drainage == "two_sides" else "at the base"
+        pore = Quantity(
+            "pore_pressure",
+            f"Pore pressure {where}",
+            "pore pressure",
+            "kPa",
+            lambda seen: seen.rows[:, BASE] + seen.pore,
+        )
+        moved = (settlement, AXIAL_STRAIN)
+        others = (pore, MEAN_STRESS, K0_MEAN, *((VOID_RATIO,) if voids else ()))
+        found = [TestSeries(axis, one) for axis in self._axes() for one in (*moved, *others)]
+        for number in range(len(self.spec.stages)):
+            counted, plain = self._within(number, True), self._within(number, False)
+            found += [*(TestSeries(counted, one) for one in moved), *(TestSeries(plain, one) for one in others)]
+        return found
+
+    def _axes(self) -> tuple[Axis, Axis]:
+        zero, first = self._zero, self.spec.zero_at_stage - 1
+        end = float(self._ends[-1]) - zero
+        since = "the first load began" if first == 0 else f"stage {first + 1} began"
+        stages = list(zip(self._ends[first:-1].tolist(), self.spec.stages[first:], strict=True))
+        grid = np.concatenate([[0.0], *(start - zero + _within(stage.duration) for start, stage in stages)])
+        numbers = np.arange(1.0, len(self.spec.stages) + 1.0)
+
+        def at_times(test: Record, x: FloatArray) -> Callable[[Look], FloatArray]:
+            sample = test.trace.at_times(x + zero)
+            return lambda look: look(sample)
+
+        def at_stages(test: Record, x: FloatArray) -> Callable[[Look], FloatArray]:
+            sample = test.trace.ends(test.last_legs[x.astype(np.int64) - 1])
+            return lambda look: look(sample)
+
+        words = f"over the time since {since}"
+        late = end * (1.0 + _SAME_TIME)
+        return (
+            Axis("", words, "time", "day", at_times, grid, 0.0, late),
+            Axis("stage_", "at the end of a stage", "stage", "", at_stages, numbers, 1.0, numbers[-1], x_integer=True),
+        )
+
+    def _within(self, number: int, from_its_load: bool) -> Axis:
+        """A stage alone (0-based); settlement counts from its load."""
+        start, duration = float(self._ends[number]), self.spec.stages[number].duration
+
+        def pick(test: Record, x: FloatArray) -> Callable[[Look], FloatArray]:
+            sample, before = test.trace.at_times(start + x), test.trace.at_times(np.array([start]))
+            return lambda look: look(sample) - (look(before) if from_its_load else 0.0)
+
+        words = f"in stage {number + 1}, over the time since its load began"
+        late = duration * (1.0 + _SAME_TIME)
+        return Axis(f"branch_{number + 1}.", words, "time", "day", pick, _within(duration), 0.0, late)
+
+
+def _within(duration: float) -> FloatArray:
+    """Times at which a stage of consolidation looks smooth, day."""
+    times: FloatArray = duration * np.geomspace(1.0e-5, 1.0, _CURVE_POINTS)
+    return times
