@@ -17,7 +17,7 @@ from geoswarm.solver.element_test.legs import Path, PointState
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.laws.base import Soil
 
-__all__ = ["WATER", "Column", "Ground", "Movement", "Watched", "follow_movement"]
+__all__ = ["WATER", "Column", "Ground", "Movement", "Watched", "follow_loads", "follow_movement"]
 
 WATER: Final = 9.81
 """Unit weight of water, kN/m³."""
@@ -222,3 +222,30 @@ def follow_movement(
             )
     places, middles, ends = (np.concatenate([piece[i] for piece in pieces]) for i in range(3))
     return Path(movement.duration, places, middles, ends, 1)
+
+
+def follow_loads(
+    column: Column,
+    ground: Ground,
+    movements: Sequence[Movement],
+    watched: Watched,
+    tolerance: float,
+    check: Callable[[str, FloatArray], None],
+) -> list[Path]:
+    """Lead a column through changes of the load: paths of rows (3 j + 1,), profiles with the change of the load, kPa.
+
+    One without duration is a path of its own, along which water takes the load; parameters and errors are those of
+    :func:`follow_movement`.
+    """
+    paths = []
+    for movement in movements:
+        if movement.duration > 0.0:
+            path = follow_movement(column, ground, movement, watched, tolerance, check)
+        else:
+            rows = np.tile(column.profile(ground.large), (2, 1))
+            path = Path(0.0, np.array([[0.0, 1.0, np.nan, 1.0]]), rows[:1], rows, 1)
+        at = np.append(path.places[:1, 0], path.places[:, 1])
+        loads = movement.begin + (movement.goal - movement.begin) * at
+        middles = np.column_stack([path.middles, 0.5 * (loads[:-1] + loads[1:])])
+        paths.append(Path(path.duration, path.places, middles, np.column_stack([path.ends, loads]), 1))
+    return paths

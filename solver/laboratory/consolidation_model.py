@@ -12,7 +12,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.column import BY_LOAD, PROFILE
-from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Movement, Watched, follow_movement
+from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Movement, Watched, follow_loads
 from geoswarm.solver.element_test.legs import Path
 from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.laboratory.model import LaboratoryModel
@@ -74,13 +74,15 @@ class ConsolidationModel(LaboratoryModel):
 
     @cached_property
     def _combined(self) -> FloatArray:
-        """What makes a profile (3 j,) what is observed, (OUTPUT, 3 j), without the load, which no profile holds."""
+        """What makes a profile and a load (3 j + 1,) what is observed, (OUTPUT, 3 j + 1), but for a constant."""
         share = self.cells.share
         found = np.zeros((OUTPUT, PROFILE, share.size))
         found[STRAIN, 1] = share
         found[BASE, 0] = -self.cells.at(0.0, zero_at_drains=True)
         found[VERTICAL, 0] = found[HORIZONTAL, 2] = share
-        return found.reshape(OUTPUT, -1)
+        loads = np.zeros(OUTPUT)
+        loads[STRESS], loads[BASE] = 1.0, -found[BASE].sum()
+        return np.column_stack([found.reshape(OUTPUT, -1), loads])
 
     @cached_property
     def _movements(self) -> tuple[list[Movement], IntArray]:
@@ -133,17 +135,11 @@ class ConsolidationModel(LaboratoryModel):
         del shearing, dense  # values between the ends of steps cost nothing more
         soil, spec, ground = self.soil(parameters), self.spec, self._ground(parameters)
         column = Column.of([(soil, self.placed(soil))] * spec.cells)
-        combined = self._combined
         rows = [STRAIN, BASE, VERTICAL, HORIZONTAL]
-        watched = Watched(combined[rows], np.array([-1, 0, 0, 0]))
+        watched = Watched(self._combined[rows, :-1].copy(), np.array([-1, 0, 0, 0]))
         movements, last = self._movements
-        paths: list[Path] = []
-        for movement in movements:
-            if movement.duration == 0.0:
-                paths.append(self._at_once(movement, combined @ column.profile(ground.large)))
-            else:
-                path = follow_movement(column, ground, movement, watched, spec.tolerance, self.voids.check)
-                paths.append(self._observed(path, movement))
+        found = follow_loads(column, ground, movements, watched, spec.tolerance, self.voids.check)
+        paths = [self._observed(path) for path in found]
         start = paths[0].ends[0]
         before = start if spec.zero_at_stage == 1 else paths[last[spec.zero_at_stage - 2]].ends[-1]
         count = len(paths)
@@ -160,26 +156,11 @@ class ConsolidationModel(LaboratoryModel):
             spec.back_pressure,
         )
 
-    def _at_once(self, movement: Movement, row: FloatArray) -> Path:
-        """A load that the water takes at once."""
-        rows = np.stack([row, row])
-        self._loaded(rows, np.array([movement.begin, movement.goal]))
-        return Path(0.0, np.array([[0.0, 1.0, np.nan, 1.0]]), rows.mean(axis=0, keepdims=True), rows, 1)
-
-    def _observed(self, path: Path, movement: Movement) -> Path:
-        """What is observed along the profiles of a movement."""
-        middles, ends = path.middles @ self._combined.T, path.ends @ self._combined.T
-        change = movement.goal - movement.begin
-        self._loaded(middles, movement.begin + change * path.places[:, :2].mean(axis=1))
-        self._loaded(ends, movement.begin + change * np.append(path.places[:1, 0], path.places[:, 1]))
+    def _observed(self, path: Path) -> Path:
+        """What is observed along a path of profiles and loads."""
+        constant = self._combined[:, -1] * self.spec.initial_stress
+        middles, ends = (rows @ self._combined.T + constant for rows in (path.middles, path.ends))
         return Path(path.duration, path.places, middles, ends, 1)
-
-    def _loaded(self, rows: FloatArray, load: FloatArray) -> None:
-        """Add to rows what the load is, (m,), kPa, since the beginning."""
-        total = self.spec.initial_stress + load
-        rows[:, STRESS] = total
-        pressed = -self._combined[BASE].sum()
-        rows[:, BASE] += pressed * total
 
     def series_of(self) -> Sequence[TestSeries]:
         """Settlement, strain, pore pressure, stresses and void ratio."""

@@ -63,11 +63,8 @@ def test_a_load_at_once_follows_terzaghi(drainage: str, way: float) -> None:
 
 def test_a_load_that_grows_follows_olson_and_an_unloading_mirrors_it() -> None:
     time = HEIGHT**2 / CV
-    stages: list[dict[str, float]] = [
-        {"stress": 200.0, "duration": 20.0 * time, "loading_time": 0.2 * time},
-        {"stress": 100.0, "duration": 3.0 * time, "loading_time": 0.2 * time},
-    ]
-    spec = consolidation("elastic", [], geometry="fixed", drainage="one_side", cells=60, tolerance=1.0e-6, stages=stages)
+    stages = [(200.0, 20.0 * time, 0.2 * time), (100.0, 3.0 * time, 0.2 * time)]
+    spec = consolidation("elastic", stages, geometry="fixed", drainage="one_side", cells=60, tolerance=1.0e-6)
     names = ("branch_1.settlement", "branch_2.settlement", "branch_1.pore_pressure", "branch_2.pore_pressure")
     up, down, pressed, sucked = run(spec, SOIL, FACTORS * time, *names)
     end = HEIGHT * 100.0 / STIFF
