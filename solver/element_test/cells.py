@@ -17,6 +17,8 @@ _EVEN: Final = 0.1
 """Share of equal heights in graded ones: the least cell is not much smaller than a tenth of the mean."""
 _NODES: Final = 4
 """Of an interpolation."""
+_SAME: Final = 1.0e-9
+"""Part of the height within which a place is on a bound."""
 
 
 def graded(height: float, count: int, fine_base: bool, fine_top: bool) -> FloatArray:
@@ -74,13 +76,17 @@ class Cells:
         """Part of each cell (j,) that lies below a height, m."""
         return np.clip((z - self.faces[:-1]) / self.heights, 0.0, 1.0)
 
+    def holding(self, z: float) -> int:
+        """Number of the cell at a height, m; between two it is the lower one."""
+        place = int(np.searchsorted(self.faces[1:], z - _SAME * self.faces[-1], side="left"))
+        return min(place, self.layers.size - 1)
+
     def at(self, z: float, zero_at_drains: bool) -> FloatArray:
         """Weights (j,) of the cells that interpolate at a height, m, within its layer, by a cubic.
 
         ``zero_at_drains``: for an excess pore pressure, that is zero at drained ends and has no slope at a closed base.
         """
-        layer = int(self.layers[min(np.searchsorted(self.faces[1:], z, side="left"), self.layers.size - 1)])
-        inside = np.flatnonzero(self.layers == layer)
+        inside = np.flatnonzero(self.layers == self.layers[self.holding(z)])
         places, cells = self.centres[inside].tolist(), inside.tolist()
         if zero_at_drains and inside[-1] == self.layers.size - 1:
             places, cells = [*places, float(self.faces[-1])], [*cells, -1]

@@ -44,6 +44,7 @@ BUILT_IN = {
     "crs_oedometer": "geoswarm.solver.laboratory.crs:CrsOedometerSpec",
     "consolidation": "geoswarm.solver.laboratory.consolidation:ConsolidationSpec",
     "direct_simple_shear": "geoswarm.solver.laboratory.simple_shear:DirectSimpleShearSpec",
+    "column": "geoswarm.solver.column.section:ColumnSpec",
     "section": "geoswarm.solver.forward.cross_section:SectionSpec",
     "finite_element": "geoswarm.solver.forward.finite_element:FiniteElementSpec",
     "command": "geoswarm.solver.forward.programs.command:CommandSpec",

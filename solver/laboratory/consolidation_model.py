@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.element_test.cells import Cells, graded
-from geoswarm.solver.element_test.column import BY_LOAD, PROFILE
-from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Movement, Watched, follow_loads
+from geoswarm.solver.element_test.column import PROFILE
+from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Watched, follow_loads
 from geoswarm.solver.element_test.legs import Path
 from geoswarm.solver.element_test.trace import Trace
+from geoswarm.solver.laboratory.load_stages import LATE, LoadStages, within
 from geoswarm.solver.laboratory.model import LaboratoryModel
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laboratory.record import Record
@@ -40,10 +41,6 @@ if TYPE_CHECKING:
     from geoswarm.solver.laboratory.consolidation import ConsolidationSpec
 
 __all__ = ["ConsolidationModel"]
-
-_CURVE_POINTS = 24
-_SAME_TIME = 1.0e-9
-"""Relative part of a duration by which a reading may be later than its end."""
 
 
 @dataclass(frozen=True)
@@ -85,27 +82,8 @@ class ConsolidationModel(LaboratoryModel):
         return np.column_stack([found.reshape(OUTPUT, -1), loads])
 
     @cached_property
-    def _movements(self) -> tuple[list[Movement], IntArray]:
-        """What is done to the specimen, and the last movement of each stage."""
-        found, last = [], []
-        before = 0.0
-        for number, stage in enumerate(self.spec.stages, start=1):
-            name, load = f"{number} ({stage.stress:g} kPa)", stage.stress - self.spec.initial_stress
-            found.append(Movement(name, BY_LOAD, before, load, stage.loading_time))
-            if stage.loading_time < stage.duration:
-                found.append(Movement(name, BY_LOAD, load, load, stage.duration - stage.loading_time))
-            last.append(len(found) - 1)
-            before = load
-        return found, np.array(last)
-
-    @cached_property
-    def _ends(self) -> FloatArray:
-        """Times of the ends of stages since the first one, day; 0 before them."""
-        return np.cumsum([0.0, *(stage.duration for stage in self.spec.stages)])
-
-    @property
-    def _zero(self) -> float:
-        return float(self._ends[self.spec.zero_at_stage - 1])
+    def _loads(self) -> LoadStages:
+        return LoadStages(self.spec.stages, self.spec.initial_stress, self.spec.zero_at_stage)
 
     def _ground(self, parameters: Mapping[str, float]) -> Ground:
         spec, cells = self.spec, self.cells
@@ -137,8 +115,8 @@ class ConsolidationModel(LaboratoryModel):
         column = Column.of([(soil, self.placed(soil))] * spec.cells)
         rows = [STRAIN, BASE, VERTICAL, HORIZONTAL]
         watched = Watched(self._combined[rows, :-1].copy(), np.array([-1, 0, 0, 0]))
-        movements, last = self._movements
-        found = follow_loads(column, ground, movements, watched, spec.tolerance, self.voids.check)
+        last = self._loads.last
+        found = follow_loads(column, ground, self._loads.movements, watched, spec.tolerance, self.voids.check)
         paths = [self._observed(path) for path in found]
         start = paths[0].ends[0]
         before = start if spec.zero_at_stage == 1 else paths[last[spec.zero_at_stage - 2]].ends[-1]
@@ -189,42 +167,29 @@ class ConsolidationModel(LaboratoryModel):
         return found
 
     def _axes(self) -> tuple[Axis, Axis]:
-        zero, first = self._zero, self.spec.zero_at_stage - 1
-        end = float(self._ends[-1]) - zero
-        since = "the first load began" if first == 0 else f"stage {first + 1} began"
-        stages = list(zip(self._ends[first:-1].tolist(), self.spec.stages[first:], strict=True))
-        grid = np.concatenate([[0.0], *(start - zero + _within(stage.duration) for start, stage in stages)])
-        numbers = np.arange(1.0, len(self.spec.stages) + 1.0)
+        loads, numbers = self._loads, np.arange(1.0, len(self.spec.stages) + 1.0)
 
         def at_times(test: Record, x: FloatArray) -> Callable[[Look], FloatArray]:
-            sample = test.trace.at_times(x + zero)
+            sample = test.trace.at_times(x + loads.zero)
             return lambda look: look(sample)
 
         def at_stages(test: Record, x: FloatArray) -> Callable[[Look], FloatArray]:
             sample = test.trace.ends(test.last_legs[x.astype(np.int64) - 1])
             return lambda look: look(sample)
 
-        words = f"over the time since {since}"
-        late = end * (1.0 + _SAME_TIME)
+        words = f"over the time since {loads.since}"
         return (
-            Axis("", words, "time", "day", at_times, grid, 0.0, late),
+            Axis("", words, "time", "day", at_times, loads.grid, 0.0, loads.end * LATE),
             Axis("stage_", "at the end of a stage", "stage", "", at_stages, numbers, 1.0, numbers[-1], x_integer=True),
         )
 
     def _within(self, number: int, from_its_load: bool) -> Axis:
         """A stage alone (0-based); settlement counts from its load."""
-        start, duration = float(self._ends[number]), self.spec.stages[number].duration
+        start, duration = float(self._loads.ends[number]), self.spec.stages[number].duration
 
         def pick(test: Record, x: FloatArray) -> Callable[[Look], FloatArray]:
             sample, before = test.trace.at_times(start + x), test.trace.at_times(np.array([start]))
             return lambda look: look(sample) - (look(before) if from_its_load else 0.0)
 
         words = f"in stage {number + 1}, over the time since its load began"
-        late = duration * (1.0 + _SAME_TIME)
-        return Axis(f"branch_{number + 1}.", words, "time", "day", pick, _within(duration), 0.0, late)
-
-
-def _within(duration: float) -> FloatArray:
-    """Times at which a stage of consolidation looks smooth, day."""
-    times: FloatArray = duration * np.geomspace(1.0e-5, 1.0, _CURVE_POINTS)
-    return times
+        return Axis(f"branch_{number + 1}.", words, "time", "day", pick, within(duration), 0.0, duration * LATE)

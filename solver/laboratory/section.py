@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC
-from typing import ClassVar, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -11,7 +12,10 @@ from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.one_material import OneMaterialSpec
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STRESS
 
-__all__ = ["LaboratorySpec", "Loading", "Part", "exactly_one"]
+if TYPE_CHECKING:
+    from geoswarm.solver.laws.base import Law
+
+__all__ = ["LaboratorySpec", "Loading", "Part", "exactly_one", "ratio_fault", "settings_fault"]
 
 
 class Part(BaseModel):
@@ -80,28 +84,10 @@ class LaboratorySpec(OneMaterialSpec, ABC):
     )
 
     @model_validator(mode="after")
-    def _settings_of_the_law(self) -> LaboratorySpec:
-        law = self.law
-        known = {one.name: one for one in law.settings}
-        for name, value in self.settings.items():
-            one = known.get(name)
-            if one is None:
-                names = ", ".join(known) if known else "it has none"
-                raise ValueError(f"settings.{name}: material {law.kind} has no such setting; known: {names}")
-            if one.choices and value not in one.choices:
-                raise ValueError(f"settings.{name} = {value!r}: one of {', '.join(one.choices)} is accepted")
-            if not one.choices and isinstance(value, str):
-                raise ValueError(f"settings.{name} = {value!r}: a number of at least {one.lower:g} is accepted")
-            if not one.choices and isinstance(value, float) and value < one.lower:
-                raise ValueError(f"settings.{name} = {value:g} {one.unit}: at least {one.lower:g} is accepted")
-        return self
-
-    @model_validator(mode="after")
-    def _ratio_that_is_known(self) -> LaboratorySpec:
-        if isinstance(self.initial_ratio, float) and not 0.0 < self.initial_ratio <= 100.0:
-            raise ValueError(f"initial_ratio = {self.initial_ratio:g}: above 0 and at most 100 is accepted, or K0")
-        if self.initial_ratio == "K0" and not self.law.knows_K0:
-            raise ValueError(f"initial_ratio = K0: material {self.law.kind} knows none; a number is accepted")
+    def _fits_the_law(self) -> LaboratorySpec:
+        fault = settings_fault(self.law, self.settings) or ratio_fault(self.law, self.initial_ratio)
+        if fault is not None:
+            raise ValueError(fault)
         return self
 
     @property
@@ -133,3 +119,29 @@ def exactly_one(part: BaseModel, *names: str) -> str:
         found = " and ".join(given) + " are given" if given else "none is given"
         raise ValueError(f"exactly one of {', '.join(names)} is accepted; {found}")
     return given[0]
+
+
+def settings_fault(law: Law, settings: Mapping[str, str | float | None]) -> str | None:
+    """What is wrong with the settings given for a law, in words, or None."""
+    known = {one.name: one for one in law.settings}
+    for name, value in settings.items():
+        one = known.get(name)
+        if one is None:
+            names = ", ".join(known) if known else "it has none"
+            return f"settings.{name}: material {law.kind} has no such setting; known: {names}"
+        if one.choices and value not in one.choices:
+            return f"settings.{name} = {value!r}: one of {', '.join(one.choices)} is accepted"
+        if not one.choices and isinstance(value, str):
+            return f"settings.{name} = {value!r}: a number of at least {one.lower:g} is accepted"
+        if not one.choices and isinstance(value, float) and value < one.lower:
+            return f"settings.{name} = {value:g} {one.unit}: at least {one.lower:g} is accepted"
+    return None
+
+
+def ratio_fault(law: Law, ratio: float | str) -> str | None:
+    """What is wrong with the ratio of stresses under which soil of a law is placed, in words, or None."""
+    if isinstance(ratio, float) and not 0.0 < ratio <= 100.0:
+        return f"initial_ratio = {ratio:g}: above 0 and at most 100 is accepted, or K0"
+    if ratio == "K0" and not law.knows_K0:
+        return f"initial_ratio = K0: material {law.kind} knows none; a number is accepted"
+    return None
