@@ -73,15 +73,17 @@ _ITERATIONS: Final = 30
 _HALVINGS: Final = 8
 _FREE: Final = 10
 """Iterations in which what is left may grow."""
-_RESIDUAL: Final = 1.0e-13
 _ROUNDING: Final = 4.0e-16
+_CLOSE: Final = 1.0e-13
+"""Relative error of a stress that is prescribed."""
 _ROUGH: Final = 100.0
 """What may be left, over what should be, where rounding lets no more be gained."""
 
 Soils = tuple[IntArray, FloatArray]
 """Addresses of the stress updates (j,), and constants (j, c)."""
-Ground = tuple[FloatArray, int, bool, bool]
-"""What water meets (7, j), how the top is led, whether the base is drained, and whether strain is logarithmic.
+Ground = tuple[FloatArray, int, bool, bool, float]
+"""What water meets (7, j), how the top is led, whether the base is drained, whether strain is logarithmic, and what may
+be left of a balance, as a part of the height.
 
 Rows: part of the height; k_0/(gamma_w H d) in 1/(kPa day), d being the way from the point to the next part; growth of
 ln k with the relative length; effective stress before the first step, kPa; fall of the level for a unit of lost
@@ -127,7 +129,7 @@ def _residual(
     """
     work, step, tangent = room
     rest, tried, stiff, mobile, slope, length, excess = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
-    data, lead, open_base, large = ground
+    data, lead, open_base, large, precision = ground
     last = tried.shape[0] - 1
     level = target if lead == BY_LOAD else 0.0
     for j in range(last + 1):
@@ -172,10 +174,10 @@ def _residual(
             rest[j] -= taken * excess[j]
             easy += taken
         # Rounding of stresses limits how well balances are kept.
-        enough = _RESIDUAL + _ROUNDING * (easy + easy_below) * largest
+        enough = precision + _ROUNDING * (easy + easy_below) * largest
         if j == last and lead == BY_STRESS:
             rest[j] = (new[0][j, 1] - target) / max(1.0, abs(target))
-            enough = _RESIDUAL + _ROUNDING
+            enough = _CLOSE
         below, easy_below = above, easy
         if not abs(rest[j]) < math.inf:
             return math.inf
@@ -197,7 +199,7 @@ def _correct(target: float, dt: float, ground: Ground, room: Room) -> bool:
     work = room[0]
     rest, stiff, mobile, slope, length, excess = work[0], work[2], work[3], work[4], work[5], work[6]
     lower, diagonal, upper, lifted = work[7], work[8], work[9], work[10]
-    data, lead, open_base, large = ground
+    data, lead, open_base, large, _ = ground
     last = rest.shape[0] - 1
     lifts = False
     for j in range(last + 1):

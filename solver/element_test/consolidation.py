@@ -25,6 +25,9 @@ WATER: Final = 9.81
 _CHUNK: Final = 16
 _MOST_STEPS: Final = 5_000
 _FIRST: Final = 1.0e-4
+_LEFT: Final = 3.0e-6
+"""What Newton's method may leave of a balance of water, over the tolerance."""
+_LEAST_LEFT: Final = 1.0e-13
 
 
 @dataclass(frozen=True)
@@ -193,6 +196,7 @@ def follow_movement(
     pieces = [(np.empty((0, 4)), np.empty((0, width)), column.profile(ground.large)[np.newaxis])]
     outcome = PAUSED if movement.duration > 0.0 else DONE
     of_state = np.where(column.state_weights == AS_FOUND, AS_FOUND, column.state_weights / tolerance)
+    precision = max(_LEAST_LEFT, _LEFT * tolerance)
     while outcome == PAUSED:
         of_stress = 1.0 / (tolerance * column.bulk_moduli())
         of_watched = np.where(watched.of_stress, of_stress[watched.points], 1.0 / tolerance)
@@ -203,7 +207,7 @@ def follow_movement(
             movement.duration,
             now,
             length,
-            (ground.rows, movement.lead, ground.open_base, ground.large),
+            (ground.rows, movement.lead, ground.open_base, ground.large, precision),
             (column.stress, column.strain, column.internal),
             column.laws,
             guess,
