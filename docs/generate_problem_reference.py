@@ -20,15 +20,17 @@ KINDS = (
         "oedometer",
         "isotropic_compression",
         "crs_oedometer",
+        "consolidation",
         "triaxial",
         "direct_simple_shear",
+        "column",
         "section",
         "finite_element",
     ),
     *("formula", "combined", "python", "command", "umbridge", "registered"),
 )
 EXAMPLES = {"oedometer": "oedometer", "isotropic_compression": "isotropic_compression", "section": "slope"}
-LABORATORY = ("crs_oedometer", "triaxial", "direct_simple_shear")
+LABORATORY = ("crs_oedometer", "consolidation", "triaxial", "direct_simple_shear")
 """Tests on any law, whose parameters and series are told for the example of their kind."""
 
 INTRODUCTION = """\
@@ -281,11 +283,20 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
         )
     elif kind == "finite_element":
         parts.append("What is not told here is as for `section`. Parameters are the names in the expressions.")
+    elif kind == "column":
+        example = (ROOT / "examples" / "column" / "problem.yaml").read_text(encoding="utf-8")
+        model = parse_spec(read_document(example, "yaml")["forward_model"]).build()
+        parts += [
+            "What all of it means: [layered ground](column.md). In examples/column the parameters are:",
+            parameters(model.parameters),
+            "Series:",
+            series(model.series),
+        ]
     elif kind in LABORATORY:
         section = find_spec(kind).example() or {}
         known = parse_spec(section).build().series
         repeated = ("time_", "stage_", "branch_", "cycle_")
-        water = kind == "crs_oedometer"
+        water = kind in ("crs_oedometer", "consolidation")
         states = "" if water else ", and the state variables of the law come to all of them"
         parts += [
             f"Parameters are those of the law{', `k` and `C_k`' if water else ''}. For example:",

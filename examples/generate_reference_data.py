@@ -77,6 +77,9 @@ SHEARED = tuple(round(0.001 * strain, 4) for strain in (0, 0.5, 1, 2, 3, 4, 6, 8
 TURNED = tuple(round(0.001 * strain, 4) for strain in (0, 1, 2, 4, 6, 8, 10, 15, *range(20, 201, 10)))
 """Shear strains at which a simple shear test is read."""
 
+DAYS = (0.0, *(float(day) for day in (3, 7, 14, 21, 28, 42, 60, 67, 74, 88, 102, 130, 160, 180, 183, 190, 210, 240, 300, 365)))
+"""Days at which instruments below an embankment are read."""
+
 EXAMPLES = (
     Example(
         "oedometer",
@@ -134,6 +137,23 @@ EXAMPLES = (
             **{f"cell_{cell}.volumetric_strain": SHEARED for cell in (50, 100, 200)},
             "cell_100.branch_2.q": (0.0300, 0.0285, 0.0270, 0.0255, 0.0240, 0.0225, 0.0210),
         },
+    ),
+    Example(
+        "consolidation",
+        {"lambda_star": 0.09, "kappa_star": 0.015, "k": 4.0e-5, "C_k": 0.6},
+        noise={"settlement": 5.0e-6, "pore_pressure": 1.0},
+        seed=1580,
+        decimals=3,
+        source="chosen for this example",
+    ),
+    Example(
+        "column",
+        {"clay.lambda_star": 0.12, "clay.k": 6.0e-5, "clay.POP": 15.0},
+        noise={"settlement": 5.0e-3, "P1.pore_pressure": 1.0, "P2.pore_pressure": 1.0},
+        seed=1581,
+        decimals=1,
+        source="chosen for this example",
+        points={"settlement": DAYS, "P1.pore_pressure": DAYS, "P2.pore_pressure": DAYS},
     ),
     Example(
         "direct_simple_shear",

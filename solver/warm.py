@@ -142,7 +142,7 @@ KERNELS = {
     "oedometer": 15,
     "section": 22,
     "element_test": 7,
-    "consolidation": 9,
+    "consolidation": 11,
     "drucker_prager": 16,
     "hardening_soil": 21,
     "hypoplastic_clay": 15,
@@ -172,7 +172,7 @@ _SOURCES = {
     "oedometer": "element_test/constant_load.py",
     "section": "fem/solve.py",
     "element_test": "element_test/legs.py",
-    "consolidation": "element_test/column.py",
+    "consolidation": "element_test/column_steps.py",
 }
 """Where the kernels of the samples begin; below solver."""
 

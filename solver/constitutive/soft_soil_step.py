@@ -23,6 +23,8 @@ __all__ = ["soft_soil_step"]
 
 _ITERATIONS: Final = 40
 _RESIDUAL: Final = 1.0e-13
+_ROUGH: Final = 1.0e-11
+"""Strain that may be left over where Newton's method swings about the yield surface in a step as small as that."""
 _LARGEST_FALL: Final = 0.2
 _EXCESS: Final = 1.0e-9
 _HALVINGS: Final = 60
@@ -137,7 +139,7 @@ def _creep_alone(
         worst = max(abs(r1), abs(r2) / twice)
         if not (worst < math.inf and abs(determinant) > 0.0):
             return 0.0, False
-        if worst <= _RESIDUAL or done:
+        if worst <= _RESIDUAL or done or (iteration == _ITERATIONS - 1 and worst <= _ROUGH):
             break
         if iteration == (_ITERATIONS - 1 if soil.mu_star > 0.0 else 2 * _ITERATIONS - 1):
             return 0.0, False

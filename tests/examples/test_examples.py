@@ -25,6 +25,13 @@ BANDS = {  # around the true values, for the seed in the problem file; the oedom
     },
     "triaxial": {"E": (1.75e4, 1.85e4), "nu": (0.26, 0.30), "c": (7.0, 9.0), "phi": (30.7, 31.3), "psi": (3.8, 4.2)},
     "direct_simple_shear": {"M": (1.04, 1.06), "lambda": (0.158, 0.162), "kappa": (0.029, 0.031), "nu": (0.23, 0.27)},
+    "consolidation": {
+        "lambda_star": (0.0890, 0.0910),
+        "kappa_star": (0.0145, 0.0155),
+        "k": (3.9e-5, 4.1e-5),
+        "C_k": (0.56, 0.64),
+    },
+    "column": {"clay.lambda_star": (0.115, 0.125), "clay.k": (5.5e-5, 6.5e-5), "clay.POP": (13.0, 17.0)},
 }
 OBJECTIVES = {  # two-sided: below the noise would be as wrong as far above it
     "oedometer": (2.0e-9, 5.0e-9),
@@ -33,6 +40,8 @@ OBJECTIVES = {  # two-sided: below the noise would be as wrong as far above it
     "combined": (5.5e-9, 8.5e-9),
     "triaxial": (5.0e-7, 7.0e-7),
     "direct_simple_shear": (3.5e-5, 4.3e-5),
+    "consolidation": (1.0e-9, 1.0),
+    "column": (1.0e-9, 1.0),
 }
 
 LONG = "slope"

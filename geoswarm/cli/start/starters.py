@@ -114,6 +114,8 @@ STARTERS: dict[str, Starter] = {
     "isotropic_compression": Starter("isotropic_compression"),
     "triaxial": Starter("triaxial"),
     "direct_simple_shear": Starter("direct_simple_shear"),
+    "consolidation": Starter("consolidation"),
+    "column": Starter("column"),
     "formula": Starter("formula", _FORMULA, {"settlement.csv": "time [day],settlement [cm]"}),
     "combined": Starter("combined"),
     "section": Starter("slope"),

@@ -11,7 +11,8 @@ from geoswarm.cli import main
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 NAMES = [
-    *("calculix", "combined", "direct_simple_shear", "formula", "fortran_pest", "isotropic_compression", "kratos"),
+    *("calculix", "column", "combined", "consolidation", "direct_simple_shear", "formula", "fortran_pest"),
+    *("isotropic_compression", "kratos"),
     *("oedometer", "opengeosys", "opengeosys_slope", "plaxis", "python_spreadsheet", "slope", "triaxial", "umat"),
 ]
 

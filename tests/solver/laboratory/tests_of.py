@@ -62,13 +62,13 @@ def crs_oedometer(material: str, stages: Sequence[Mapping[str, Any]], **changes:
     return CrsOedometerSpec.model_validate(section)
 
 
-def consolidation(material: str, stages: Sequence[tuple[float, ...]], **changes: Any) -> ConsolidationSpec:
-    """A specimen of 2 cm under 100 kPa vertical and the law's K0; stages are (stress, duration[, loading_time])."""
+def consolidation(material: str, loads: Sequence[tuple[float, ...]], **changes: Any) -> ConsolidationSpec:
+    """A specimen of 2 cm under 100 kPa vertical and the law's K0; loads are (stress, duration[, loading_time])."""
     section = {
         "material": material,
         "height": 0.02,
         "initial_stress": 100.0,
-        "stages": [dict(zip(("stress", "duration", "loading_time"), stage, strict=False)) for stage in stages],
+        "stages": [dict(zip(("stress", "duration", "loading_time"), stage, strict=False)) for stage in loads],
         **changes,
     }
     return ConsolidationSpec.model_validate(section)
