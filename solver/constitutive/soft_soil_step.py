@@ -15,7 +15,12 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.creep_update import creep_update
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
+from geoswarm.solver.constitutive.soft_soil_creep import (
+    SoftSoilCreep,
+    creep_increment,
+    equivalent_pressure,
+    secant_compliance,
+)
 from geoswarm.solver.constitutive.tensors import principal_axes
 from geoswarm.solver.kernels.jit import inlined, kernel
 
@@ -23,9 +28,9 @@ __all__ = ["soft_soil_step"]
 
 _ITERATIONS: Final = 40
 _RESIDUAL: Final = 1.0e-13
-_ROUGH: Final = 1.0e-11
-"""Strain that may be left over where Newton's method swings about the yield surface in a step as small as that."""
 _LARGEST_FALL: Final = 0.2
+_LARGEST_RISE: Final = 2.0
+"""Of ln p, where a step begins beyond the yield surface."""
 _EXCESS: Final = 1.0e-9
 _HALVINGS: Final = 60
 
@@ -115,6 +120,14 @@ def _creep_alone(
     new_new *= 1.5
     p, q = p_old, math.sqrt(old_old)
     shift = soil.shift + soil.extra
+    if soil.mu_star == 0.0 and p + shift > soil.pressure_floor:
+        # From the elastic side Newton's method swings about the yield surface: begin on the other one, where the step
+        # leads beyond it at a constant ratio of stresses.
+        beyond = math.log(equivalent_pressure(p, q * q, soil)[0]) - log_pp
+        rise = (volume - (soil.lambda_star - soil.kappa_star) * beyond) / soil.lambda_star
+        if 0.0 < rise < _LARGEST_RISE and rise + beyond > 0.0:
+            grown = math.exp(rise)
+            p, q = grown * (p + shift) - shift, grown * q
     done = False
     twice, twice_p, trial = 0.0, 0.0, 0.0
     creep, factor, factor_p, factor_q2 = 0.0, 0.0, 0.0, 0.0
@@ -139,7 +152,7 @@ def _creep_alone(
         worst = max(abs(r1), abs(r2) / twice)
         if not (worst < math.inf and abs(determinant) > 0.0):
             return 0.0, False
-        if worst <= _RESIDUAL or done or (iteration == _ITERATIONS - 1 and worst <= _ROUGH):
+        if worst <= _RESIDUAL or done:
             break
         if iteration == (_ITERATIONS - 1 if soil.mu_star > 0.0 else 2 * _ITERATIONS - 1):
             return 0.0, False

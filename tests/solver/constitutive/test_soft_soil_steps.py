@@ -28,4 +28,4 @@ def test_one_dimensional_steps_have_their_volume(OCR: float, strain: float, rati
     plastic = max(0.0, np.log(equivalent) - begin.internal[0])
     volume = 0.1 / ratio * np.log(after / before) + 0.1 * (1.0 - 1.0 / ratio) * plastic
     assert volume == pytest.approx(strain, abs=1.0e-12)
-    assert state[0] == pytest.approx(begin.internal[0] + plastic, abs=1.0e-12)
+    assert state[0] == pytest.approx(begin.internal[0] + plastic, abs=1.0e-10)  # 1e-13 of strain, over kappa*
