@@ -19,6 +19,7 @@ from geoswarm.solver.constitutive.creep_update import creep_update
 from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load
+from geoswarm.solver.laws.registry import find_law
 from tests.soils import creep_law, creep_point
 from tests.solver.forward.staged_tests import (
     IDENTIFIED,
@@ -27,7 +28,9 @@ from tests.solver.forward.staged_tests import (
     observation_times,
     oedometer_spec,
 )
-from tests.solver.laboratory.tests_of import crs_oedometer, simple_shear, triaxial
+from tests.solver.column.grounds import embankment
+from tests.solver.laboratory.tests_of import consolidation, crs_oedometer, simple_shear, triaxial
+from tests.solver.laws.checks import usual_values
 
 
 def median_ms(call: Callable[[], object], repeats: int) -> float:
@@ -70,11 +73,18 @@ def main(repeats: int = 1000) -> None:
         f"{median_ms(lambda: follow(law, point, [confined_load(200.0, 1.0)], [[1.0]]), max(1, repeats // 10)):8.4f} ms"
     )
     for name, spec, series in readings():
-        x = np.linspace(0.0, 0.2, 200)
+        x = np.linspace(0.0, 0.2, 200) if name[:5] != "conso" else np.geomspace(1.0e-4, 3.0, 200)
         run = spec.build().prepare(dict.fromkeys(series, x))
         print(f"{name:48}{median_ms(partial(run, CLAY), max(1, repeats // 10)):8.4f} ms")
+    for kind in ("elastic", "soft_soil", "soft_soil_creep", "modified_cam_clay", "hypoplastic_clay", "hardening_soil"):
+        times = np.geomspace(1.0, 3650.0, 200)
+        run = embankment(kind).build().prepare(dict.fromkeys(("settlement", "P1.excess_pore_pressure"), times))
+        values = {f"clay.{name}": value for name, value in usual_values(find_law(kind)).items()} | GROUND
+        elapsed = median_ms(partial(run, values), max(1, repeats // 50))
+        print(f"{f'column of 50 cells, ten years, {kind}':48}{elapsed:8.4f} ms")
 
 
+GROUND = {"clay.k": 5.0e-5, "clay.C_k": 0.8, "crust.E": 5.0e3, "crust.nu": 0.3, "crust.k": 1.0e-3}
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.2, "k": 1.0e-4, "C_k": 0.5}
 
 
@@ -89,6 +99,8 @@ def readings() -> Iterator[tuple[str, Any, tuple[str, str]]]:
     stages = [{"axial_strain": strain, "rate": 0.24} for strain in (0.12, 0.11, 0.2)]
     spec = crs_oedometer(clay, stages, initial_void_ratio=1.2)
     yield "oedometer at constant rate, with a loop", spec, ("axial_stress", "pore_pressure")
+    spec = consolidation(clay, [(200.0, 1.0), (400.0, 1.0), (100.0, 1.0)], initial_void_ratio=1.2)
+    yield "consolidation in three stages", spec, ("settlement", "pore_pressure")
 
 
 if __name__ == "__main__":

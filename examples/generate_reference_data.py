@@ -77,7 +77,10 @@ SHEARED = tuple(round(0.001 * strain, 4) for strain in (0, 0.5, 1, 2, 3, 4, 6, 8
 TURNED = tuple(round(0.001 * strain, 4) for strain in (0, 1, 2, 4, 6, 8, 10, 15, *range(20, 201, 10)))
 """Shear strains at which a simple shear test is read."""
 
-DAYS = (0.0, *(float(day) for day in (3, 7, 14, 21, 28, 42, 60, 67, 74, 88, 102, 130, 160, 180, 183, 190, 210, 240, 300, 365)))
+DAYS = (
+    0.0,
+    *(float(day) for day in (3, 7, 14, 21, 28, 42, 60, 67, 74, 88, 102, 130, 160, 180, 183, 190, 210, 240, 300, 365)),
+)
 """Days at which instruments below an embankment are read."""
 
 EXAMPLES = (

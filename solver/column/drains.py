@@ -43,7 +43,10 @@ class DrainsSection(Part):
         json_schema_extra=in_unit("m", 0.05, 0.4),
     )
     top: float = Field(
-        0.0, ge=0.0, description="Depth of their upper ends below the ground surface, m.", json_schema_extra=in_unit("m")
+        0.0,
+        ge=0.0,
+        description="Depth of their upper ends below the ground surface, m.",
+        json_schema_extra=in_unit("m"),
     )
     bottom: float = Field(
         gt=0.0,
@@ -77,7 +80,9 @@ class DrainsSection(Part):
             raise ValueError(f"bottom = {self.bottom:g} m: below the top, {self.top:g} m, is accepted")
         outer = influence(self.spacing, self.pattern)
         if not self.diameter < outer:
-            raise ValueError(f"diameter = {self.diameter:g} m: below that of the ground of a drain, {outer:g}, is accepted")
+            raise ValueError(
+                f"diameter = {self.diameter:g} m: below that of the ground of a drain, {outer:g}, is accepted"
+            )
         smeared = self.smear_diameter
         if smeared is not None and not self.diameter <= smeared < outer:
             raise ValueError(

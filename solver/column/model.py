@@ -80,7 +80,9 @@ class ColumnModel:
         if drains is not None and drains.smear_diameter is not None:
             text = "Permeability of undisturbed over that of disturbed soil about drains."
             found.append(
-                ParameterInfo("smear_ratio", "k_h/k_s", "", text, drains.smear_ratio, 0.0, lower_open=True, typical=(1, 5))
+                ParameterInfo(
+                    "smear_ratio", "k_h/k_s", "", text, drains.smear_ratio, 0.0, lower_open=True, typical=(1, 5)
+                )
             )
         if drains is not None and drains.discharge_capacity is not None:
             text = "Flow through a drain at a unit gradient."
@@ -208,9 +210,7 @@ class ColumnModel:
         if spec.drains is not None:
             of_drains = {"smear_ratio": spec.drains.smear_ratio} | self._own("drains", parameters)
             capacity = of_drains.get("discharge_capacity", spec.drains.discharge_capacity)
-            taken = Taken.by(
-                spec.drains, of_drains["smear_ratio"], capacity, ratio * k, spec.height - cells.faces
-            )
+            taken = Taken.by(spec.drains, of_drains["smear_ratio"], capacity, ratio * k, spec.height - cells.faces)
         return Ground(
             cells.share,
             2.0 * k / (WATER * spec.height * cells.heights),

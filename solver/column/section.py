@@ -126,9 +126,7 @@ class ColumnSpec(ForwardModelSpec):
     depends_on_section: ClassVar[bool] = True
 
     kind: Literal["column"] = "column"
-    soils: dict[_Name, SoilSection] = Field(
-        min_length=1, max_length=100, description="Soils by a name of your choice."
-    )
+    soils: dict[_Name, SoilSection] = Field(min_length=1, max_length=100, description="Soils by a name of your choice.")
     layers: tuple[LayerSection, ...] = Field(
         min_length=1, max_length=200, description="Layers from the ground surface downwards."
     )
@@ -262,7 +260,9 @@ class ColumnSpec(ForwardModelSpec):
         height = self.height
         for name, point in self.points.items():
             if point.depth > height * (1.0 + 1.0e-12):
-                raise ValueError(f"points.{name}.depth = {point.depth:g} m: at most the height, {height:g}, is accepted")
+                raise ValueError(
+                    f"points.{name}.depth = {point.depth:g} m: at most the height, {height:g}, is accepted"
+                )
         if self.drains is not None and self.drains.bottom > height * (1.0 + 1.0e-12):
             raise ValueError(
                 f"drains.bottom = {self.drains.bottom:g} m: at most the height of all layers, {height:g}, is accepted"

@@ -83,7 +83,9 @@ def _whole(
 
 
 @kernel
-def _looked(stress: FloatArray, strain: FloatArray, large: bool, watch: Watch, row: FloatArray, seen: FloatArray) -> None:
+def _looked(
+    stress: FloatArray, strain: FloatArray, large: bool, watch: Watch, row: FloatArray, seen: FloatArray
+) -> None:
     """Fill a profile (PROFILE j,) and what is watched of it (w,)."""
     profile(stress, strain, large, row)
     for i in range(seen.shape[0]):

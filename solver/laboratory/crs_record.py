@@ -18,6 +18,7 @@ from geoswarm.solver.laboratory.water_flow import BASE, HORIZONTAL, OUTPUT, STRA
 
 __all__ = ["Flow", "combinations", "lead", "rows_of"]
 
+
 @dataclass(frozen=True)
 class Flow:
     """How water leaves: permeability k_0, m/day, and its growth, ln k over the relative height; height, m."""

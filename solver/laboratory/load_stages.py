@@ -96,7 +96,10 @@ class LoadStages:
             parts = [within(stage.duration)]
             if 0.0 < stage.loading_time < stage.duration:
                 rest = stage.duration - stage.loading_time
-                parts = [np.linspace(0.0, stage.loading_time, _CURVE_POINTS // 2)[1:], stage.loading_time + within(rest)]
+                parts = [
+                    np.linspace(0.0, stage.loading_time, _CURVE_POINTS // 2)[1:],
+                    stage.loading_time + within(rest),
+                ]
             pieces += [start - self.zero + part for part in parts]
         return np.concatenate(pieces)
 

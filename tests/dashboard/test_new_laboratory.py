@@ -16,7 +16,7 @@ Visit = Callable[..., Opened]
 READINGS = "\n".join(f"{x}\t{y}" for x, y in ((0.1, 20), (0.2, 40), (0.4, 80)))
 
 
-def give_readings(page: Page, series: str, rows: str, typed: str) -> None:
+def give_readings(page: Page, series: str, rows: str, typed: str, units: str = "x_unit: '%'") -> None:
     """Readings by hand, into the YAML: the form takes them over."""
     expect(page.locator("#yaml")).to_have_value(re.compile(typed))  # what was typed before is there
     x, y = zip(*(row.split("\t") for row in rows.splitlines()), strict=True)
@@ -25,8 +25,7 @@ def give_readings(page: Page, series: str, rows: str, typed: str) -> None:
             place.value = place.value.replace(/\\n*$/, "\\n") + more;
             place.dispatchEvent(new Event("input", {bubbles: true}));
         }""",
-        f"observations:\n  - series: {series}\n    x_unit: '%'\n"
-        f"    points: {{x: [{', '.join(x)}], y: [{', '.join(y)}]}}\n",
+        f"observations:\n  - {{series: {series}, {units}, points: {{x: [{', '.join(x)}], y: [{', '.join(y)}]}}}}\n",
     )
     expect(page.locator(".observation")).to_contain_text(f"{len(x)} readings")
 
@@ -91,6 +90,54 @@ def test_an_oedometer_at_constant_rate_takes_the_permeability(embedded: Site, vi
     for name, value in (("M", "1"), ("nu", "0.3"), ("e0", "1.2")):
         parameter(page, name, "fixed", value=value)
     give_readings(page, "pore_pressure", READINGS, "e0: .value: 1.2")
+    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    page.get_by_role("button", name="Check", exact=True).click()
+    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
+    check_accessibility(page)
+
+
+def test_consolidation_takes_stages_and_the_permeability(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new")
+    fill(page, name="clay")
+    page.locator("input[name=kind][value=consolidation]").check()
+    page.get_by_role("button", name="Fill in a small example").click()
+    expect(page.locator('[data-path="forward_model.stages[1].stress"]')).to_have_value("100")
+    page.locator('[data-path="forward_model.drainage"]').select_option(label="one side")
+    parameter(page, "k", "free", lower="1e-6", upper="1e-3")
+    parameter(page, "lambda", "fixed", value="0.2")
+    parameter(page, "kappa", "fixed", value="0.04")
+    page.get_by_text("Further parameters").click()
+    for name, value in (("M", "1"), ("nu", "0.3"), ("e0", "1.2")):
+        parameter(page, name, "fixed", value=value)
+    give_readings(page, "settlement", READINGS.replace("80", "60"), "e0: .value: 1.2", units="x_unit: day, y_unit: um")
+    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    page.get_by_role("button", name="Check", exact=True).click()
+    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
+    check_accessibility(page)
+
+
+def test_layered_ground_has_soils_layers_and_points(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new")
+    fill(page, name="embankment")
+    page.locator("input[name=kind][value=column]").check()
+    page.get_by_role("button", name="Fill in a small example").click()
+    expect(page.locator('[data-path="forward_model.layers[1].thickness"]')).to_have_value("6")
+    expect(page.locator('[data-path="forward_model.soils.clay.unit_weight"]')).to_have_value("15.5")
+    expect(page.locator('[data-path="forward_model.points.P1.depth"]')).to_have_value("4.5")
+    for name in ("crust.k", "clay.k"):
+        parameter(page, name, "free", lower="1e-6", upper="1e-2")
+    parameter(page, "clay.lambda", "fixed", value="0.2")
+    parameter(page, "clay.kappa", "fixed", value="0.04")
+    page.get_by_text("Further parameters").click()
+    for name, value in (
+        ("crust.E", "5000"),
+        ("crust.nu", "0.3"),
+        ("clay.M", "1"),
+        ("clay.nu", "0.3"),
+        ("clay.e0", "1.6"),
+    ):
+        parameter(page, name, "fixed", value=value)
+    give_readings(page, "P1.pore_pressure", READINGS, "clay.e0: .value: 1.6", units="x_unit: day, y_unit: kPa")
     expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)

@@ -79,7 +79,9 @@ def test_one_layer_is_the_consolidation_test() -> None:
         cells=30,
     )
     expected = run(specimen, values, x, "settlement", "pore_pressure")
-    found = run(column, {f"clay.{name}": value for name, value in values.items()}, x, "settlement", "B.excess_pore_pressure")
+    found = run(
+        column, {f"clay.{name}": value for name, value in values.items()}, x, "settlement", "B.excess_pore_pressure"
+    )
     assert found[0] == pytest.approx(expected[0], abs=2.0e-6 * 0.02)
     assert found[1] == pytest.approx(expected[1], abs=0.05)
 
@@ -161,9 +163,7 @@ DRAINS = {"spacing": 1.5, "diameter": 0.066, "bottom": HEIGHT}
         ({"discharge_capacity": 9.9}, {"drains.discharge_capacity": 0.02}),
     ],
 )
-def test_flow_to_drains_alone_is_that_of_barron_and_hansbo(
-    more: dict[str, Any], parameters: dict[str, float]
-) -> None:
+def test_flow_to_drains_alone_is_that_of_barron_and_hansbo(more: dict[str, Any], parameters: dict[str, float]) -> None:
     """u = load exp(-8 c_h t/(mu d_e^2)) at each depth; water hardly flows upwards."""
     drains = {**DRAINS, **more}
     horizontal = 1.0e-3
@@ -200,7 +200,8 @@ def test_drains_in_a_part_of_the_depth_work_there() -> None:
     points = {"U": {"depth": 2.0}, "L": {"depth": 7.5}}
     names = ("settlement", "U.excess_pore_pressure", "L.excess_pore_pressure")
     found = {
-        bottom: run(elastic(drains={**DRAINS, "bottom": bottom}, points=points), SOIL, x, *names) for bottom in (4.0, 8.0)
+        bottom: run(elastic(drains={**DRAINS, "bottom": bottom}, points=points), SOIL, x, *names)
+        for bottom in (4.0, 8.0)
     }
     none = run(elastic(points=points), SOIL, x, *names)
     assert (found[8.0][0] > found[4.0][0]).all()
@@ -252,7 +253,14 @@ def slurry(cells: int, duration: float, tolerance: float = 1.0e-6, points: Any =
     )
 
 
-MUD = {"mud.lambda_star": 0.12, "mud.kappa_star": 0.01, "mud.c": 1.0e-6, "mud.phi": 25.0, "mud.k": 2.0e-3, "mud.C_k": 1.5}
+MUD = {
+    "mud.lambda_star": 0.12,
+    "mud.kappa_star": 0.01,
+    "mud.c": 1.0e-6,
+    "mud.phi": 25.0,
+    "mud.k": 2.0e-3,
+    "mud.C_k": 1.5,
+}
 
 
 def test_mud_ends_where_it_bears_its_weight() -> None:
@@ -289,7 +297,9 @@ def by_lines(times: FloatArray, count: int) -> FloatArray:
         rate: FloatArray = np.diff(np.append(between, -between[-1])) / h
         return rate
 
-    found = solve_ivp(flow, (0.0, times[-1]), np.ones(count - 1), "LSODA", times, rtol=1e-8, atol=1e-10, lband=1, uband=1)
+    found = solve_ivp(
+        flow, (0.0, times[-1]), np.ones(count - 1), "LSODA", times, rtol=1e-8, atol=1e-10, lband=1, uband=1
+    )
     J = np.vstack([np.ones(times.size), found.y])
     settled: FloatArray = np.trapezoid(1.0 - J, z, axis=0)
     return settled
@@ -325,7 +335,11 @@ def test_buoyancy_begins_at_the_water_table() -> None:
 
 def test_errors_fall_with_the_square_of_the_cells() -> None:
     x = np.array([5.0, 30.0, 60.0, 100.0, 360.0, 362.0, 1000.0, 3000.0])
-    values = {f"clay.{name}": value for name, value in CLAY.items()} | {"clay.e0": 1.6, "clay.k": 5.0e-5, "clay.C_k": 0.8}
+    values = {f"clay.{name}": value for name, value in CLAY.items()} | {
+        "clay.e0": 1.6,
+        "clay.k": 5.0e-5,
+        "clay.C_k": 0.8,
+    }
     values |= {"crust.E": 5.0e3, "crust.nu": 0.3, "crust.k": 1.0e-4}
     names = ("settlement", "S1.settlement", "P1.excess_pore_pressure")
 

@@ -119,9 +119,7 @@ def test_fast_drainage_gives_the_drained_oedometer(kind: str) -> None:
     x = np.array([1.0, 2.0, 3.0])
     expected = run(drained, values, x, "stage_settlement", "stage_K0")
     spec = consolidation(kind, loads, cells=4, tolerance=1.0e-6)
-    settlement, K0, pore = run(
-        spec, values | {"k": 1.0}, x, "stage_settlement", "stage_K0", "stage_pore_pressure"
-    )
+    settlement, K0, pore = run(spec, values | {"k": 1.0}, x, "stage_settlement", "stage_K0", "stage_pore_pressure")
     assert settlement == pytest.approx(expected[0], rel=2.0e-3, abs=2.0e-8)
     assert K0 == pytest.approx(expected[1], rel=2.0e-3)
     assert pore == pytest.approx(np.zeros(3), abs=1.0e-3)

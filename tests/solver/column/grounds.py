@@ -16,7 +16,10 @@ CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.0}
 
 
 def ground(
-    order: Sequence[tuple[str, float]], soils: dict[str, dict[str, Any]], loads: Sequence[tuple[float, ...]], **changes: Any
+    order: Sequence[tuple[str, float]],
+    soils: dict[str, dict[str, Any]],
+    loads: Sequence[tuple[float, ...]],
+    **changes: Any,
 ) -> ColumnSpec:
     """Layers (soil, thickness); soils as heavy as water unless they say more; loads (stress, duration[, growing])."""
     section = {

@@ -36,7 +36,13 @@ def test_parameters_have_the_names_of_their_soils() -> None:
 
 def test_series_are_those_of_the_points() -> None:
     names = {info.name for info in embankment("soft_soil").build().series}
-    assert {"settlement", "S1.settlement", "P1.pore_pressure", "P1.excess_pore_pressure", "P1.effective_stress"} <= names
+    assert {
+        "settlement",
+        "S1.settlement",
+        "P1.pore_pressure",
+        "P1.excess_pore_pressure",
+        "P1.effective_stress",
+    } <= names
     assert "P1.void_ratio" in names
     shallow = embankment("soft_soil", points={"A": {"depth": 0.5}}).build()
     assert "A.void_ratio" not in {info.name for info in shallow.series}  # the crust has none
@@ -75,7 +81,11 @@ def test_every_law_bears_an_embankment(kind: str) -> None:
     values = {f"clay.{name}": value for name, value in usual_values(find_law(kind)).items()}
     spec = embankment(kind, cells=12, tolerance=1.0e-3)
     settlement, pore = run(
-        spec, CRUST | values | {"clay.k": 5.0e-5, "clay.C_k": 0.8}, [60.0, 3650.0], "settlement", "P1.excess_pore_pressure"
+        spec,
+        CRUST | values | {"clay.k": 5.0e-5, "clay.C_k": 0.8},
+        [60.0, 3650.0],
+        "settlement",
+        "P1.excess_pore_pressure",
     )
     assert 0.0 < settlement[0] < settlement[1] < 1.0
     assert np.isfinite(pore).all()
@@ -99,7 +109,10 @@ def test_layers_of_one_soil_are_as_good_as_one_layer() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"layers": [{"soil": "sand", "thickness": 1.0}]}, r"layers\[0\].soil = 'sand': one of soils is accepted: crust, clay"),
+        (
+            {"layers": [{"soil": "sand", "thickness": 1.0}]},
+            r"layers\[0\].soil = 'sand': one of soils is accepted: crust, clay",
+        ),
         ({"layers": [{"soil": "clay", "thickness": 1.0}]}, "soils.crust: no layer is of this soil"),
         ({"layers": [{"soil": "clay", "thickness": -1.0}]}, "greater than 0"),
         ({"points": {"P": {"depth": 11.0}}}, "points.P.depth = 11 m: at most the height, 10, is accepted"),
@@ -111,7 +124,10 @@ def test_layers_of_one_soil_are_as_good_as_one_layer() -> None:
         ({"drains": {**DRAINS, "bottom": 12.0}}, "drains.bottom = 12 m: at most the height of all layers, 10"),
         ({"drains": {**DRAINS, "top": 8.0}}, "bottom = 8 m: below the top, 8 m"),
         ({"drains": {**DRAINS, "diameter": 1.6}}, "diameter = 1.6 m: below that of the ground of a drain, 1.57"),
-        ({"drains": {**DRAINS, "smear_diameter": 0.05}}, "smear_diameter = 0.05 m: from the diameter of the drain, 0.066"),
+        (
+            {"drains": {**DRAINS, "smear_diameter": 0.05}},
+            "smear_diameter = 0.05 m: from the diameter of the drain, 0.066",
+        ),
         ({"drains": {**DRAINS, "smear_ratio": 3.0}}, "smear_ratio = 3: smear_diameter is missing"),
         ({"wells": 3}, "Extra inputs"),
     ],

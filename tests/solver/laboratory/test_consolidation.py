@@ -65,7 +65,10 @@ def test_every_law_consolidates_and_swells(kind: str) -> None:
 def test_creep_follows_primary_consolidation() -> None:
     stages = [(200.0, 1000.0)]
     (settlement,) = run(
-        consolidation("soft_soil_creep", stages, geometry="fixed"), CREEP | {"k": 1.0e-4}, [10.0, 100.0, 1000.0], "axial_strain"
+        consolidation("soft_soil_creep", stages, geometry="fixed"),
+        CREEP | {"k": 1.0e-4},
+        [10.0, 100.0, 1000.0],
+        "axial_strain",
     )
     assert np.diff(settlement) == pytest.approx(np.full(2, CREEP["mu_star"] * np.log(10.0)), rel=0.1)
 
