@@ -21,6 +21,7 @@ from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load
 from geoswarm.solver.laws.registry import find_law
 from tests.soils import creep_law, creep_point
+from tests.solver.column.grounds import embankment
 from tests.solver.forward.staged_tests import (
     IDENTIFIED,
     ISOTROPIC_IDENTIFIED,
@@ -28,7 +29,6 @@ from tests.solver.forward.staged_tests import (
     observation_times,
     oedometer_spec,
 )
-from tests.solver.column.grounds import embankment
 from tests.solver.laboratory.tests_of import consolidation, crs_oedometer, simple_shear, triaxial
 from tests.solver.laws.checks import usual_values
 

@@ -1,7 +1,7 @@
 """Vertical drains: what they take from the ground between them, by equal vertical strain.
 
 Barron (1948) and Hansbo (1981): a drain of diameter d_w takes water from a cylinder of diameter d_e whose horizontal
-slices stay plane. A slice that is compressed at the rate e' has, above the pressure in a free drain, the mean pressure ::
+slices stay plane. A slice that is compressed at the rate e' has, above the pressure in a free drain, the mean one ::
 
     u = gamma_w d_e^2/(8 k_h) (mu + mu_w) e',    mu_w = pi z (2 l - z) (1 - 1/n^2) k_h/q_w
 
@@ -63,14 +63,15 @@ class DrainsSection(Part):
         1.0,
         gt=0.0,
         le=1.0e4,
-        description="Permeability of undisturbed over that of disturbed soil; default of the parameter drains.smear_ratio.",
+        description="Permeability of undisturbed over that of disturbed soil; default of the parameter "
+        "drains.smear_ratio.",
         json_schema_extra=in_unit("1", 1, 5),
     )
     discharge_capacity: float | None = Field(
         None,
         gt=0.0,
-        description="Flow through a drain at a unit gradient, m³/day; without limit unless given. Default of the parameter "
-        "drains.discharge_capacity.",
+        description="Flow through a drain at a unit gradient, m³/day; without limit unless given. Default of the "
+        "parameter drains.discharge_capacity.",
         json_schema_extra=in_unit("m³/day", 0.1, 3),
     )
 

@@ -307,8 +307,8 @@ class ColumnModel:
             if wrong.size:
                 name, e = self._soil_of_cells[wrong[0]], initial[wrong[0]]
                 raise InfeasibleError(
-                    f"stage {stage}: the void ratio of {name} falls to {e - (1.0 + e) * lost[wrong[0]]:.3g}; above 0 is "
-                    f"accepted: a higher initial_void_ratio than {e:g}, or a stiffer soil"
+                    f"stage {stage}: the void ratio of {name} falls to {e - (1.0 + e) * lost[wrong[0]]:.3g}; above 0 "
+                    f"is accepted: a higher initial_void_ratio than {e:g}, or a stiffer soil"
                 )
 
         return check

@@ -157,8 +157,8 @@ class ColumnSpec(ForwardModelSpec):
         0.0,
         ge=0.0,
         le=50.0,
-        description="Loss of load for each metre that the ground at the water table settles, kN/m³: unit weight of water, "
-        "where fill sinks below the water table; 0: none.",
+        description="Loss of load for each metre that the ground at the water table settles, kN/m³: unit weight of "
+        "water, where fill sinks below the water table; 0: none.",
         json_schema_extra=in_unit("kN/m³", 0, 9.81),
     )
     drains: DrainsSection | None = Field(None, description="Vertical drains.")
@@ -254,8 +254,8 @@ class ColumnSpec(ForwardModelSpec):
                 raise ValueError(f"soils.{name}: no layer is of this soil")
             if self.components not in soil.law.components:
                 raise ValueError(
-                    f"soils.{name}.material = {soil.law.kind}: it has no stress update for {self.components} components, "
-                    "which another soil needs"
+                    f"soils.{name}.material = {soil.law.kind}: it has no stress update for {self.components} "
+                    "components, which another soil needs"
                 )
         height = self.height
         for name, point in self.points.items():

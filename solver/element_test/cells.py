@@ -70,7 +70,8 @@ class Cells:
     @property
     def share(self) -> FloatArray:
         """Part of the height of the column, (j,)."""
-        return self.heights / self.faces[-1]
+        share: FloatArray = self.heights / self.faces[-1]
+        return share
 
     def below(self, z: float) -> FloatArray:
         """Part of each cell (j,) that lies below a height, m."""

@@ -190,7 +190,7 @@ def _drained(j: int, data: FloatArray, mobile: float, length: float, large: bool
     """What drains take of a part for a unit of its pressure, 1/(kPa day)."""
     grown = mobile * length if large else mobile
     wide = length if large else 1.0
-    return data[SHARE, j] * wide * data[SINK, j] * grown / (1.0 + data[RESIST, j] * grown)
+    return float(data[SHARE, j] * wide * data[SINK, j] * grown / (1.0 + data[RESIST, j] * grown))
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Consolidation of a column of points of any laws: what water meets, the states of the points, and a stage of loading."""
+"""Consolidation of a column of points of any laws: what water meets, states of the points, a stage of loading."""
 
 from __future__ import annotations
 

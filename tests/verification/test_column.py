@@ -264,7 +264,7 @@ MUD = {
 
 
 def test_mud_ends_where_it_bears_its_weight() -> None:
-    """At the end sigma' = 1 + (gamma - gamma_w)(depth of particles), and e by ln(1 + e) falling with lambda* ln sigma'."""
+    """At the end sigma' = 1 + (gamma - gamma_w)(depth of particles), and ln(1 + e) falls with lambda* ln sigma'."""
     points = {f"P{number}": {"depth": number + 0.5} for number in range(5)}
     spec = slurry(60, 2.0e5, points=points)
     end = np.array([2.0e5])
@@ -281,9 +281,9 @@ def test_mud_ends_where_it_bears_its_weight() -> None:
 
 
 def by_lines(times: FloatArray, count: int) -> FloatArray:
-    """Settlement of the mud by another discretisation: the void ratio at equal nodes of particles, of fourth order inside.
+    """Settlement of the mud by another discretisation: equal nodes of particles, and another way in time.
 
-    de/dt (1/(1+e0)) = d/dZ[(k/gamma_w)(1 + e0)/(1 + e) du/dZ], u = weight - sigma'(e) (Gibson, England & Hussey 1967).
+    dJ/dt = d/dZ[(k/gamma_w)(1/J) du/dZ], u = weight - sigma'(J) (Gibson, England & Hussey 1967).
     """
     z = np.linspace(0.0, 5.0, count)  # from the top; e is known there
     h = z[1] - z[0]

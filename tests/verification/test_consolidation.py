@@ -119,14 +119,14 @@ def test_fast_drainage_gives_the_drained_oedometer(kind: str) -> None:
     x = np.array([1.0, 2.0, 3.0])
     expected = run(drained, values, x, "stage_settlement", "stage_K0")
     spec = consolidation(kind, loads, cells=4, tolerance=1.0e-6)
-    settlement, K0, pore = run(spec, values | {"k": 1.0}, x, "stage_settlement", "stage_K0", "stage_pore_pressure")
+    settlement, at_rest, pore = run(spec, values | {"k": 1.0}, x, "stage_settlement", "stage_K0", "stage_pore_pressure")
     assert settlement == pytest.approx(expected[0], rel=2.0e-3, abs=2.0e-8)
-    assert K0 == pytest.approx(expected[1], rel=2.0e-3)
+    assert at_rest == pytest.approx(expected[1], rel=2.0e-3)
     assert pore == pytest.approx(np.zeros(3), abs=1.0e-3)
 
 
 def test_c_v_is_that_of_the_slope_of_compression() -> None:
-    """A small load on Cam clay, normally consolidated: c_v = k (1 + e) sigma'/(lambda gamma_w), as ln sigma' is linear."""
+    """A small load on Cam clay, normally consolidated: c_v = k/(gamma_w m_v), m_v from its end."""
     spec = consolidation("modified_cam_clay", [(101.0, 1.0)], drainage="one_side", cells=40, tolerance=1.0e-8)
     (end,) = run(spec, CLAY | {"k": 1.0}, 1.0, "settlement")
     m_v = float(end[0]) / HEIGHT / 1.0

@@ -184,7 +184,7 @@ def test_readings_after_the_end_and_unknown_points_are_refused() -> None:
     model = embankment("modified_cam_clay").build()
     with pytest.raises(ProblemError, match="from 0 to 3650 day are accepted"):
         model.prepare({"settlement": np.array([4000.0])})
-    with pytest.raises(ProblemError, match="'P9.settlement' is unknown"):
+    with pytest.raises(ProblemError, match=r"'P9\.settlement' is unknown"):
         model.prepare({"P9.settlement": np.array([1.0])})
 
 
