@@ -87,8 +87,8 @@ class DrainsSection(Part):
         smeared = self.smear_diameter
         if smeared is not None and not self.diameter <= smeared < outer:
             raise ValueError(
-                f"smear_diameter = {smeared:g} m: from the diameter of the drain, {self.diameter:g}, to below that of its "
-                f"ground, {outer:g}, is accepted"
+                f"smear_diameter = {smeared:g} m: from the diameter of the drain, {self.diameter:g}, to below that of "
+                f"its ground, {outer:g}, is accepted"
             )
         if smeared is None and self.smear_ratio != 1.0:
             raise ValueError(f"smear_ratio = {self.smear_ratio:g}: smear_diameter is missing; without it 1 is accepted")
