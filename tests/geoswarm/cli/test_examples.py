@@ -82,8 +82,8 @@ def test_existing_files_are_named_and_kept(tmp_path: Path, capsys: pytest.Captur
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["oedometre", "x"], "there is no example 'oedometre'; did you mean oedometer?; known: calculix, combined, "),
-        (["xyz", "x"], "there is no example 'xyz'; known: calculix, combined, "),
+        (["oedometre", "x"], "there is no example 'oedometre'; did you mean oedometer?; known: calculix, column, "),
+        (["xyz", "x"], "there is no example 'xyz'; known: calculix, column, "),
         (["slope"], "give the folder to write it to: geoswarm examples slope DIRECTORY"),
         (["slope", __file__], "is a file"),
     ],
