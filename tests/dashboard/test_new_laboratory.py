@@ -102,7 +102,6 @@ def test_consolidation_takes_stages_and_the_permeability(embedded: Site, visit: 
     page.locator("input[name=kind][value=consolidation]").check()
     page.get_by_role("button", name="Fill in a small example").click()
     expect(page.locator('[data-path="forward_model.stages[1].stress"]')).to_have_value("100")
-    page.locator('[data-path="forward_model.drainage"]').select_option(label="one side")
     parameter(page, "k", "free", lower="1e-6", upper="1e-3")
     parameter(page, "lambda", "fixed", value="0.2")
     parameter(page, "kappa", "fixed", value="0.04")
