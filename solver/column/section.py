@@ -143,7 +143,7 @@ class ColumnSpec(ForwardModelSpec):
         le=_DEEPEST,
         description="Depth of the water table below the ground surface, m; above it pore pressures are zero at rest. "
         "Negative: free water stands on the ground.",
-        json_schema_extra=in_unit("m", 0, 3),
+        json_schema_extra=in_unit("m", 0, 3, shown=True),
     )
     initial_surcharge: float = Field(
         1.0,

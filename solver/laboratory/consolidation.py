@@ -47,6 +47,7 @@ class ConsolidationSpec(LaboratorySpec):
     drainage: Literal["one_side", "two_sides"] = Field(
         "two_sides",
         description="one_side: at the top, the pore pressure is that at the base; two_sides: the one at mid-height.",
+        json_schema_extra={"x-shown": True},
     )
     stages: tuple[ConsolidationStage, ...] = Field(
         min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
