@@ -21,7 +21,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -42,6 +42,7 @@ __all__ = [
     "WorkerLostError",
     "in_words",
     "message_of",
+    "unknown_series",
 ]
 
 FailureReason: TypeAlias = Literal[
@@ -128,6 +129,11 @@ class InfeasibleSpaceError(SolverError):
 
 class WorkerLostError(SolverError):
     """A worker process of an in-process run ended unexpectedly."""
+
+
+def unknown_series(name: str, known: Iterable[str]) -> ProblemError:
+    """The error for a series that a model does not have."""
+    return ProblemError([Issue("series", f"{name!r} is unknown; known are {', '.join(known)}")])
 
 
 class ForwardError(SolverError):

@@ -17,9 +17,9 @@ from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Watched, follow_loads
 from geoswarm.solver.element_test.legs import PointState, point_under
 from geoswarm.solver.element_test.trace import Trace
-from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.errors import InfeasibleError, unknown_series
 from geoswarm.solver.forward.apart import guarded
-from geoswarm.solver.forward.base import ForwardRun, SeriesInfo, unknown_series
+from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
 from geoswarm.solver.laboratory.load_stages import LATE, LoadStages
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault, permeability_of
 from geoswarm.solver.laws.at_rest import horizontal_stress

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias, runtime_checkable
@@ -28,7 +28,6 @@ __all__ = [
     "SeriesInfo",
     "TellsUnused",
     "in_unit",
-    "unknown_series",
 ]
 
 ForwardRun: TypeAlias = Callable[[Mapping[str, float]], dict[str, FloatArray]]
@@ -82,11 +81,6 @@ class SeriesInfo:
             accepted = f"{'whole numbers ' if self.x_integer else ''}from {low:g} to {high:g}"
             unit = f" {self.x_unit}" if self.x_unit else ""
             raise ProblemError([Issue(self.name, f"x = {x[wrong][0]:g}{unit}: {accepted}{unit} are accepted")])
-
-
-def unknown_series(name: str, known: Iterable[str]) -> ProblemError:
-    """The error for a series that a model does not have."""
-    return ProblemError([Issue("series", f"{name!r} is unknown; known are {', '.join(known)}")])
 
 
 class ForwardModel(Protocol):

@@ -20,9 +20,9 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
-from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.errors import Issue, ProblemError, unknown_series
 from geoswarm.solver.forward.apart import guarded
-from geoswarm.solver.forward.base import ForwardRun, SeriesInfo, unknown_series
+from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
 from geoswarm.solver.forward.staged_history import history_of
 from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
 from geoswarm.solver.laws.base import Law, Soil

@@ -11,9 +11,9 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.element_test.legs import Leg, PointState, point_under
-from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.errors import InfeasibleError, unknown_series
 from geoswarm.solver.forward.apart import guarded
-from geoswarm.solver.forward.base import ForwardRun, SeriesInfo, unknown_series
+from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
 from geoswarm.solver.laboratory.record import Record, Voids, consolidated, sheared
 from geoswarm.solver.laboratory.section import LaboratorySpec
 from geoswarm.solver.laboratory.series import TestSeries

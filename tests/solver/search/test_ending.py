@@ -128,10 +128,13 @@ def test_a_rough_model_costs_no_more_and_is_not_called_polished(roughness: float
     """Roughness as of a model that iterates: below what matters a minimum is one, above it gradients are left."""
     y = 3.0 * np.exp(-0.7 * T) + 0.5 + SCATTER
     rough = f"a * exp(-k * x) + c + {roughness} * sin(1e6 * (a + k + 0.1 * c) + x)"
-    result = calibrate(polished(rough, {"a": free(), "k": free(), "c": free(0.0, 2.0)}, y), seed=1)
-    assert result.stop_reasons == (reason,)
-    assert result.evaluations < 200
-    assert result.objective == pytest.approx(calibrate(decay(), seed=1).objective, rel=10.0 * roughness)
+    problem = polished(rough, {"a": free(), "k": free(), "c": free(0.0, 2.0)}, y)
+    results = [calibrate(problem, seed=seed) for seed in range(1, 6)]
+    # One search in thirty ends where the roughness itself has its least value.
+    assert sum(result.stop_reasons == (reason,) for result in results) >= 4
+    assert max(result.evaluations for result in results) < 200
+    least = calibrate(decay(), seed=1).objective
+    assert [result.objective for result in results] == pytest.approx([least] * 5, rel=10.0 * roughness)
 
 
 def test_a_slow_first_evaluation_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
