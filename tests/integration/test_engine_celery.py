@@ -48,6 +48,7 @@ def test_same_history_as_in_process_for_1_and_2_workers(settings: Settings) -> N
             assert engine.service.workers() == []  # they have signed off
 
 
+@pytest.mark.slow
 def test_an_emptied_redis_and_killed_workers_change_nothing(settings: Settings, redis_server: RedisServer) -> None:
     with open_engine(settings) as engine, celery_workers(settings, count=2) as processes:
         service = engine.service

@@ -161,6 +161,7 @@ def test_killed_processes_of_a_run_change_nothing(
     assert not programs(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kills", "evaluations"), FORMS)
 def test_killed_workers_of_the_embedded_engine_change_nothing(
     kills: int, evaluations: int, problem_of: Callable[[int], Problem], tmp_path: Path

@@ -25,7 +25,7 @@ def fit(case: Certified) -> tuple[Polished, Linearisation]:
     return polished, from_evaluations(calibration, plan, [calibration.evaluate(x) for x in plan.positions])
 
 
-QUICK = (MGH09, BOXBOD)
+QUICK = (BOXBOD,)
 
 
 @pytest.mark.parametrize(
