@@ -18,7 +18,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.fem.ordering import Fronts
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import inlined, kernel
 
 __all__ = ["Equations", "equations_of", "factorise", "product", "solve_factorised"]
 
@@ -116,7 +116,7 @@ def _subtract(F: FloatArray, i0: int, i1: int, k0: int, k1: int, j0: int, j1: in
     _subtract_few(F, i0, i1, k, k1, j0, j1)
 
 
-@kernel
+@inlined
 def _columns(F: FloatArray, k0: int, k1: int) -> bool:
     """Finish the columns k0 to k1 of L, and their own rows of U within them."""
     m = F.shape[0]
@@ -150,7 +150,7 @@ def _rows(F: FloatArray, k0: int, k1: int, j0: int, j1: int) -> None:
             _subtract_few(F, end, k1, k, end, j0, j1)
 
 
-@kernel
+@inlined
 def _eliminate(F: FloatArray, pivots: int) -> bool:
     """Eliminate the first ``pivots`` rows of a front (m, m): in blocks, and within these in fours."""
     m = F.shape[0]
@@ -213,7 +213,7 @@ def _assemble(plan: Fronts, t: int, tangents: FloatArray, fixed: BoolArray, F: F
             F[i, i] = 1.0
 
 
-@kernel
+@inlined
 def _keep(F: FloatArray, pivots: int, factors: FloatArray) -> None:
     """Store the rows of U and the columns of L; eight rows of L at a time, a line of the cache."""
     m = F.shape[0]

@@ -81,14 +81,6 @@ class Accuracy(NamedTuple):
     bold: bool
 
 
-@kernel
-def _copy(source: FloatArray, target: FloatArray) -> None:
-    """Copy an array (n,); in a loop, as assigning arrays takes seconds to compile."""
-    for i in range(source.shape[0]):
-        target[i] = source[i]
-
-
-@kernel
 def assemble(
     body: Body,
     x: FloatArray,
@@ -107,21 +99,19 @@ def assemble(
 ) -> int:
     """Fill internal and external forces (2 n,) after displacement increments, and the tangents of the elements.
 
-    Arguments as for the triangles and in :class:`Step`. Returns as the triangles'.
+    Arguments as for the triangles and in :class:`Step`. Returns as the triangles'. In Python: a kernel would have all
+    that it calls translated once more.
     """
     inner[:] = 0.0
-    _copy(dead, outer)
+    outer[:] = dead
     count = body.triangles.shape[0]
     failed = assemble_triangles(body, x, du, log_time, old, new, fixed, tangent, blend, tangents, inner)
     if failed >= 0:
         return failed
-    assemble_interfaces(body, x, du, old, new, fixed, tangent, tangents[count:], inner)
+    if body.interfaces.shape[0] > 0:
+        assemble_interfaces(body, x, du, old, new, fixed, tangent, tangents[count:], inner)
     if body.edges.shape[0] > 0:
-        positions = x.copy()
-        if body.updated:
-            for node in range(x.shape[0]):
-                positions[node, 0] += du[2 * node]
-                positions[node, 1] += du[2 * node + 1]
+        positions = x + du.reshape(-1, 2) if body.updated else x
         edge_forces(body.edges, edge_loads, positions, body.axisymmetric, outer)
         if tangent and body.updated:
             assemble_edges(body, edge_loads, positions, fixed, tangents)
