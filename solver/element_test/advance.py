@@ -19,21 +19,13 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.element_test.mixed_step import Room, mixed_step
+from geoswarm.solver.element_test.step_control import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED
 from geoswarm.solver.kernels.jit import kernel
 
-__all__ = ["AS_FOUND", "DONE", "NO_STEP", "PAUSED", "advance"]
-
-DONE: Final = 0
-PAUSED: Final = 1
-NO_STEP: Final = 2
+__all__ = ["advance"]
 
 _MOST_TRIES: Final = 200_000
 _SMALLEST_STEP: Final = 1.0e-13
-_LOCAL_SHARE: Final = 0.1
-"""Part of the tolerance that is granted to one step."""
-_GROWTH: Final = 6.0
-AS_FOUND: Final = -1.0
-"""Weight of a flag or counter among the state variables: no mean of several ways is taken, and it has no error."""
 
 Controls = tuple[FloatArray, FloatArray, BoolArray, FloatArray, FloatArray]
 Points = tuple[FloatArray, FloatArray, FloatArray, IntArray]
@@ -138,7 +130,8 @@ def _combine(
     """Fill middle and end of a step from the seven rows of its ways; the error over that admitted.
 
     ``found`` (7, m); ``first`` (m,) at the beginning; ``weights`` (m,) turn errors into strain over the tolerance, of
-    which ``share`` is granted to the end, or are :data:`AS_FOUND`;
+    which ``share`` is granted to the end, or are
+    :data:`geoswarm.solver.element_test.step_control.AS_FOUND`;
     ``offset`` of the m values in ``middle`` and ``end``.
     """
     worst = 0.0
@@ -206,7 +199,7 @@ def advance(
         (n,): expected strain for each unit of length; becomes that of the last step.
     weights
         For stress, strain and state, (n,), (n,), (s,): what turns their errors into strain over the tolerance; of flags
-        and counters among the state :data:`AS_FOUND`.
+        and counters among the state :data:`geoswarm.solver.element_test.step_control.AS_FOUND`.
     p_range
         Mean stress, kPa, between which the weights hold.
     dense
@@ -276,12 +269,12 @@ def advance(
         for row in range(1, 7):
             kink = kink or statuses[row] != statuses[0]
         middle, final = middles[steps], ends[steps]
-        error = _combine(stresses, stress, kink, weights[0], middle, final, 0, _LOCAL_SHARE, dense)
-        error = max(error, _combine(strains, nothing, kink, weights[1], middle, final, n, _LOCAL_SHARE, dense))
-        error = max(error, _combine(states, state, kink, weights[2], middle, final, 2 * n, _LOCAL_SHARE, dense))
-        factor = _GROWTH
+        error = _combine(stresses, stress, kink, weights[0], middle, final, 0, LOCAL_SHARE, dense)
+        error = max(error, _combine(strains, nothing, kink, weights[1], middle, final, n, LOCAL_SHARE, dense))
+        error = max(error, _combine(states, state, kink, weights[2], middle, final, 2 * n, LOCAL_SHARE, dense))
+        factor = GROWTH
         if error > 0.0:
-            factor = min(_GROWTH, max(0.1, 0.9 * error ** (-0.5 if kink else -1.0 / 3.0)))
+            factor = min(GROWTH, max(0.1, 0.9 * error ** (-0.5 if kink else -1.0 / 3.0)))
         if not error <= 1.0:
             length = size * min(factor, 0.9) if error < math.inf else 0.25 * size
             continue

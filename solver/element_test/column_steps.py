@@ -20,22 +20,17 @@ from geoswarm.solver.element_test.column import (
     profile,
     substep,
 )
+from geoswarm.solver.element_test.step_control import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED
 from geoswarm.solver.kernels.jit import kernel
 
-__all__ = ["DONE", "NO_STEP", "PAUSED", "lead_column"]
-
-DONE: Final = 0
-PAUSED: Final = 1
-NO_STEP: Final = 2
+__all__ = ["lead_column"]
 
 _MOST_TRIES: Final = 100_000
 _SMALLEST_STEP: Final = 1.0e-15
-_LOCAL_SHARE: Final = 0.1
-_GROWTH: Final = 6.0
 
 Weights = tuple[FloatArray, float, FloatArray]
 """What turns errors of stress (j,), strain and state variables (j, s) into strain over the tolerance; of flags and
-counters among the state :data:`geoswarm.solver.element_test.advance.AS_FOUND`."""
+counters among the state :data:`geoswarm.solver.element_test.step_control.AS_FOUND`."""
 Watch = tuple[FloatArray, FloatArray]
 """Combinations of a profile (w, PROFILE j) that are to be parabolas within a step, and what turns their errors into
 strain over the tolerance, (w,)."""
@@ -45,7 +40,7 @@ strain over the tolerance, (w,)."""
 def _blend(one: float, two: float, four: float, kink: bool) -> tuple[float, float]:
     """End of a step from its three ways, and its error; a point has few kinks, so that these may be larger."""
     if kink:
-        return four, max(abs(four - one), abs(four - two)) * _LOCAL_SHARE
+        return four, max(abs(four - one), abs(four - two)) * LOCAL_SHARE
     end = (8.0 * four - 6.0 * two + one) / 3.0
     return end, abs(end - 2.0 * four + two)
 
@@ -79,7 +74,7 @@ def _whole(
             worst = max(worst, error * weights[2][j, i])
         if not worst < math.inf:
             return math.inf
-    return worst / _LOCAL_SHARE
+    return worst / LOCAL_SHARE
 
 
 @kernel
@@ -206,9 +201,9 @@ def lead_column(
         _looked(middle[0], middle[1], large, watch, middles[steps], seen[1])
         _looked(end[0], end[1], large, watch, ends[steps], seen[2])
         error = max(error, _curved(watch, seen))
-        factor = _GROWTH
+        factor = GROWTH
         if error > 0.0:
-            factor = min(_GROWTH, max(0.1, 0.9 * error ** (-1.0 / 3.0)))
+            factor = min(GROWTH, max(0.1, 0.9 * error ** (-1.0 / 3.0)))
         if not error <= 1.0:
             length = size * min(factor, 0.9) if error < math.inf else 0.25 * size
             continue

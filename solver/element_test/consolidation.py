@@ -11,9 +11,9 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.element_test import column as kernels
-from geoswarm.solver.element_test.advance import AS_FOUND
-from geoswarm.solver.element_test.column_steps import DONE, NO_STEP, PAUSED, lead_column
+from geoswarm.solver.element_test.column_steps import lead_column
 from geoswarm.solver.element_test.legs import Path, PointState
+from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP, PAUSED
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.laws.base import Soil
 

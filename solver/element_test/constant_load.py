@@ -94,13 +94,12 @@ def _state_after(
     axial: float,
     lateral: float,
     log_pp: float,
-    guess: float,
     confined: bool,
     soil: SoftSoilCreep,
 ) -> tuple[float, float]:
     """Lateral stress and ln p_p after a hold over s = 0 .. length, as accurate as a step."""
     one = int(np.int64(1))  # numbers that are written out would have the substeps compiled for each of them
-    one_lat, one_pp, _, _, _ = _substeps(one, length, log_theta, axial, lateral, log_pp, guess, confined, soil)
+    one_lat, one_pp, _, _, _ = _substeps(one, length, log_theta, axial, lateral, log_pp, lateral, confined, soil)
     if not confined:
         return one_lat, one_pp
     two_lat, two_pp, _, _, _ = _substeps(one + 1, length, log_theta, axial, lateral, log_pp, one_lat, confined, soil)
@@ -300,7 +299,7 @@ def constant_load_history(
                 )
                 if end_states.shape[0] > 0:
                     states[point, 0], states[point, 1] = _state_after(
-                        min(at, length), log_theta, axial, lateral, log_pp, lateral, confined, soil
+                        min(at, length), log_theta, axial, lateral, log_pp, confined, soil
                     )
                 point += 1
             now = end

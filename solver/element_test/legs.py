@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
-from geoswarm.solver.element_test.advance import AS_FOUND, DONE, NO_STEP, advance
+from geoswarm.solver.element_test.advance import advance
+from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
 
@@ -107,6 +108,10 @@ class Path:
         step = np.minimum(np.searchsorted(self.places[:, 1], fractions, side="left"), self.places.shape[0] - 1)
         share = share_of(self.places[step], np.full(fractions.size, self.duration), fractions)
         return between(self.ends[step], self.middles[step], self.ends[step + 1], share)
+
+    def seen(self, look: Callable[[FloatArray], FloatArray]) -> Path:
+        """The path of what is observed, one component of stress and strain each, from rows of this one."""
+        return Path(self.duration, self.places, look(self.middles), look(self.ends), 1)
 
     @property
     def end(self) -> PointState:
