@@ -125,33 +125,24 @@ class Taken:
     resist: FloatArray
 
     @classmethod
-    def by(
-        cls,
-        drains: DrainsSection,
-        ratio: float,
-        capacity: float | None,
-        horizontal: FloatArray,
-        depths: FloatArray,
-    ) -> Taken:
+    def by(cls, drains: DrainsSection, horizontal: FloatArray, depths: FloatArray) -> Taken:
         """Of cells whose permeability to horizontal flow is given, m/day, (j,).
 
         Parameters
         ----------
-        ratio, capacity
-            Those of smear and discharge, m³/day, whatever the section says.
         depths
             Of the bounds of the cells below the ground surface, from the base up, m, (j + 1,).
         """
         outer = influence(drains.spacing, drains.pattern)
         n = outer / drains.diameter
         s = 1.0 if drains.smear_diameter is None else drains.smear_diameter / drains.diameter
-        mu = equal_strain(n, s, ratio)
+        mu = equal_strain(n, s, drains.smear_ratio)
         lower, upper = np.minimum(depths[:-1], drains.bottom), np.maximum(depths[1:], drains.top)
         reached = np.maximum(lower - upper, 0.0)
         part = reached / (depths[:-1] - depths[1:])
         z = np.clip(0.5 * (lower + upper), drains.top, drains.bottom) - drains.top
         length = drains.bottom - drains.top
         well = np.zeros(z.size)
-        if capacity is not None:
-            well = math.pi * z * (2.0 * length - z) * (1.0 - 1.0 / n**2) * horizontal / capacity
+        if drains.discharge_capacity is not None:
+            well = math.pi * z * (2.0 * length - z) * (1.0 - 1.0 / n**2) * horizontal / drains.discharge_capacity
         return cls(part * 8.0 * horizontal / (WATER * outer**2 * mu), well / mu)

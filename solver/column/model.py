@@ -21,6 +21,7 @@ from geoswarm.solver.errors import InfeasibleError, unknown_series
 from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
 from geoswarm.solver.laboratory.load_stages import LATE, LoadStages
+from geoswarm.solver.laboratory.record import no_voids
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault, permeability_of
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Soil
@@ -161,13 +162,17 @@ class ColumnModel:
         return LoadStages(self.spec.stages, 0.0, self.spec.zero_at_stage)
 
     @cached_property
+    def _voids(self) -> list[float | None]:
+        """Initial void ratio of the cells, where it is known."""
+        return [self.spec.soils[name].initial_void_ratio for name in self._soil_of_cells]
+
+    @cached_property
     def readings(self) -> Readings:
         """What instruments show, from profiles."""
         spec = self.spec
-        voids = [spec.soils[name].initial_void_ratio for name in self._soil_of_cells]
         moving = spec.geometry == "updated"
         depths = {name: point.depth for name, point in spec.points.items()}
-        return Readings(self.cells, self.rest, self._weight, self._lift, voids, depths, moving)
+        return Readings(self.cells, self.rest, self._weight, self._lift, self._voids, depths, moving)
 
     @property
     def series(self) -> tuple[SeriesInfo, ...]:
@@ -208,9 +213,8 @@ class ColumnModel:
         zero = np.zeros(k.size)
         taken = Taken(zero, zero)
         if spec.drains is not None:
-            of_drains = {"smear_ratio": spec.drains.smear_ratio} | self._own("drains", parameters)
-            capacity = of_drains.get("discharge_capacity", spec.drains.discharge_capacity)
-            taken = Taken.by(spec.drains, of_drains["smear_ratio"], capacity, ratio * k, spec.height - cells.faces)
+            drains = spec.drains.model_copy(update=self._own("drains", parameters))
+            taken = Taken.by(drains, ratio * k, spec.height - cells.faces)
         return Ground(
             cells.share,
             2.0 * k / (WATER * spec.height * cells.heights),
@@ -295,21 +299,16 @@ class ColumnModel:
     @cached_property
     def _void_check(self) -> Callable[[str, FloatArray], None]:
         """Refuses strains that leave no voids."""
-        voids = [self.spec.soils[name].initial_void_ratio for name in self._soil_of_cells]
-        initial = np.array([np.inf if e is None else e for e in voids])
-        with np.errstate(invalid="ignore"):
-            most = np.where(np.isinf(initial), np.inf, initial / (1.0 + initial))
+        initial = np.array([np.nan if e is None else e for e in self._voids])
+        most = initial / (1.0 + initial)
         large = self.spec.geometry == "updated"
 
         def check(stage: str, strain: FloatArray) -> None:
             lost = -np.expm1(-strain) if large else strain
             wrong = np.flatnonzero(lost >= most)
             if wrong.size:
-                name, e = self._soil_of_cells[wrong[0]], initial[wrong[0]]
-                raise InfeasibleError(
-                    f"stage {stage}: the void ratio of {name} falls to {e - (1.0 + e) * lost[wrong[0]]:.3g}; above 0 "
-                    f"is accepted: a higher initial_void_ratio than {e:g}, or a stiffer soil"
-                )
+                first = wrong[0]
+                raise no_voids(stage, initial[first], lost[first], f" of {self._soil_of_cells[first]}")
 
         return check
 

@@ -12,7 +12,6 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.column.rest import GroundAtRest
 from geoswarm.solver.element_test.cells import Cells
 from geoswarm.solver.element_test.column import PROFILE
-from geoswarm.solver.element_test.consolidation import WATER
 
 __all__ = ["Readings"]
 
@@ -82,9 +81,7 @@ class Readings:
         if kind == "excess_pore_pressure":
             return excess
         if kind == "pore_pressure":
-            deeper = self._settled(depth, rows) if self.moving else 0.0
-            at_rest: FloatArray = WATER * np.maximum(depth - self.rest.water_table + deeper, 0.0)
-            return at_rest + excess
+            return self.rest.water(depth, self._settled(depth, rows) if self.moving else 0.0) + excess
         return self.rest.effective(np.array([depth])) + self._level(rows) - excess
 
     def _height(self, depth: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -31,20 +32,19 @@ class GroundAtRest:
     water_table: float
     surcharge: float
 
-    @property
+    @cached_property
     def bounds(self) -> FloatArray:
         """Depths of the ground surface and of the lower bounds of layers, m, (l + 1,)."""
         return np.concatenate([np.zeros(1), np.cumsum(self.thicknesses)])
 
-    def water(self, depths: FloatArray) -> FloatArray:
-        """Pore pressure at depths, any shape, kPa: zero above the water table."""
-        pressure: FloatArray = WATER * np.maximum(depths - self.water_table, 0.0)
+    def water(self, depths: FloatArray | float, settled: FloatArray | float = 0.0) -> FloatArray:
+        """Pore pressure at depths, any shape, kPa, that have settled by so much, m: zero above the water table."""
+        pressure: FloatArray = WATER * np.maximum(depths - self.water_table + settled, 0.0)
         return pressure
 
     def effective(self, depths: FloatArray) -> FloatArray:
         """Vertical effective stress at depths, (m,), m, if nothing is left to consolidate, kPa."""
-        bounds = self.bounds
         totals = np.concatenate([np.zeros(1), np.cumsum(self.thicknesses * self.unit_weights)])
-        total = self.surcharge + WATER * max(-self.water_table, 0.0) + np.interp(depths, bounds, totals)
-        stress: FloatArray = total - self.water(np.asarray(depths))
+        total = self.surcharge + WATER * max(-self.water_table, 0.0) + np.interp(depths, self.bounds, totals)
+        stress: FloatArray = total - self.water(depths)
         return stress

@@ -12,7 +12,8 @@ from geoswarm.solver.column.drains import DrainsSection
 from geoswarm.solver.column.model import ColumnModel
 from geoswarm.solver.column.rest import GroundAtRest
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
-from geoswarm.solver.forward.staged_section import MAX_STAGES, MAX_STRESS
+from geoswarm.solver.forward.fields import Geometry, LawSettings, StepError, require_stage
+from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STAGES, MAX_STRESS
 from geoswarm.solver.laboratory.section import Loading, Part, ratio_fault, settings_fault
 from geoswarm.solver.user_laws.material import LawChoice, law_of
 from geoswarm.solver.user_laws.section import UserLawSection
@@ -30,9 +31,7 @@ class SoilSection(Part):
     """A soil; parameters of its law, and k and C_k, are parameters of the problem by its name: ``clay.k``."""
 
     material: LawChoice = Field(description="Law of the soil.")
-    settings: dict[str, str | float | None] = Field(
-        {}, max_length=50, description="Settings of the law by name, where they are not its defaults."
-    )
+    settings: LawSettings = Field({})
     unit_weight: float = Field(
         gt=0.0,
         le=100.0,
@@ -95,7 +94,7 @@ class ColumnStage(Loading):
         json_schema_extra=in_unit("kPa", 10, 200),
     )
     duration: float = Field(
-        1.0, gt=0.0, le=1.0e7, description="Duration, day.", json_schema_extra=in_unit("day", 7, 1000)
+        1.0, gt=0.0, le=MAX_DURATION, description="Duration, day.", json_schema_extra=in_unit("day", 7, 1000)
     )
 
 
@@ -162,15 +161,8 @@ class ColumnSpec(ForwardModelSpec):
         json_schema_extra=in_unit("kN/m³", 0, 9.81),
     )
     drains: DrainsSection | None = Field(None, description="Vertical drains.")
-    geometry: Literal["updated", "fixed"] = Field(
-        "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
-    )
-    tolerance: float = Field(
-        1.0e-4,
-        ge=1.0e-9,
-        le=1.0e-2,
-        description="Error of the integration aimed at, as strain, of stress over the bulk modulus; kept step by step.",
-    )
+    geometry: Geometry = "updated"
+    tolerance: StepError = 1.0e-4
     cells: int = Field(
         50,
         ge=4,
@@ -267,8 +259,8 @@ class ColumnSpec(ForwardModelSpec):
             raise ValueError(
                 f"drains.bottom = {self.drains.bottom:g} m: at most the height of all layers, {height:g}, is accepted"
             )
-        bounds = self.at_rest.bounds
-        least = self.at_rest.effective(bounds)
+        rest = self.at_rest
+        bounds, least = rest.bounds, rest.effective(rest.bounds)
         if not least.min() > 0.0:
             number = int(np.argmin(least))
             raise ValueError(
@@ -276,8 +268,7 @@ class ColumnSpec(ForwardModelSpec):
                 f"{bounds[number]:g} m; above 0 is accepted: a higher initial_surcharge or unit_weight, or a deeper "
                 "water_table"
             )
-        if self.zero_at_stage > len(self.stages):
-            raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
+        require_stage(self.zero_at_stage, self.stages)
         return self
 
     def build(self) -> ColumnModel:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.fields import Geometry, require_stage
 from geoswarm.solver.forward.one_material import OneMaterialSpec
 from geoswarm.solver.user_laws.material import LawChoice
 
@@ -88,9 +89,7 @@ class StagedLoadSpec(OneMaterialSpec, ABC):
         description="Largest admissible tension, kPa; null for no cut-off.",
         json_schema_extra=in_unit("kPa"),
     )
-    geometry: Literal["updated", "fixed"] = Field(
-        "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
-    )
+    geometry: Geometry = "updated"
     tolerance: float = Field(
         2.0e-5,
         ge=1.0e-8,
@@ -148,8 +147,7 @@ class StagedLoadSpec(OneMaterialSpec, ABC):
             raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; one of them is accepted")
         if self.discretization == "material_point" and (self.unit_weight is not None or self.mesh is not None):
             raise ValueError("unit_weight and mesh are of a specimen with discretization: finite_element")
-        if self.zero_at_stage > len(self.stages):
-            raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
+        require_stage(self.zero_at_stage, self.stages)
         fault = self._missing()
         if fault is not None:
             raise ValueError(fault)

@@ -7,9 +7,10 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.fields import require_stage
 from geoswarm.solver.forward.staged_section import MAX_STAGES, MAX_STRESS
 from geoswarm.solver.laboratory.consolidation_model import ConsolidationModel
-from geoswarm.solver.laboratory.section import LaboratorySpec, Loading
+from geoswarm.solver.laboratory.section import FlowSpec, Loading
 
 __all__ = ["ConsolidationSpec"]
 
@@ -25,7 +26,7 @@ class ConsolidationStage(Loading):
     )
 
 
-class ConsolidationSpec(LaboratorySpec):
+class ConsolidationSpec(FlowSpec):
     """Oedometer in stages of loading, with the flow of pore water: settlement within a stage, and pore pressure.
 
     The specimen is a column of any law in which pore water flows to one or both ends; k is the permeability where the
@@ -38,12 +39,6 @@ class ConsolidationSpec(LaboratorySpec):
     """
 
     kind: Literal["consolidation"] = "consolidation"
-    height: float = Field(
-        gt=0.0,
-        le=10.0,
-        description="Initial height of the specimen, m.",
-        json_schema_extra=in_unit("m", 0.01, 0.05),
-    )
     drainage: Literal["one_side", "two_sides"] = Field(
         "two_sides",
         description="one_side: at the top, the pore pressure is that at the base; two_sides: the one at mid-height.",
@@ -54,19 +49,6 @@ class ConsolidationSpec(LaboratorySpec):
     )
     zero_at_stage: int = Field(
         1, ge=1, description="Stage before whose application time, settlement and strain are zero."
-    )
-    back_pressure: float = Field(
-        0.0,
-        ge=0.0,
-        le=MAX_STRESS,
-        description="Pore pressure at the drained ends, kPa; it is added to the pore pressure, nothing else.",
-        json_schema_extra=in_unit("kPa", 0, 600),
-    )
-    tolerance: float = Field(
-        1.0e-4,
-        ge=1.0e-9,
-        le=1.0e-2,
-        description="Error of the integration aimed at, as strain, of stress over the bulk modulus; kept step by step.",
     )
     cells: int = Field(
         30,
@@ -91,15 +73,9 @@ class ConsolidationSpec(LaboratorySpec):
             "initial_void_ratio": 1.2,
         }
 
-    @property
-    def kernels(self) -> frozenset[str]:
-        """Those of a consolidating column, and the law's."""
-        return frozenset({"consolidation", self.law.kind})
-
     @model_validator(mode="after")
     def _zero_at_a_stage(self) -> ConsolidationSpec:
-        if self.zero_at_stage > len(self.stages):
-            raise ValueError(f"zero_at_stage = {self.zero_at_stage}: a stage from 1 to {len(self.stages)} is accepted")
+        require_stage(self.zero_at_stage, self.stages)
         return self
 
     def build(self) -> ConsolidationModel:

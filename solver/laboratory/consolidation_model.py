@@ -13,17 +13,14 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.column import PROFILE
 from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Watched, follow_loads
-from geoswarm.solver.element_test.legs import Path
-from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.laboratory.load_stages import LATE, LoadStages, within
-from geoswarm.solver.laboratory.model import LaboratoryModel
+from geoswarm.solver.laboratory.model import FlowModel
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laboratory.record import Record
 from geoswarm.solver.laboratory.series import Axis, Look, TestSeries
 from geoswarm.solver.laboratory.water_flow import (
     AXIAL_STRAIN,
     BASE,
-    FLOW,
     HORIZONTAL,
     K0_MEAN,
     MEAN_STRESS,
@@ -32,10 +29,9 @@ from geoswarm.solver.laboratory.water_flow import (
     STRESS,
     VERTICAL,
     VOID_RATIO,
-    flow_fault,
     permeability_of,
+    pore_pressure,
 )
-from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
     from geoswarm.solver.laboratory.consolidation import ConsolidationSpec
@@ -44,19 +40,10 @@ __all__ = ["ConsolidationModel"]
 
 
 @dataclass(frozen=True)
-class ConsolidationModel(LaboratoryModel):
+class ConsolidationModel(FlowModel):
     """Forward model of the oedometer test with the flow of pore water."""
 
     spec: ConsolidationSpec
-
-    @property
-    def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Parameters of the law, and of the flow of water."""
-        return (*self.law.parameters, *FLOW)
-
-    def check(self, parameters: Mapping[str, float]) -> str | None:
-        """What is inadmissible about the parameters given, or None."""
-        return flow_fault(self.law, parameters, self.spec.initial_void_ratio)
 
     @cached_property
     def way(self) -> float:
@@ -117,28 +104,11 @@ class ConsolidationModel(LaboratoryModel):
         watched = Watched(self._combined[rows, :-1].copy(), np.array([-1, 0, 0, 0]))
         last = self._loads.last
         found = follow_loads(column, ground, self._loads.movements, watched, spec.tolerance, self.voids.check)
-        paths = [self._observed(path) for path in found]
+        constant = self._combined[:, -1] * spec.initial_stress
+        paths = [path.seen(lambda rows: rows @ self._combined.T + constant) for path in found]
         start = paths[0].ends[0]
         before = start if spec.zero_at_stage == 1 else paths[last[spec.zero_at_stage - 2]].ends[-1]
-        count = len(paths)
-        return Record(
-            start,
-            before[np.newaxis],
-            Trace(paths),
-            np.zeros(count, dtype=np.bool_),
-            np.zeros(count),
-            np.zeros((count, 1)),
-            last,
-            np.empty((0, 2), dtype=np.int64),
-            self.voids,
-            spec.back_pressure,
-        )
-
-    def _observed(self, path: Path) -> Path:
-        """What is observed along a path of profiles and loads."""
-        constant = self._combined[:, -1] * self.spec.initial_stress
-        middles, ends = (rows @ self._combined.T + constant for rows in (path.middles, path.ends))
-        return Path(path.duration, path.places, middles, ends, 1)
+        return self.record_of(start, before[np.newaxis], paths, last)
 
     def series_of(self) -> Sequence[TestSeries]:
         """Settlement, strain, pore pressure, stresses and void ratio."""
@@ -151,15 +121,8 @@ class ConsolidationModel(LaboratoryModel):
             lambda seen: height * (seen.rows[:, STRAIN] - seen.reference[STRAIN]),
         )
         where = "at mid-height" if self.spec.drainage == "two_sides" else "at the base"
-        pore = Quantity(
-            "pore_pressure",
-            f"Pore pressure {where}",
-            "pore pressure",
-            "kPa",
-            lambda seen: seen.rows[:, BASE] + seen.pore,
-        )
         moved = (settlement, AXIAL_STRAIN)
-        others = (pore, MEAN_STRESS, K0_MEAN, *((VOID_RATIO,) if voids else ()))
+        others = (pore_pressure(where), MEAN_STRESS, K0_MEAN, *((VOID_RATIO,) if voids else ()))
         found = [TestSeries(axis, one) for axis in self._axes() for one in (*moved, *others)]
         for number in range(len(self.spec.stages)):
             counted, plain = self._within(number, True), self._within(number, False)

@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STRESS
+from geoswarm.solver.forward.staged_section import MAX_DURATION
 from geoswarm.solver.laboratory.crs_model import CrsModel
 from geoswarm.solver.laboratory.pace import Hold
-from geoswarm.solver.laboratory.section import LaboratorySpec, Part, exactly_one
+from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
 from geoswarm.solver.laboratory.shear_stages import ShearStage
 
 __all__ = ["CrsOedometerSpec"]
@@ -58,7 +58,7 @@ class CrsHold(Hold):
 CrsStage: TypeAlias = Annotated[CrsMovement | CrsHold, Field(discriminator="kind")]
 
 
-class CrsOedometerSpec(LaboratorySpec):
+class CrsOedometerSpec(FlowSpec):
     """Oedometer test at constant rate of strain (CRS): drained at the top, closed at the base.
 
     The specimen is a column of points of any law in which pore water flows; k is the permeability where the test
@@ -72,26 +72,7 @@ class CrsOedometerSpec(LaboratorySpec):
     """
 
     kind: Literal["crs_oedometer"] = "crs_oedometer"
-    height: float = Field(
-        gt=0.0,
-        le=10.0,
-        description="Initial height of the specimen, m; it is drained at the top only.",
-        json_schema_extra=in_unit("m", 0.01, 0.05),
-    )
     stages: tuple[CrsStage, ...] = Field(min_length=1, max_length=1000, description="Stages, in their order.")
-    back_pressure: float = Field(
-        0.0,
-        ge=0.0,
-        le=MAX_STRESS,
-        description="Pore pressure at the drained top, kPa; it is added to the pore pressure, nothing else.",
-        json_schema_extra=in_unit("kPa", 0, 600),
-    )
-    tolerance: float = Field(
-        1.0e-4,
-        ge=1.0e-9,
-        le=1.0e-2,
-        description="Error of the integration aimed at, as strain, of stress over the bulk modulus; kept step by step.",
-    )
     intervals: int = Field(
         20, ge=4, le=500, description="Number of intervals over the height; errors fall with their square."
     )
@@ -111,11 +92,6 @@ class CrsOedometerSpec(LaboratorySpec):
             ],
             "initial_void_ratio": 1.2,
         }
-
-    @property
-    def kernels(self) -> frozenset[str]:
-        """Those of a consolidating column, and the law's."""
-        return frozenset({"consolidation", self.law.kind})
 
     @model_validator(mode="after")
     def _something_moves(self) -> CrsOedometerSpec:

@@ -11,9 +11,8 @@ import numpy as np
 
 from geoswarm.solver.element_test.consolidation import Column
 from geoswarm.solver.element_test.specimen import same_strain
-from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.laboratory.crs_record import Flow, lead
-from geoswarm.solver.laboratory.model import LaboratoryModel
+from geoswarm.solver.laboratory.model import FlowModel
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laboratory.record import Record
 from geoswarm.solver.laboratory.series import TestSeries
@@ -22,16 +21,14 @@ from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 from geoswarm.solver.laboratory.water_flow import (
     AXIAL_STRAIN,
     BASE,
-    FLOW,
     K0_MEAN,
     MEAN_STRESS,
     OUTPUT,
     STRESS,
     VOID_RATIO,
-    flow_fault,
     permeability_of,
+    pore_pressure,
 )
-from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
     from geoswarm.solver.laboratory.crs import CrsOedometerSpec
@@ -49,13 +46,7 @@ _MEASURED = (
         "kPa",
         lambda seen: seen.rows[:, STRESS],
     ),
-    Quantity(
-        "pore_pressure",
-        "Pore pressure at the base",
-        "pore pressure",
-        "kPa",
-        lambda seen: seen.rows[:, BASE] + seen.pore,
-    ),
+    pore_pressure("at the base"),
     Quantity(
         "effective_stress",
         "Effective stress as laboratories evaluate it: axial stress less 2/3 of the excess pore pressure at the base",
@@ -88,19 +79,10 @@ _AXES = Axes(
 
 
 @dataclass(frozen=True)
-class CrsModel(LaboratoryModel):
+class CrsModel(FlowModel):
     """Forward model of the oedometer test at constant rate of strain."""
 
     spec: CrsOedometerSpec
-
-    @property
-    def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Parameters of the law, and of the flow of water."""
-        return (*self.law.parameters, *FLOW)
-
-    def check(self, parameters: Mapping[str, float]) -> str | None:
-        """What is inadmissible about the parameters given, or None."""
-        return flow_fault(self.law, parameters, self.spec.initial_void_ratio)
 
     @cached_property
     def stages(self) -> Sequence[ShearStage]:
@@ -134,19 +116,7 @@ class CrsModel(LaboratoryModel):
         soil, spec = self.soil(parameters), self.spec
         column = Column.of([(soil, self.placed(soil))] * (spec.intervals + 1))
         start, paths = lead(column, self.flow(parameters), self.stages, self.voids, spec.tolerance)
-        count = len(paths)
-        return Record(
-            start,
-            np.empty((0, OUTPUT)),
-            Trace(paths),
-            np.zeros(count, dtype=np.bool_),
-            np.zeros(count),
-            np.zeros((count, 1)),
-            np.arange(count),
-            np.empty((0, 2), dtype=np.int64),
-            self.voids,
-            spec.back_pressure,
-        )
+        return self.record_of(start, np.empty((0, OUTPUT)), paths, np.arange(len(paths)))
 
     def series_of(self) -> Sequence[TestSeries]:
         """Stresses, pore pressure, strain and void ratio."""

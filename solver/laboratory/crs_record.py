@@ -16,7 +16,7 @@ from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laboratory.shear_stages import ShearStage
 from geoswarm.solver.laboratory.water_flow import BASE, HORIZONTAL, OUTPUT, STRAIN, STRESS, VERTICAL
 
-__all__ = ["Flow", "combinations", "lead", "rows_of"]
+__all__ = ["Flow", "combinations", "lead"]
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,6 @@ def combinations(share: FloatArray) -> FloatArray:
     return found.reshape(OUTPUT, -1)
 
 
-def rows_of(path: Path, combined: FloatArray) -> Path:
-    """A path of combinations (w, 3 j) of the profiles of a path."""
-    return Path(path.duration, path.places, path.middles @ combined.T, path.ends @ combined.T, 1)
-
-
 def lead(
     column: Column, flow: Flow, stages: Sequence[ShearStage], voids: Voids, tolerance: float
 ) -> tuple[FloatArray, list[Path]]:
@@ -74,14 +69,15 @@ def lead(
     paths, before = [], start
     for stage in stages:
         by_stress = stage.control == "stress"
-        now = float(before[0 if by_stress else 1])
+        now = float(before[STRESS if by_stress else STRAIN])
         goal = now if stage.hold else stage.targets[0]
         duration = stage.durations[0] if stage.durations is not None else abs(goal - now) / (stage.rate or math.inf)
         movement = Movement(stage.name, BY_STRESS if by_stress else BY_SETTLEMENT, now, goal, duration)
-        path = rows_of(follow_movement(column, ground, movement, watched, tolerance, voids.check), combined)
+        found = follow_movement(column, ground, movement, watched, tolerance, voids.check)
+        path = found.seen(lambda rows: rows @ combined.T)
         if not by_stress:  # what is prescribed, which steps miss by part of the error admitted
-            path.middles[:, 1] = now + (goal - now) * 0.5 * (path.places[:, 0] + path.places[:, 1])
-            path.ends[1:, 1] = now + (goal - now) * path.places[:, 1]
+            path.middles[:, STRAIN] = now + (goal - now) * 0.5 * (path.places[:, 0] + path.places[:, 1])
+            path.ends[1:, STRAIN] = now + (goal - now) * path.places[:, 1]
         paths.append(path)
         before = path.ends[-1]
     return start, paths

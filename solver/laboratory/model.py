@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.legs import Leg, PointState, point_under
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.element_test.legs import Leg, Path, PointState, point_under
+from geoswarm.solver.element_test.specimen import specimen_legs
+from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.errors import InfeasibleError, unknown_series
 from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
 from geoswarm.solver.laboratory.record import Record, Voids, consolidated, sheared
-from geoswarm.solver.laboratory.section import LaboratorySpec
+from geoswarm.solver.laboratory.section import FlowSpec, LaboratorySpec, Loading
 from geoswarm.solver.laboratory.series import TestSeries
 from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
+from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Law, Soil
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.user_laws.law import UserLaw
 
-__all__ = ["LaboratoryModel", "ShearModel"]
+__all__ = ["FlowModel", "LaboratoryModel", "ShearModel"]
 
 
 @dataclass(frozen=True)
@@ -156,6 +159,42 @@ class LaboratoryModel(ABC):
 
 
 @dataclass(frozen=True)
+class FlowModel(LaboratoryModel):
+    """Forward model of a test in which pore water flows along a column of points."""
+
+    spec: FlowSpec
+
+    @property
+    def parameters(self) -> tuple[ParameterInfo, ...]:
+        """Parameters of the law, and of the flow of water."""
+        return (*self.law.parameters, *FLOW)
+
+    def check(self, parameters: Mapping[str, float]) -> str | None:
+        """What is inadmissible about the parameters given, or None."""
+        return flow_fault(self.law, parameters, self.spec.initial_void_ratio)
+
+    def record_of(self, start: FloatArray, zero: FloatArray, paths: Sequence[Path], last: IntArray) -> Record:
+        """The record of what is observed along paths, whose rows hold the pore pressure; there are no cycles.
+
+        ``start`` and ``zero``: what is observed before, (w,), and where strain counts from, (0 or 1, w); ``last``: the
+        last path of each stage.
+        """
+        count = len(paths)
+        return Record(
+            start,
+            zero,
+            Trace(paths),
+            np.zeros(count, dtype=np.bool_),
+            np.zeros(count),
+            np.zeros((count, 1)),
+            last,
+            np.empty((0, 2), dtype=np.int64),
+            self.voids,
+            self.spec.back_pressure,
+        )
+
+
+@dataclass(frozen=True)
 class ShearModel(LaboratoryModel):
     """Forward model of a test that consolidates a specimen and shears it; a subclass says how it is led."""
 
@@ -178,6 +217,21 @@ class ShearModel(LaboratoryModel):
     @abstractmethod
     def shearing(self) -> Sequence[ShearStage]:
         """The stages of shearing."""
+
+    def legs_of(self, loads: Iterable[tuple[Loading, float, float | None]]) -> Sequence[Sequence[Leg]]:
+        """The legs of stages of consolidation: vertical and horizontal stress, kPa; None: no horizontal strain."""
+        return [
+            specimen_legs(
+                f"consolidation {number}",
+                self.spec.components,
+                vertical,
+                horizontal,
+                stage.duration,
+                stage.loading_time,
+                self.law.depends_on_time,
+            )
+            for number, (stage, vertical, horizontal) in enumerate(loads, start=1)
+        ]
 
     def test(self, parameters: Mapping[str, float], *, shearing: bool = True, dense: bool = True) -> Record:
         """Calculate the test.

@@ -15,7 +15,7 @@ from geoswarm.solver.laboratory.shear_stages import Control, ShearStage
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
 
-__all__ = ["MAX_CYCLES", "Cyclic", "Hold", "Monotonic", "too_many_cycles", "without_pace"]
+__all__ = ["MAX_CYCLES", "Cyclic", "Hold", "Monotonic", "require_pace"]
 
 MAX_CYCLES = 20_000
 """Of all stages together."""
@@ -123,7 +123,20 @@ class Hold(Part):
         )
 
 
-def without_pace(law: Law, stages: Sequence[Part]) -> str | None:
+def require_pace(law: Law, stages: Sequence[Part]) -> None:
+    """Refuse stages of shearing without a pace that matters to a law, or with too many cycles.
+
+    Raises
+    ------
+    ValueError
+        Says which, or how many.
+    """
+    fault = _without_pace(law, stages) or _too_many_cycles(stages)
+    if fault is not None:
+        raise ValueError(fault)
+
+
+def _without_pace(law: Law, stages: Sequence[Part]) -> str | None:
     """Which stage of shearing lacks a pace that matters to a law, in words, or None."""
     for number, one in enumerate(stages):
         if not law.depends_on_time:
@@ -135,7 +148,7 @@ def without_pace(law: Law, stages: Sequence[Part]) -> str | None:
     return None
 
 
-def too_many_cycles(stages: Sequence[Part]) -> str | None:
+def _too_many_cycles(stages: Sequence[Part]) -> str | None:
     """What is wrong with the number of all cycles, in words, or None."""
     count = sum(one.cycles for one in stages if isinstance(one, Cyclic))
     return f"shearing: {count} cycles in all; at most {MAX_CYCLES} are accepted" if count > MAX_CYCLES else None

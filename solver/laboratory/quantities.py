@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laws.base import Law
 
-__all__ = ["Quantity", "Seen", "state_variables", "void_ratio"]
+__all__ = ["MEAN_PRESSURE", "Quantity", "Seen", "pore_pressure", "state_variables", "void_ratio"]
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,14 @@ class Quantity:
     quantity: str
     unit: str
     of: Look
+
+
+MEAN_PRESSURE = Quantity("p", "Mean effective stress", "p'", "kPa", lambda seen: seen.stress[:, :3].mean(axis=1))
+
+
+def pore_pressure(description: str) -> Quantity:
+    """The pore pressure, as a test understands it."""
+    return Quantity("pore_pressure", description, "pore pressure", "kPa", lambda seen: seen.pore)
 
 
 def _void_ratio(seen: Seen) -> FloatArray:

@@ -15,7 +15,7 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laboratory.shear_stages import Axes, Drainage, ShearStage, shear_leg, value_led
 from geoswarm.solver.laws.base import Soil
 
-__all__ = ["Record", "Voids", "consolidated", "sheared"]
+__all__ = ["Record", "Voids", "consolidated", "no_voids", "sheared"]
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,17 @@ class Voids:
         if self.initial is None:
             return
         largest = float(strain.max())
-        least = self.initial - (1.0 + self.initial) * (largest if self.fixed else -math.expm1(-largest))
-        if least <= 0.0:
-            raise InfeasibleError(
-                f"stage {name}: the void ratio falls to {least:.3g}; above 0 is accepted: a higher initial_void_ratio "
-                f"than {self.initial:g}, or a stiffer soil"
-            )
+        share = largest if self.fixed else -math.expm1(-largest)
+        if self.initial - (1.0 + self.initial) * share <= 0.0:
+            raise no_voids(name, self.initial, share)
+
+
+def no_voids(stage: str, initial: float, share: float, of: str = "") -> InfeasibleError:
+    """What is said where a loss of volume, over that at the beginning, leaves no voids."""
+    return InfeasibleError(
+        f"stage {stage}: the void ratio{of} falls to {initial - (1.0 + initial) * share:.3g}; above 0 is accepted: a "
+        f"higher initial_void_ratio than {initial:g}, or a stiffer soil"
+    )
 
 
 @dataclass(frozen=True)

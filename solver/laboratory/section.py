@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.fields import Geometry, LawSettings, StepError
 from geoswarm.solver.forward.one_material import OneMaterialSpec
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STRESS
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
 
-__all__ = ["LaboratorySpec", "Loading", "Part", "exactly_one", "ratio_fault", "settings_fault"]
+__all__ = ["FlowSpec", "LaboratorySpec", "Loading", "Part", "exactly_one", "ratio_fault", "settings_fault"]
 
 
 class Part(BaseModel):
@@ -51,9 +52,7 @@ class LaboratorySpec(OneMaterialSpec, ABC):
 
     depends_on_section: ClassVar[bool] = True
 
-    settings: dict[str, str | float | None] = Field(
-        {}, max_length=50, description="Settings of the law by name, where they are not its defaults."
-    )
+    settings: LawSettings = Field({})
     initial_void_ratio: float | None = Field(
         None,
         gt=0.0,
@@ -61,15 +60,8 @@ class LaboratorySpec(OneMaterialSpec, ABC):
         description="Void ratio before the first stage; needed by series of the void ratio.",
         json_schema_extra=in_unit("1", 0.4, 3),
     )
-    geometry: Literal["updated", "fixed"] = Field(
-        "updated", description="updated: logarithmic strain, large deformations; fixed: small strain."
-    )
-    tolerance: float = Field(
-        1.0e-5,
-        ge=1.0e-9,
-        le=1.0e-2,
-        description="Error of the integration aimed at, as strain, of stress over the bulk modulus; kept step by step.",
-    )
+    geometry: Geometry = "updated"
+    tolerance: StepError = 1.0e-5
 
     initial_stress: float = Field(
         gt=0.0,
@@ -104,6 +96,30 @@ class LaboratorySpec(OneMaterialSpec, ABC):
     def quick(self) -> bool:
         """One material point, of a law of ours."""
         return not self.user_laws
+
+
+class FlowSpec(LaboratorySpec, ABC):
+    """Fields of the laboratory tests in which pore water flows: a column of points stands for the specimen."""
+
+    height: float = Field(
+        gt=0.0,
+        le=10.0,
+        description="Initial height of the specimen, m.",
+        json_schema_extra=in_unit("m", 0.01, 0.05),
+    )
+    back_pressure: float = Field(
+        0.0,
+        ge=0.0,
+        le=MAX_STRESS,
+        description="Pore pressure at the drained ends, kPa; it is added to the pore pressure, nothing else.",
+        json_schema_extra=in_unit("kPa", 0, 600),
+    )
+    tolerance: StepError = 1.0e-4
+
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Those of a consolidating column, and the law's."""
+        return frozenset({"consolidation", self.law.kind})
 
 
 def exactly_one(part: BaseModel, *names: str) -> str:

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_section import MAX_STRESS
-from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, too_many_cycles, without_pace
+from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.simple_shear_model import SimpleShearModel
 
@@ -141,9 +141,7 @@ class DirectSimpleShearSpec(LaboratorySpec):
 
     @model_validator(mode="after")
     def _consistent(self) -> DirectSimpleShearSpec:
-        fault = without_pace(self.law, self.shearing) or too_many_cycles(self.shearing)
-        if fault is not None:
-            raise ValueError(fault)
+        require_pace(self.law, self.shearing)
         return self
 
     def build(self) -> SimpleShearModel:

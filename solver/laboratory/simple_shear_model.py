@@ -16,9 +16,16 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.element_test.legs import Leg
-from geoswarm.solver.element_test.specimen import combination, same_strain, specimen_legs
+from geoswarm.solver.element_test.specimen import combination, same_strain
 from geoswarm.solver.laboratory.model import ShearModel
-from geoswarm.solver.laboratory.quantities import Quantity, Seen, state_variables, void_ratio
+from geoswarm.solver.laboratory.quantities import (
+    MEAN_PRESSURE,
+    Quantity,
+    Seen,
+    pore_pressure,
+    state_variables,
+    void_ratio,
+)
 from geoswarm.solver.laboratory.series import TestSeries
 from geoswarm.solver.laboratory.shear_axes import path_series, shear_series
 from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
@@ -47,7 +54,6 @@ def _rotation(seen: Seen) -> FloatArray:
 
 _TAU = Quantity("shear_stress", "Shear stress on horizontal planes", "τ", "kPa", lambda seen: seen.stress[:, 3])
 _NORMAL = Quantity("normal_stress", "Vertical effective stress", "σ'v", "kPa", lambda seen: seen.axial)
-_P = Quantity("p", "Mean effective stress", "p'", "kPa", lambda seen: seen.stress[:, :3].mean(axis=1))
 _VERTICAL = Quantity(
     "vertical_strain",
     "Vertical strain, which is that of the volume",
@@ -72,18 +78,14 @@ _SHEARED = (
         "kPa",
         lambda seen: seen.stress[:, 0],
     ),
-    _P,
+    MEAN_PRESSURE,
     Quantity("q", "Deviatoric stress sqrt(3/2 s:s)", "q", "kPa", _deviatoric),
     Quantity("rotation", "Angle of the largest compressive stress from the vertical", "rotation", "degree", _rotation),
     Quantity("shear_strain", "Shear strain", "shear strain", "", lambda seen: seen.strain[:, 3]),
     _VERTICAL,
 )
-_PORE_PRESSURE = Quantity(
-    "pore_pressure",
-    "Decrease of the vertical stress at constant volume: the pore pressure of an undrained specimen",
-    "pore pressure",
-    "kPa",
-    lambda seen: seen.pore,
+_PORE_PRESSURE = pore_pressure(
+    "Decrease of the vertical stress at constant volume: the pore pressure of an undrained specimen"
 )
 _K0 = Quantity(
     "K0", "Ratio of horizontal to vertical effective stress", "K0", "", lambda seen: seen.radial / seen.axial
@@ -124,19 +126,7 @@ class SimpleShearModel(ShearModel):
     @cached_property
     def consolidation(self) -> Sequence[Sequence[Leg]]:
         """Vertical stress without horizontal strain."""
-        spec = self.spec
-        return [
-            specimen_legs(
-                f"consolidation {number}",
-                spec.components,
-                stage.normal_stress,
-                None,
-                stage.duration,
-                stage.loading_time,
-                self.law.depends_on_time,
-            )
-            for number, stage in enumerate(spec.consolidation, start=1)
-        ]
+        return self.legs_of((stage, stage.normal_stress, None) for stage in self.spec.consolidation)
 
     @cached_property
     def shearing(self) -> Sequence[ShearStage]:
@@ -154,7 +144,7 @@ class SimpleShearModel(ShearModel):
         voids = void_ratio(self.law, spec.initial_void_ratio is not None)
         water = (_PORE_PRESSURE,) if any(stage.undrained for stage in self.shearing) else ()
         both = (*_SHEARED, *water, *voids, *own)
-        consolidating = (_VERTICAL, *voids, _P, _K0, *own)
+        consolidating = (_VERTICAL, *voids, MEAN_PRESSURE, _K0, *own)
         return [
             *shear_series(
                 self.axes, self.shearing, len(spec.consolidation), "shear strain", both, (_SECANT,), consolidating

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_section import MAX_STRESS
-from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, too_many_cycles, without_pace
+from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.triaxial_model import TriaxialModel
 
@@ -181,9 +181,7 @@ class TriaxialSpec(LaboratorySpec):
                 "initial_void_ratio is missing: with water_bulk_modulus the porosity gives the stiffness of the water; "
                 "a value above 0 is accepted, or leave water_bulk_modulus out for rigid water"
             )
-        fault = without_pace(self.law, self.shearing) or too_many_cycles(self.shearing)
-        if fault is not None:
-            raise ValueError(fault)
+        require_pace(self.law, self.shearing)
         return self
 
     def build(self) -> TriaxialModel:

@@ -18,10 +18,16 @@ from geoswarm.solver.element_test.specimen import (
     engineering_strain,
     inner_strain,
     same_strain,
-    specimen_legs,
 )
 from geoswarm.solver.laboratory.model import ShearModel
-from geoswarm.solver.laboratory.quantities import Quantity, Seen, state_variables, void_ratio
+from geoswarm.solver.laboratory.quantities import (
+    MEAN_PRESSURE,
+    Quantity,
+    Seen,
+    pore_pressure,
+    state_variables,
+    void_ratio,
+)
 from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laboratory.series import TestSeries
 from geoswarm.solver.laboratory.shear_axes import path_series, shear_series
@@ -33,7 +39,6 @@ if TYPE_CHECKING:
 __all__ = ["TriaxialModel"]
 
 _Q = Quantity("q", "Deviator stress, axial less radial", "q", "kPa", lambda seen: seen.axial - seen.radial)
-_P = Quantity("p", "Mean effective stress", "p'", "kPa", lambda seen: seen.stress[:, :3].mean(axis=1))
 
 
 def _secant(seen: Seen) -> np.ndarray:
@@ -61,7 +66,7 @@ _STRAINS = (
 )
 _STRESSES = (
     _Q,
-    _P,
+    MEAN_PRESSURE,
     Quantity("axial_stress", "Axial effective stress", "axial stress", "kPa", lambda seen: seen.axial),
     Quantity("radial_stress", "Radial effective stress", "radial stress", "kPa", lambda seen: seen.radial),
     Quantity(
@@ -72,7 +77,7 @@ _STRESSES = (
         lambda seen: (seen.axial - seen.radial) / seen.stress[:, :3].mean(axis=1),
     ),
 )
-_PORE_PRESSURE = Quantity("pore_pressure", "Pore pressure", "pore pressure", "kPa", lambda seen: seen.pore)
+_PORE_PRESSURE = pore_pressure("Pore pressure")
 _K0 = Quantity("K0", "Ratio of radial to axial effective stress", "K0", "", lambda seen: seen.radial / seen.axial)
 _SECANT = Quantity(
     "secant_modulus",
@@ -126,18 +131,14 @@ class TriaxialModel(ShearModel):
     @cached_property
     def consolidation(self) -> Sequence[Sequence[Leg]]:
         """Axial stress, and radial stress or no radial strain."""
-        return [
-            specimen_legs(
-                f"consolidation {number}",
-                self.spec.components,
+        return self.legs_of(
+            (
+                stage,
                 stage.axial,
                 None if stage.radial == "K0" else stage.axial if stage.radial is None else stage.radial,
-                stage.duration,
-                stage.loading_time,
-                self.law.depends_on_time,
             )
-            for number, stage in enumerate(self.spec.consolidation, start=1)
-        ]
+            for stage in self.spec.consolidation
+        )
 
     @cached_property
     def shearing(self) -> Sequence[ShearStage]:
@@ -155,7 +156,7 @@ class TriaxialModel(ShearModel):
         voids = void_ratio(self.law, spec.initial_void_ratio is not None)
         water = (_PORE_PRESSURE,) if any(stage.undrained for stage in self.shearing) else ()
         both = (*_STRESSES, *water, *_STRAINS, *voids, *own)
-        consolidating = (*_STRAINS, *voids, _STRESSES[0], _STRESSES[1], _K0, *own)
+        consolidating = (*_STRAINS, *voids, _Q, MEAN_PRESSURE, _K0, *own)
         return [
             *shear_series(
                 self.axes, self.shearing, len(spec.consolidation), "axial strain", both, (_SECANT,), consolidating

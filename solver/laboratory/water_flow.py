@@ -26,6 +26,7 @@ __all__ = [
     "flow_fault",
     "growth_of",
     "permeability_of",
+    "pore_pressure",
 ]
 
 OUTPUT: Final = 5
@@ -82,6 +83,17 @@ K0_MEAN = Quantity(
     "",
     lambda seen: seen.rows[:, HORIZONTAL] / seen.rows[:, VERTICAL],
 )
+
+
+def pore_pressure(where: str) -> Quantity:
+    """The pore pressure where it is measured, in words."""
+    return Quantity(
+        "pore_pressure",
+        f"Pore pressure {where}",
+        "pore pressure",
+        "kPa",
+        lambda seen: seen.rows[:, BASE] + seen.pore,
+    )
 
 
 def flow_fault(law: Law, parameters: Mapping[str, float], void_ratio: float | None) -> str | None:
