@@ -21,7 +21,14 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
-from geoswarm.solver.laws.usual_parameters import pre_overburden, too_dilatant, two_pasts
+from geoswarm.solver.laws.usual_parameters import (
+    cohesion,
+    normal_K0,
+    pre_overburden,
+    too_dilatant,
+    two_pasts,
+    unloading_poisson,
+)
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["HardeningSoilLaw", "cap_constants"]
@@ -64,17 +71,7 @@ _PARAMETERS = (
         upper=1.0,
         typical=(0.4, 1.0),
     ),
-    ParameterInfo(
-        "nu_ur",
-        "ν_ur",
-        "",
-        "Poisson's ratio for unloading and reloading.",
-        default=0.2,
-        lower=0.0,
-        upper=0.5,
-        upper_open=True,
-        typical=(0.1, 0.3),
-    ),
+    unloading_poisson(0.2, 0.1, 0.3),
     ParameterInfo(
         "p_ref",
         "p_ref",
@@ -85,7 +82,7 @@ _PARAMETERS = (
         lower_open=True,
         typical=(50.0, 200.0),
     ),
-    ParameterInfo("c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, 30.0)),
+    cohesion(30.0),
     ParameterInfo(
         "phi",
         "φ",
@@ -119,17 +116,7 @@ _PARAMETERS = (
         upper_open=True,
         typical=(0.75, 0.95),
     ),
-    ParameterInfo(
-        "K0nc",
-        "K₀ⁿᶜ",
-        "",
-        "Stress ratio of normally consolidated one-dimensional compression; 0: derived, 1 - sin(phi).",
-        default=0.0,
-        lower=0.0,
-        upper=1.0,
-        upper_open=True,
-        typical=(0.35, 0.7),
-    ),
+    normal_K0(0.35, 0.7),
     ParameterInfo(
         "OCR",
         "OCR",

@@ -14,7 +14,7 @@ from geoswarm.solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
 from geoswarm.solver.laws.base import Law, Setting, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.elastic import MODULI, moduli_contradiction, moduli_incomplete, young_of
-from geoswarm.solver.laws.usual_parameters import too_dilatant
+from geoswarm.solver.laws.usual_parameters import DILATANCY, cohesion, too_dilatant
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["TENSION_CUTOFF", "MohrCoulomb"]
@@ -39,7 +39,7 @@ class MohrCoulomb(Law):
     title: ClassVar[str] = "elasticity with the strength of Mohr and Coulomb"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = (
         *MODULI,
-        ParameterInfo("c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, 50.0)),
+        cohesion(50.0),
         ParameterInfo(
             "phi",
             "φ",
@@ -50,9 +50,7 @@ class MohrCoulomb(Law):
             upper_open=True,
             typical=(15.0, 35.0),
         ),
-        ParameterInfo(
-            "psi", "ψ", "degree", "Dilatancy angle, at most phi.", default=0.0, lower=0.0, upper=90.0, upper_open=True
-        ),
+        DILATANCY,
     )
     derived: ClassVar[frozenset[str]] = frozenset({"E", "G"})
     settings: ClassVar[tuple[Setting, ...]] = (TENSION_CUTOFF,)

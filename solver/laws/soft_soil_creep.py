@@ -20,7 +20,15 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
-from geoswarm.solver.laws.usual_parameters import pre_overburden, too_dilatant, two_pasts
+from geoswarm.solver.laws.usual_parameters import (
+    DILATANCY,
+    cohesion,
+    normal_K0,
+    pre_overburden,
+    too_dilatant,
+    two_pasts,
+    unloading_poisson,
+)
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.stress_measures import mean_and_squared_q
 
@@ -57,7 +65,7 @@ PARAMETERS = (
         lower_open=True,
         typical=(1.0e-4, 0.02),
     ),
-    ParameterInfo("c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, 50.0)),
+    cohesion(50.0),
     ParameterInfo(
         "phi",
         "φ",
@@ -69,31 +77,9 @@ PARAMETERS = (
         upper_open=True,
         typical=(15.0, 35.0),
     ),
-    ParameterInfo(
-        "psi", "ψ", "degree", "Dilatancy angle, at most phi.", default=0.0, lower=0.0, upper=90.0, upper_open=True
-    ),
-    ParameterInfo(
-        "nu_ur",
-        "ν_ur",
-        "",
-        "Poisson's ratio for unloading and reloading.",
-        default=0.15,
-        lower=0.0,
-        upper=0.5,
-        upper_open=True,
-        typical=(0.1, 0.2),
-    ),
-    ParameterInfo(
-        "K0nc",
-        "K₀ⁿᶜ",
-        "",
-        "Stress ratio of normally consolidated one-dimensional compression; 0: derived, 1 - sin(phi).",
-        default=0.0,
-        lower=0.0,
-        upper=1.0,
-        upper_open=True,
-        typical=(0.4, 0.8),
-    ),
+    DILATANCY,
+    unloading_poisson(0.15, 0.1, 0.2),
+    normal_K0(0.4, 0.8),
     ParameterInfo(
         "M",
         "M",

@@ -4,7 +4,56 @@ from __future__ import annotations
 
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["critical_friction", "pre_overburden", "too_dilatant", "two_pasts"]
+__all__ = [
+    "DILATANCY",
+    "cohesion",
+    "critical_friction",
+    "normal_K0",
+    "pre_overburden",
+    "too_dilatant",
+    "two_pasts",
+    "unloading_poisson",
+]
+
+
+DILATANCY = ParameterInfo(
+    "psi", "ψ", "degree", "Dilatancy angle, at most phi.", default=0.0, lower=0.0, upper=90.0, upper_open=True
+)
+
+
+def cohesion(highest: float) -> ParameterInfo:
+    """c, usual up to a stress, kPa."""
+    return ParameterInfo("c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, highest))
+
+
+def unloading_poisson(default: float, lowest: float, highest: float) -> ParameterInfo:
+    """nu_ur, usual between two values."""
+    return ParameterInfo(
+        "nu_ur",
+        "ν_ur",
+        "",
+        "Poisson's ratio for unloading and reloading.",
+        default=default,
+        lower=0.0,
+        upper=0.5,
+        upper_open=True,
+        typical=(lowest, highest),
+    )
+
+
+def normal_K0(lowest: float, highest: float) -> ParameterInfo:
+    """K0nc, usual between two values."""
+    return ParameterInfo(
+        "K0nc",
+        "K₀ⁿᶜ",
+        "",
+        "Stress ratio of normally consolidated one-dimensional compression; 0: derived, 1 - sin(phi).",
+        default=0.0,
+        lower=0.0,
+        upper=1.0,
+        upper_open=True,
+        typical=(lowest, highest),
+    )
 
 
 def pre_overburden(highest: float) -> ParameterInfo:
