@@ -8,7 +8,7 @@ module geoswarm_umat
   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_associated, c_int, c_size_t, c_char, c_int8_t
   implicit none
   private
-  public :: way_back, leave, leave_with, full_tensor, eigen
+  public :: way_back, leave, leave_with, leave_with_code, full_tensor, eigen
 
   type(c_ptr), bind(C, name="geoswarm_umat_return") :: way_back = c_null_ptr
 
@@ -45,6 +45,15 @@ contains
     end do
     call leave(beginning//trim(words))
   end subroutine leave_with
+
+  ! Leave with the number that STOP or EXIT was given.
+  subroutine leave_with_code(beginning, code)
+    character(*), intent(in) :: beginning
+    integer(c_int), intent(in) :: code
+    character(40) :: words
+    write (words, '(i0)') code
+    call leave(beginning//trim(words))
+  end subroutine leave_with_code
 
   ! The symmetric matrix of a stress (kind 1) or of a strain with engineering shear (kind 2).
   subroutine full_tensor(s, kind, ndi, nshr, a)
@@ -219,13 +228,11 @@ end subroutine stop_string
 
 subroutine stop_numeric(code, quiet) bind(C, name="__wrap__gfortran_stop_numeric")
   use, intrinsic :: iso_c_binding, only: c_int, c_int8_t
-  use geoswarm_umat, only: leave
+  use geoswarm_umat, only: leave_with_code
   implicit none
   integer(c_int), value :: code
   integer(c_int8_t), value :: quiet
-  character(40) :: words
-  write (words, '(i0)') code
-  call leave("the routine stopped: STOP "//trim(words))
+  call leave_with_code("the routine stopped: STOP ", code)
 end subroutine stop_numeric
 
 subroutine error_stop_string(text, length, quiet) bind(C, name="__wrap__gfortran_error_stop_string")
@@ -240,23 +247,19 @@ end subroutine error_stop_string
 
 subroutine error_stop_numeric(code, quiet) bind(C, name="__wrap__gfortran_error_stop_numeric")
   use, intrinsic :: iso_c_binding, only: c_int, c_int8_t
-  use geoswarm_umat, only: leave
+  use geoswarm_umat, only: leave_with_code
   implicit none
   integer(c_int), value :: code
   integer(c_int8_t), value :: quiet
-  character(40) :: words
-  write (words, '(i0)') code
-  call leave("the routine stopped: ERROR STOP "//trim(words))
+  call leave_with_code("the routine stopped: ERROR STOP ", code)
 end subroutine error_stop_numeric
 
 subroutine call_exit(code) bind(C, name="__wrap__gfortran_exit_i4")
   use, intrinsic :: iso_c_binding, only: c_int
-  use geoswarm_umat, only: leave
+  use geoswarm_umat, only: leave_with_code
   implicit none
   integer(c_int), intent(in) :: code
-  character(40) :: words
-  write (words, '(i0)') code
-  call leave("the routine called EXIT "//trim(words))
+  call leave_with_code("the routine called EXIT ", code)
 end subroutine call_exit
 
 subroutine call_abort() bind(C, name="__wrap__gfortran_abort")
