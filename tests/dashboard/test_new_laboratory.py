@@ -30,11 +30,35 @@ def give_readings(page: Page, series: str, rows: str, typed: str, units: str = "
     expect(page.locator(".observation")).to_contain_text(f"{len(x)} readings")
 
 
-def test_a_triaxial_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new")
-    fill(page, name="sand")
-    page.locator("input[name=kind][value=triaxial]").check()
+def begin(site: Site, visit: Visit, name: str, kind: str) -> Page:
+    """A new problem of a kind, with its small example."""
+    page, _ = visit(site, "/new")
+    fill(page, name=name)
+    page.locator(f"input[name=kind][value={kind}]").check()
     page.get_by_role("button", name="Fill in a small example").click()
+    return page
+
+
+def give_permeable_clay(page: Page) -> None:
+    """Parameters of a modified Cam clay in which water flows."""
+    parameter(page, "k", "free", lower="1e-6", upper="1e-3")
+    parameter(page, "lambda", "fixed", value="0.2")
+    parameter(page, "kappa", "fixed", value="0.04")
+    page.get_by_text("Further parameters").click()
+    for name, value in (("M", "1"), ("nu", "0.3"), ("e0", "1.2")):
+        parameter(page, name, "fixed", value=value)
+
+
+def check_calculates(page: Page) -> None:
+    """The problem is complete, and its check calculates it."""
+    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    page.get_by_role("button", name="Check", exact=True).click()
+    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
+    check_accessibility(page)
+
+
+def test_a_triaxial_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
+    page = begin(embedded, visit, "sand", "triaxial")
     expect(page.locator('[data-path="forward_model.shearing[1].deviator_stress"]')).to_have_value("20")
     page.get_by_role("group", name="Shearing", exact=True).get_by_role("button", name="Add an entry").click()
     page.locator('[data-path="forward_model.shearing[3].kind"]').select_option("cyclic")
@@ -52,18 +76,11 @@ def test_a_triaxial_test_is_given_by_its_stages(embedded: Site, visit: Visit) ->
     parameter(page, "c", "fixed", value="5")
     parameter(page, "phi", "fixed", value="30")
     give_readings(page, "q", READINGS, "phi: .value: 30")
-    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
-    page.get_by_role("button", name="Check", exact=True).click()
-    result = page.locator("#check-body")
-    expect(result).to_contain_text("The forward calculation works", timeout=CALM)
-    check_accessibility(page)
+    check_calculates(page)
 
 
 def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new")
-    fill(page, name="clay")
-    page.locator("input[name=kind][value=direct_simple_shear]").check()
-    page.get_by_role("button", name="Fill in a small example").click()
+    page = begin(embedded, visit, "clay", "direct_simple_shear")
     expect(page.locator('[data-path="forward_model.shearing[0].shear_strain"]')).to_have_value("0.25")
     page.locator('[data-path="forward_model.constant"]').select_option(label="normal stress")
     page.get_by_text("Further parameters").click()
@@ -71,55 +88,27 @@ def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit
     for name, value in (("lambda", "0.2"), ("kappa", "0.04"), ("nu", "0.3"), ("e0", "1.1")):
         parameter(page, name, "fixed", value=value)
     give_readings(page, "shear_stress", READINGS, "e0: .value: 1.1")
-    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
-    page.get_by_role("button", name="Check", exact=True).click()
-    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
-    check_accessibility(page)
+    check_calculates(page)
 
 
 def test_an_oedometer_at_constant_rate_takes_the_permeability(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new")
-    fill(page, name="clay")
-    page.locator("input[name=kind][value=crs_oedometer]").check()
-    page.get_by_role("button", name="Fill in a small example").click()
+    page = begin(embedded, visit, "clay", "crs_oedometer")
     expect(page.locator('[data-path="forward_model.stages[1].axial_strain"]')).to_have_value("0.11")
-    parameter(page, "k", "free", lower="1e-6", upper="1e-3")
-    parameter(page, "lambda", "fixed", value="0.2")
-    parameter(page, "kappa", "fixed", value="0.04")
-    page.get_by_text("Further parameters").click()
-    for name, value in (("M", "1"), ("nu", "0.3"), ("e0", "1.2")):
-        parameter(page, name, "fixed", value=value)
+    give_permeable_clay(page)
     give_readings(page, "pore_pressure", READINGS, "e0: .value: 1.2")
-    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
-    page.get_by_role("button", name="Check", exact=True).click()
-    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
-    check_accessibility(page)
+    check_calculates(page)
 
 
 def test_consolidation_takes_stages_and_the_permeability(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new")
-    fill(page, name="clay")
-    page.locator("input[name=kind][value=consolidation]").check()
-    page.get_by_role("button", name="Fill in a small example").click()
+    page = begin(embedded, visit, "clay", "consolidation")
     expect(page.locator('[data-path="forward_model.stages[1].stress"]')).to_have_value("100")
-    parameter(page, "k", "free", lower="1e-6", upper="1e-3")
-    parameter(page, "lambda", "fixed", value="0.2")
-    parameter(page, "kappa", "fixed", value="0.04")
-    page.get_by_text("Further parameters").click()
-    for name, value in (("M", "1"), ("nu", "0.3"), ("e0", "1.2")):
-        parameter(page, name, "fixed", value=value)
+    give_permeable_clay(page)
     give_readings(page, "settlement", READINGS.replace("80", "60"), "e0: .value: 1.2", units="x_unit: day, y_unit: um")
-    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
-    page.get_by_role("button", name="Check", exact=True).click()
-    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
-    check_accessibility(page)
+    check_calculates(page)
 
 
 def test_layered_ground_has_soils_layers_and_points(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new")
-    fill(page, name="embankment")
-    page.locator("input[name=kind][value=column]").check()
-    page.get_by_role("button", name="Fill in a small example").click()
+    page = begin(embedded, visit, "embankment", "column")
     expect(page.locator('[data-path="forward_model.layers[1].thickness"]')).to_have_value("6")
     expect(page.locator('[data-path="forward_model.soils.clay.unit_weight"]')).to_have_value("15.5")
     expect(page.locator('[data-path="forward_model.points.P1.depth"]')).to_have_value("4.5")
@@ -137,7 +126,4 @@ def test_layered_ground_has_soils_layers_and_points(embedded: Site, visit: Visit
     ):
         parameter(page, name, "fixed", value=value)
     give_readings(page, "P1.pore_pressure", READINGS, "clay.e0: .value: 1.6", units="x_unit: day, y_unit: kPa")
-    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
-    page.get_by_role("button", name="Check", exact=True).click()
-    expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
-    check_accessibility(page)
+    check_calculates(page)
