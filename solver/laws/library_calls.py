@@ -1,15 +1,38 @@
-"""What the thin functions around laws in libraries share: memory on the stack, counters of troubles."""
+"""What the thin functions around laws in libraries share: some constants, memory on the stack, counters of troubles."""
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-__all__ = ["DIFFERENCE", "NUMBERS", "note_trouble", "numbers_on_the_stack"]
+__all__ = ["DIFFERENCE", "NUMBERS", "SHARED", "SharedPlaces", "note_trouble", "numbers_on_the_stack"]
+
+
+class SharedPlaces(NamedTuple):
+    """Where the constants hold what both thin functions read; what one of them reads alone begins at ``own``."""
+
+    troubles: int = 0
+    """Address of an int64 counter for each reason why a step has no stress."""
+    state_count: int = 1
+    """Number of the state variables that the library keeps."""
+    stress_factor: int = 2
+    time_factor: int = 3
+    """Units of stress of the library a kPa, of time a day."""
+    numerical: int = 4
+    """1: the tangent is found by differences."""
+    least_time: int = 5
+    least_log_time: int = 6
+    """The least time increment, day, as many divide by it, and its logarithm."""
+    limit: int = 7
+    """Place in the state of the variable that tells whether the point yields; -1: none."""
+    own: int = 8
+
+
+SHARED: Final = SharedPlaces()
 
 DIFFERENCE: Final = 1.0e-7
 """Of strain, where a tangent is found by differences."""

@@ -6,10 +6,11 @@ positive in it; tensors are vectors in the notation of Mandel, shear times sqrt(
 four or six of them. It exists once for each hypothesis: three dimensions for six components, plane strain (or axial
 symmetry) for four.
 
-Everything that a behaviour needs beside the strain increment stands in the constants (:data:`PLACES`): its addresses,
-and from ``tail`` on the kinds of its internal state variables, external state variables and material properties. The
-state holds the internal state variables as the behaviour knows them, a tensor with six numbers, and behind them the
-total strain (6,), compression positive.
+Everything that a behaviour needs beside the strain increment stands in the constants: what all laws in libraries have
+(:data:`geoswarm.solver.laws.library_calls.SHARED`), its addresses (:data:`PLACES`), and from ``tail`` on the kinds of
+its internal state variables, external state variables and material properties. The state holds the internal state
+variables as the behaviour knows them, a tensor with six numbers, and behind them the total strain (6,), compression
+positive.
 """
 
 from __future__ import annotations
@@ -24,37 +25,23 @@ from numba.extending import intrinsic
 
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.library_calls import DIFFERENCE, NUMBERS, note_trouble, numbers_on_the_stack
+from geoswarm.solver.laws.library_calls import DIFFERENCE, NUMBERS, SHARED, note_trouble, numbers_on_the_stack
 
 __all__ = ["BESIDE", "MESSAGE_LENGTH", "MOST_STATE", "PLACES", "TROUBLES", "Places", "mfront_update"]
 
 
 class Places(NamedTuple):
-    """Where the constants hold what."""
+    """Where the constants hold what no other law in a library has."""
 
-    address: int = 0
+    address: int = SHARED.own
     """Of the function for six components; 0: none."""
-    plane_address: int = 1
+    plane_address: int = SHARED.own + 1
     """Of the function for four components; 0: none."""
-    troubles: int = 2
-    """Address of an int64 counter for each of :data:`TROUBLES`."""
-    message: int = 3
+    message: int = SHARED.own + 2
     """Address of :data:`MESSAGE_LENGTH` bytes for the words of an error."""
-    state_count: int = 4
-    """Number of internal state variables."""
-    external_count: int = 5
+    external_count: int = SHARED.own + 3
     """Number of external state variables."""
-    stress_factor: int = 6
-    time_factor: int = 7
-    """Units of stress of the behaviour a kPa, of time a day."""
-    numerical: int = 8
-    """1: the tangent is found by differences."""
-    least_time: int = 9
-    least_log_time: int = 10
-    """The least time increment, day, and its logarithm."""
-    limit: int = 11
-    """Place in the state of the variable that grows where the point yields; -1: none."""
-    tail: int = 12
+    tail: int = SHARED.own + 4
     """1 for each internal state variable that is a tensor, else 0; then external state variables; then properties."""
 
 
@@ -141,8 +128,8 @@ def _call(
 
     Pointers as in :mod:`geoswarm.solver.laws.binary`. The stiffness stays in the work space.
     """
-    count, externals = int(constants[PLACES.state_count]), int(constants[PLACES.external_count])
-    factor = constants[PLACES.stress_factor]
+    count, externals = int(constants[SHARED.state_count]), int(constants[PLACES.external_count])
+    factor = constants[SHARED.stress_factor]
     length = 0
     for variable in range(count):
         length += 6 if constants[PLACES.tail + variable] > 0.0 else 1
@@ -164,20 +151,20 @@ def _call(
             work[_NEW_STATE + place + i] = state[read + i]
         read += size
         place += used
-    least = constants[PLACES.least_log_time]
-    duration = math.exp(log_time) if log_time > least else constants[PLACES.least_time]
+    least = constants[SHARED.least_log_time]
+    duration = math.exp(log_time) if log_time > least else constants[SHARED.least_time]
     address = int(constants[PLACES.address if components == 6 else PLACES.plane_address])
     external = PLACES.tail + count
     status = _behaviour(
         address,
         int(constants[PLACES.message]),
-        constants[PLACES.time_factor] * duration,
+        constants[SHARED.time_factor] * duration,
         work,
         constants,
         external,
         external + externals,
     )
-    troubles = int(constants[PLACES.troubles])
+    troubles = int(constants[SHARED.troubles])
     if status != 1:
         note_trouble(troubles, 1 if status == 0 else 0)
         return -1
@@ -201,7 +188,7 @@ def _call(
     if wrong > 0:
         note_trouble(troubles, 2)
         return -1
-    limit = int(constants[PLACES.limit])
+    limit = int(constants[SHARED.limit])
     return 1 if limit >= 0 and new_state[limit] > state[limit] else 0
 
 
@@ -209,7 +196,7 @@ def _call(
 def mfront_update(components, log_time, strain, stress, state, constants, new_stress, new_state, tangent):  # type: ignore[no-untyped-def]  # pointers
     """Call a generic behaviour; the interface is that of :mod:`geoswarm.solver.laws.binary`."""
     work = _work()
-    differences = constants[PLACES.numerical] > 0.0
+    differences = constants[SHARED.numerical] > 0.0
     C = carray(tangent, (components, components))
     status = 0
     # The step itself comes last: what it gives stays.
@@ -220,7 +207,7 @@ def mfront_update(components, log_time, strain, stress, state, constants, new_st
         if j < components:
             for i in range(components):
                 C[i, j] = new_stress[i]
-    share = 1.0 / constants[PLACES.stress_factor]
+    share = 1.0 / constants[SHARED.stress_factor]
     for i in range(components):
         for j in range(components):
             if differences:

@@ -3,7 +3,8 @@
 A UMAT is a Fortran subroutine with 37 arguments by reference, the length of the text CMNAME behind them by value.
 Tension is positive in it, shear strains are engineering ones, the order is 11, 22, 33, 12, 13, 23, or 12, 23, 13 where
 that is declared. Everything that the routine needs beside the strain increment stands in the constants
-(:data:`PLACES`), its address included, so that one function serves all routines and is compiled once.
+(:data:`geoswarm.solver.laws.library_calls.SHARED`, :data:`PLACES`), its address included, so that one function serves
+all routines and is compiled once.
 
 Behind the routine's own state variables (STATEV) the state holds what its argument list has beside: total strain (6,),
 compression positive, total time, day, and the number of increments, :data:`BESIDE` in all.
@@ -25,42 +26,28 @@ from numba.extending import intrinsic
 
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.library_calls import DIFFERENCE, NUMBERS, note_trouble, numbers_on_the_stack
+from geoswarm.solver.laws.library_calls import DIFFERENCE, NUMBERS, SHARED, note_trouble, numbers_on_the_stack
 
 __all__ = ["BESIDE", "NAME_LENGTH", "PLACES", "TROUBLES", "Places", "umat_update"]
 
 
 class Places(NamedTuple):
-    """Where the constants hold what; PROPS begin at ``props``."""
+    """Where the constants hold what no other law in a library has."""
 
-    address: int = 0
+    address: int = SHARED.own
     """Of the routine."""
-    returns: int = 1
+    returns: int = SHARED.own + 1
     """Address of the pointer by which XIT and STOP leave the routine; 0: none."""
-    troubles: int = 2
-    """Address of an int64 counter for each of :data:`TROUBLES`."""
-    props: int = 22
-    prop_count: int = 3
-    state_count: int = 4
-    stress_factor: int = 5
-    """Unit of stress of the routine a kPa."""
-    time_factor: int = 6
-    """Unit of time of the routine a day."""
-    cyclic: int = 7
+    prop_count: int = SHARED.own + 2
+    cyclic: int = SHARED.own + 3
     """1: shear in the order 12, 23, 13; 0: 12, 13, 23."""
-    whole: int = 8
+    whole: int = SHARED.own + 4
     """1: the routine takes six components only."""
-    numerical: int = 9
-    """1: the tangent is found by differences."""
-    least_time: int = 10
-    """The least time increment, day: routines divide by DTIME."""
-    least_log_time: int = 11
-    """Its logarithm."""
-    temperature: int = 12
-    limit: int = 13
-    """Place of the state variable that is above 0 where the point yields; -1: none."""
-    name: int = 14
+    temperature: int = SHARED.own + 5
+    name: int = SHARED.own + 6
     """CMNAME, 64 of its 80 characters; blanks follow."""
+    props: int = SHARED.own + 14
+    """PROPS, to the end."""
 
 
 PLACES: Final = Places()
@@ -209,8 +196,8 @@ def _call(
     # Where the routine has yz and zx.
     yz = 4 if constants[PLACES.cyclic] > 0.0 else 5
     zx = 9 - yz
-    count = int(constants[PLACES.state_count])
-    factor = constants[PLACES.stress_factor]
+    count = int(constants[SHARED.state_count])
+    factor = constants[SHARED.stress_factor]
     for i in range(_DROT):
         work[i] = 0.0
     for i in range(4):
@@ -225,9 +212,9 @@ def _call(
         work[_DSTRAN + (shift if shift < 4 else (yz if shift == 4 else zx))] -= DIFFERENCE
     for i in range(count + BESIDE):
         new_state[i] = state[i]
-    least = constants[PLACES.least_log_time]
-    step = math.exp(log_time) if log_time > least else constants[PLACES.least_time]
-    unit = constants[PLACES.time_factor]
+    least = constants[SHARED.least_log_time]
+    step = math.exp(log_time) if log_time > least else constants[SHARED.least_time]
+    unit = constants[SHARED.time_factor]
     work[_TIME] = unit * state[count + 6]
     work[_TIME + 1] = work[_TIME]
     work[_DTIME] = unit * step
@@ -252,7 +239,7 @@ def _call(
     left = _routine(
         int(constants[PLACES.address]), int(constants[PLACES.returns]), work, integers, new_state, constants
     )
-    troubles = int(constants[PLACES.troubles])
+    troubles = int(constants[SHARED.troubles])
     if left != 0:
         note_trouble(troubles, 1)
         return -1
@@ -278,7 +265,7 @@ def _call(
         return -1
     new_state[count + 6] += step if log_time > least else 0.0
     new_state[count + 7] += 1.0
-    limit = int(constants[PLACES.limit])
+    limit = int(constants[SHARED.limit])
     return 1 if limit >= 0 and new_state[limit] > 0.0 else 0
 
 
@@ -286,7 +273,7 @@ def _call(
 def umat_update(components, log_time, strain, stress, state, constants, new_stress, new_state, tangent):  # type: ignore[no-untyped-def]  # pointers
     """Call a user routine; the interface is that of :mod:`geoswarm.solver.laws.binary`."""
     work, integers = _work(), _counts()
-    differences = constants[PLACES.numerical] > 0.0
+    differences = constants[SHARED.numerical] > 0.0
     C = carray(tangent, (components, components))
     status = 0
     # The step itself comes last: what it gives stays.
@@ -303,7 +290,7 @@ def umat_update(components, log_time, strain, stress, state, constants, new_stre
                 C[i, j] = (C[i, j] - new_stress[i]) / DIFFERENCE
         return status
     ntens = 6 if constants[PLACES.whole] > 0.0 else components
-    share = 1.0 / constants[PLACES.stress_factor]
+    share = 1.0 / constants[SHARED.stress_factor]
     for i in range(components):
         for j in range(components):
             C[i, j] = share * work[_DDSDDE + i + ntens * j]

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law
+from geoswarm.solver.laws.library_calls import SHARED
 from geoswarm.solver.units import convert
 from geoswarm.solver.user_laws.section import UserLawSection, value_of
 
@@ -24,6 +25,12 @@ class UserLaw(Law):
     section: ClassVar[UserLawSection]
     trouble_words: ClassVar[tuple[str, ...]]
     """Why a step has no stress, in words, for each counter of the thin function."""
+
+    @classmethod
+    def of(cls, section: UserLawSection, attributes: Mapping[str, Any]) -> Self:
+        """The law of a section, with attributes of its class."""
+        own = {"section": section, "perfectly_plastic": section.perfectly_plastic, **attributes}
+        return cast(Self, type(cls.__name__, (cls,), own)())
 
     def __init__(self) -> None:
         self.counters = np.zeros(len(self.trouble_words), dtype=np.int64)
@@ -40,6 +47,22 @@ class UserLaw(Law):
     def given_values(self, given: Mapping[str, Any]) -> dict[str, float | FloatArray]:
         """Parameters by name, in their order, of what is given."""
         return {info.name: float(given[info.name]) for info in self.parameters}
+
+    def shared_constants(self, state_count: int, limit: int, size: int) -> FloatArray:
+        """Constants that all laws in libraries have, in an array of a size.
+
+        ``state_count``: of variables that the library keeps; ``limit``: place of the one that tells yield, -1: none.
+        """
+        head = np.zeros(size)
+        head[SHARED.troubles] = self.counters.ctypes.data
+        head[SHARED.state_count] = state_count
+        head[SHARED.stress_factor] = self.stress_factor
+        head[SHARED.time_factor] = self.time_factor
+        head[SHARED.numerical] = self.section.tangent == "differences"
+        head[SHARED.least_time] = self.section.least_time
+        head[SHARED.least_log_time] = math.log(self.section.least_time)
+        head[SHARED.limit] = limit
+        return head
 
     @property
     def knows_K0(self) -> bool:

@@ -22,7 +22,7 @@ from dataclasses import replace
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Self, cast
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -159,10 +159,8 @@ class MfrontSection(UserLawSection):
         missing = [name for name in beside if name not in self.external]
         if missing:
             return f"external.{missing[0]} is missing: the behaviour depends on it"
-        if self.limit is not None and self.limit not in numbers:
-            hint = did_you_mean(self.limit, numbers)
-            others = ", ".join(numbers) or "none"
-            return f"limit: {self.limit} is no state variable that is a number{hint}; known: {others}"
+        if fault := self.wrong_limit(numbers, "state variable that is a number"):
+            return fault
         # A parameter of a property's name describes it, used in formulas or not.
         own = {name: one for name, one in self.parameters.items() if name not in read.properties}
         return self.model_copy(update={"parameters": own}).wrong_names()
@@ -178,8 +176,6 @@ def _law(text: str) -> MfrontLaw:
     section = MfrontSection.model_validate_json(text)
     read = section.read
     attributes: dict[str, Any] = {
-        "section": section,
-        "perfectly_plastic": section.perfectly_plastic,
         "parameters": tuple(_parameter(section, name) for name in section.parameter_names),
         "__doc__": f"The behaviour {section.behaviour} of {section.library}.",
     }
@@ -195,7 +191,7 @@ def _law(text: str) -> MfrontLaw:
             "state": tuple(state),
             "components": frozenset(count for count, there in known.items() if there),
         }
-    return cast(MfrontLaw, type("MfrontLaw", (MfrontLaw,), attributes)())
+    return MfrontLaw.of(section, attributes)
 
 
 def _parameter(section: MfrontSection, name: str) -> ParameterInfo:
@@ -215,7 +211,11 @@ def _parameter(section: MfrontSection, name: str) -> ParameterInfo:
 
 
 class MfrontLaw(UserLaw):
-    """A behaviour of MFront; constants as :data:`geoswarm.solver.laws.mfront_bridge.PLACES`, then the parameters."""
+    """A behaviour of MFront.
+
+    Constants: what all laws in libraries have, what stands at :data:`geoswarm.solver.laws.mfront_bridge.PLACES`, then
+    the parameters.
+    """
 
     kind: ClassVar[str] = "mfront"
     title: ClassVar[str] = "a behaviour of MFront"
@@ -254,22 +254,14 @@ class MfrontLaw(UserLaw):
         section, read = self.section, self._read
         values = self.given_values(given)
         library = opened(section.place, section.version or "")
-        head = np.zeros(PLACES.tail)
+        limit = self._starts().get(section.limit or _PLASTIC, -1)
+        head = self.shared_constants(len(read.state), limit, PLACES.tail)
         if 6 in self.components:
             head[PLACES.address] = address_of(library, f"{section.behaviour}_Tridimensional")
         if 4 in self.components:
             head[PLACES.plane_address] = address_of(library, f"{section.behaviour}_{read.plane}")
-        head[PLACES.troubles] = self.counters.ctypes.data
         head[PLACES.message] = ctypes.addressof(self._message)
-        head[PLACES.state_count] = len(read.state)
         head[PLACES.external_count] = len(read.external)
-        head[PLACES.stress_factor] = self.stress_factor
-        head[PLACES.time_factor] = self.time_factor
-        head[PLACES.numerical] = section.tangent == "differences"
-        head[PLACES.least_time] = section.least_time
-        head[PLACES.least_log_time] = math.log(section.least_time)
-        limit = section.limit or _PLASTIC
-        head[PLACES.limit] = self._starts().get(limit, -1)
         external = [
             section.temperature
             if name == "Temperature"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
@@ -197,6 +197,12 @@ class UserLawSection(Section):
         if unused:
             return f"parameters.{unused[0]} is used nowhere; write it into props, state, K0 or moduli"
         return None
+
+    def wrong_limit(self, known: Sequence[str], what: str = "state variable") -> str | None:
+        """A limit that is none of the state variables known, in words."""
+        if self.limit is None or self.limit in known:
+            return None
+        return f"limit: {self.limit} is no {what}{did_you_mean(self.limit, known)}; known: {', '.join(known) or 'none'}"
 
     def with_files(self, folder: Path | None, path: str) -> Self:
         """With the folder and the fingerprint of the library; nothing of it is executed in this process.

@@ -16,10 +16,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Annotated, Any, ClassVar, Literal, Self, cast
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -41,7 +40,6 @@ from geoswarm.solver.user_laws.section import (
     stress_values,
     value_of,
 )
-from geoswarm.solver.words import did_you_mean
 
 __all__ = ["UmatLaw", "UmatSection", "UmatState"]
 
@@ -101,12 +99,7 @@ class UmatSection(UserLawSection):
         for name in names:
             if names.count(name) > 1 or name in beside:
                 raise ValueError(f"state: the name {name} stands for two variables")
-        if self.limit is not None and self.limit not in names:
-            known = ", ".join(names) or "none"
-            raise ValueError(
-                f"limit: {self.limit} is no state variable{did_you_mean(self.limit, names)}; known: {known}"
-            )
-        if fault := self.wrong_names():
+        if fault := self.wrong_limit(names) or self.wrong_names():
             raise ValueError(fault)
         return self
 
@@ -120,21 +113,23 @@ class UmatSection(UserLawSection):
 def _law(text: str) -> UmatLaw:
     section = UmatSection.model_validate_json(text)
     attributes = {
-        "section": section,
         "parameters": tuple(one.info(name) for name, one in section.parameters.items()),
         "state": (
             *(StateVariable(one.name, one.symbol or one.name, one.unit, one.description) for one in section.state),
             *_BESIDE,
         ),
-        "perfectly_plastic": section.perfectly_plastic,
         "discrete": np.array([*(one.discrete for one in section.state), *[False] * (BESIDE - 1), True]),
         "__doc__": f"The user routine {section.function} of {section.library}.",
     }
-    return cast(UmatLaw, type("UmatLaw", (UmatLaw,), attributes)())
+    return UmatLaw.of(section, attributes)
 
 
 class UmatLaw(UserLaw):
-    """A user routine; constants as :data:`geoswarm.solver.laws.umat_bridge.PLACES`, PROPS, then the parameters."""
+    """A user routine.
+
+    Constants: what all laws in libraries have, what stands at :data:`geoswarm.solver.laws.umat_bridge.PLACES` with
+    PROPS at the end, then the parameters.
+    """
 
     kind: ClassVar[str] = "umat"
     title: ClassVar[str] = "a user routine (UMAT)"
@@ -148,22 +143,15 @@ class UmatLaw(UserLaw):
         values = self.given_values(given)
         library = opened(section.place, section.version or "")
         props = [float(value_of(one, values, f"props[{number}]")) for number, one in enumerate(section.props)]
-        head = np.zeros(PLACES.props)
+        names = [one.name for one in section.state]
+        limit = -1 if section.limit is None else names.index(section.limit)
+        head = self.shared_constants(len(names), limit, PLACES.props)
         head[PLACES.address] = address_of(library, section.function)
         head[PLACES.returns] = pointer_in(library, "geoswarm_umat_return")
-        head[PLACES.troubles] = self.counters.ctypes.data
         head[PLACES.prop_count] = len(props)
-        head[PLACES.state_count] = len(section.state)
-        head[PLACES.stress_factor] = self.stress_factor
-        head[PLACES.time_factor] = self.time_factor
         head[PLACES.cyclic] = section.shear_order[1] == "yz"
         head[PLACES.whole] = section.six_components
-        head[PLACES.numerical] = section.tangent == "differences"
-        head[PLACES.least_time] = section.least_time
-        head[PLACES.least_log_time] = math.log(section.least_time)
         head[PLACES.temperature] = section.temperature
-        names = [one.name for one in section.state]
-        head[PLACES.limit] = -1 if section.limit is None else names.index(section.limit)
         head[PLACES.name : PLACES.name + NAME_LENGTH // 8] = np.frombuffer(
             section.name.ljust(NAME_LENGTH).encode("ascii")
         )
