@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import call_update
 from geoswarm.solver.laws.umat_bridge import PLACES
@@ -29,10 +30,20 @@ STRAIN = np.array([-1.0e-3, 2.0e-4, -4.0e-4, -6.0e-4, -2.0e-4, 1.0e-4])
 STRESS = np.array([60.0, 100.0, 55.0, -8.0, -3.0, -4.0])
 
 
-# Without types: it is compiled for whatever it is called with.
 @kernel
-def many(address, calls, log_time, strain, stress, state, constants, new_stress, new_state, tangent):  # type: ignore[no-untyped-def]
-    """Call a law many times, as a driver does."""
+def many(
+    address: int,
+    calls: int,
+    log_time: float,
+    strain: FloatArray,
+    stress: FloatArray,
+    state: FloatArray,
+    constants: FloatArray,
+    new_stress: FloatArray,
+    new_state: FloatArray,
+    tangent: FloatArray,
+) -> int:
+    """Call a law many times, as a driver does; the sum of its results."""
     total = 0
     for _ in range(calls):
         total += call_update(address, log_time, strain, stress, state, constants, new_stress, new_state, tangent)
