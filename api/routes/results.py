@@ -148,7 +148,7 @@ def evaluations(
         )
     views = service.iterate_evaluations(job_id, generation=generation, state=state, max_objective=max_objective)
     return StreamingResponse(
-        itertools.chain([_line(csv_header(names, series))], csv_lines(views, names, series)),
+        itertools.chain([_lines([csv_header(names, series)])], csv_lines(views, names, series)),
         media_type="text/csv; charset=utf-8; header=present",
         headers={"Content-Disposition": f'attachment; filename="evaluations-{job_id}.csv"'},
     )
@@ -196,7 +196,7 @@ def csv_lines(views: Iterable[Evaluation], names: Sequence[str], series: Sequenc
     """CSV of evaluations without the header, some hundred lines at a time."""
     remaining = iter(views)
     while chunk := list(itertools.islice(remaining, LINES_A_CHUNK)):
-        yield "".join(_line(_row(view, names, series)) for view in chunk)
+        yield _lines(_row(view, names, series) for view in chunk)
 
 
 def _row(view: Evaluation, names: Sequence[str], series: Sequence[str]) -> list[object]:
@@ -208,12 +208,11 @@ def _row(view: Evaluation, names: Sequence[str], series: Sequence[str]) -> list[
     ]
 
 
-def _line(cells: Sequence[object]) -> str:
+def _lines(rows: Iterable[Sequence[object]]) -> str:
     text = io.StringIO()
-    csv.writer(text, lineterminator="\r\n").writerow(
-        [
-            cell.isoformat() if isinstance(cell, datetime) else visible(cell) if isinstance(cell, str) else cell
-            for cell in cells
-        ]
-    )
+    csv.writer(text, lineterminator="\r\n").writerows([_cell(one) for one in row] for row in rows)
     return text.getvalue()
+
+
+def _cell(value: object) -> object:
+    return value.isoformat() if isinstance(value, datetime) else visible(value) if isinstance(value, str) else value
