@@ -327,8 +327,12 @@ def _shares(groups: list[str], count: int) -> list[list[str]]:
 
 
 def _compile_apart(groups: list[str]) -> subprocess.Popen[bytes]:
-    """Begin to compile groups in another process."""
-    words = f"from geoswarm.solver.warm import run_sample\nfor group in {groups!r}: run_sample(group)"
+    """Begin to compile groups in another process, which looks for the sources where this one does.
+
+    Numba keeps kernels by the folder of their sources: those of another copy would be compiled again when needed.
+    """
+    words = f"import sys\nsys.path[:] = {sys.path!r}\nfrom geoswarm.solver.warm import run_sample\n"
+    words += f"for group in {groups!r}: run_sample(group)"
     nowhere = subprocess.DEVNULL
     return subprocess.Popen([sys.executable, "-c", words], stdin=nowhere, stdout=nowhere, stderr=nowhere)
 

@@ -16,57 +16,75 @@ class SharedState:
     """Memory that worker and evaluation process share.
 
     Which position is being evaluated, since when, how long it has waited and what it does (a listener of
-    :mod:`geoswarm.solver.system.activity`), and a flag.
+    :mod:`geoswarm.solver.system.activity`), and a flag. One process writes, the other reads at any time: what belongs
+    together has two places, and a byte that counts says which of them was written last.
     """
 
-    _STATE = struct.Struct("=qd")
-    _WAIT = struct.Struct("=dd")  # seconds waited so far; since when it waits now, 0: it does not
-    _WAIT_AT = 16
-    _FLAG = 32
-    _TEXT, _SIZE = 40, 240  # its length in a byte, then UTF-8
+    _STATE = struct.Struct("=qddd")  # position; since when; seconds waited so far; since when it waits now, 0: not
+    _COUNT, _FIRST = 0, 8
+    _FLAG = _FIRST + 2 * _STATE.size
+    _TEXT = _FLAG + 8  # its length in a byte, then UTF-8
+    _SIZE = _TEXT + 200
 
     def __init__(self, descriptor: int, *, new: bool) -> None:
         if new:
             os.ftruncate(descriptor, self._SIZE)
         self._memory = mmap.mmap(descriptor, self._SIZE)
+        if new:
+            self.idle()
 
     def begin(self, index: int) -> float:
         """Note that a position is begun; return the time [s]."""
         now = time.monotonic()
-        self._STATE.pack_into(self._memory, 0, index, now)
-        self._WAIT.pack_into(self._memory, self._WAIT_AT, 0.0, 0.0)
+        self._write(index, now, 0.0, 0.0)
         self.do("")
         return now
 
     def idle(self) -> None:
         """Note that nothing is being evaluated."""
-        self._STATE.pack_into(self._memory, 0, IDLE, time.monotonic())
+        self._write(IDLE, time.monotonic(), 0.0, 0.0)
+
+    def build(self) -> None:
+        """Note that a job's problem is being built."""
+        self._write(BUILDING, time.monotonic(), 0.0, 0.0)
+
+    def wait(self) -> None:
+        """Note that the position under evaluation begins to wait."""
+        index, since, waited, _ = self._read()
+        self._write(index, since, waited, time.monotonic())
+
+    def go_on(self, seconds: float) -> None:
+        """Note that it has waited so long [s], and does not wait now."""
+        index, since, waited, _ = self._read()
+        self._write(index, since, waited + seconds, 0.0)
 
     @property
     def current(self) -> tuple[int, float]:
         """Index of the position under evaluation, or ``IDLE``, ``BUILDING``; since when (monotonic time [s])."""
-        index, since = self._STATE.unpack_from(self._memory, 0)
+        index, since, _, _ = self._read()
         return index, since
-
-    def build(self) -> None:
-        """Note that a job's problem is being built."""
-        self._STATE.pack_into(self._memory, 0, BUILDING, time.monotonic())
-
-    def wait(self) -> None:
-        """Note that the position under evaluation begins to wait."""
-        waited, _ = self._WAIT.unpack_from(self._memory, self._WAIT_AT)
-        self._WAIT.pack_into(self._memory, self._WAIT_AT, waited, time.monotonic())
-
-    def go_on(self, seconds: float) -> None:
-        """Note that it has waited so long [s], and does not wait now."""
-        waited, _ = self._WAIT.unpack_from(self._memory, self._WAIT_AT)
-        self._WAIT.pack_into(self._memory, self._WAIT_AT, waited + seconds, 0.0)
 
     @property
     def waited(self) -> float:
         """How long the position under evaluation has waited until now [s]."""
-        waited, since = self._WAIT.unpack_from(self._memory, self._WAIT_AT)
-        return float(waited + (time.monotonic() - since if since else 0.0))
+        _, _, waited, waiting_since = self._read()
+        return waited + (time.monotonic() - waiting_since if waiting_since else 0.0)
+
+    def _write(self, *state: float) -> None:
+        count = (self._memory[self._COUNT] + 1) % 256
+        self._STATE.pack_into(self._memory, self._place(count), *state)
+        self._memory[self._COUNT] = count
+
+    def _read(self) -> tuple[int, float, float, float]:
+        """The state as it was at one moment: read again if it was written meanwhile."""
+        while True:
+            count = self._memory[self._COUNT]
+            index, since, waited, waiting_since = self._STATE.unpack_from(self._memory, self._place(count))
+            if self._memory[self._COUNT] == count:
+                return index, since, waited, waiting_since
+
+    def _place(self, count: int) -> int:
+        return self._FIRST + count % 2 * self._STATE.size
 
     def do(self, what: str) -> None:
         """Note what it does, in words."""

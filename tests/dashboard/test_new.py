@@ -66,7 +66,7 @@ def parameter(page: Page, name: str, mode: str, **values: str) -> None:
 def build_oedometer(page: Page, readings: Path) -> None:
     """What a new user does: the whole published job, by hand."""
     fill(page, name="clay of San Cassiano")
-    page.get_by_role("radio", name="oedometer").check()
+    page.locator('input[name="kind"][value="oedometer"]').check()
     fill(page, forward_model__height="0,02021", forward_model__initial_stress="0.2")
     page.get_by_role("button", name="Add a row").click()
     paste(

@@ -15,7 +15,17 @@ from geoswarm.solver import warm as module
 from geoswarm.solver.examples import example_file
 from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.problem import load_problem, parse_problem
-from geoswarm.solver.warm import GROUPS, KERNELS, SAMPLES, _main, compile_kernels, groups_of, missing_kernels, warm
+from geoswarm.solver.warm import (
+    GROUPS,
+    KERNELS,
+    SAMPLES,
+    _compile_apart,
+    _main,
+    compile_kernels,
+    groups_of,
+    missing_kernels,
+    warm,
+)
 from tests.solver.problems import decay_problem
 
 NOTHING_LEFT = """
@@ -125,3 +135,11 @@ def test_a_mark_counts_for_the_same_sources_and_processor_only(tmp_path: Path, m
     monkeypatch.setattr(module, "fingerprint", lambda _source: "others")
     assert module._mark(tmp_path, "oedometer") != there
     module._mark.cache_clear()
+
+
+def test_another_process_compiles_the_same_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    other = tmp_path / "geoswarm"
+    other.mkdir()
+    (other / "__init__.py").write_text("raise SystemExit(3)")
+    monkeypatch.chdir(tmp_path)
+    assert _compile_apart([]).wait() == 0

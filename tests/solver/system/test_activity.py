@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 
 import pytest
 
-from geoswarm.solver.runner.shared_state import SharedState
+from geoswarm.solver.runner.shared_state import IDLE, SharedState
 from geoswarm.solver.system import activity
 from geoswarm.solver.system.activity import counting, doing, has_waited, listen, waiting
 
@@ -59,3 +62,30 @@ def test_what_is_done_is_told_while_it_lasts(shared: SharedState) -> None:
     with pytest.raises(ZeroDivisionError), doing("something"):
         raise ZeroDivisionError
     assert shared.doing == ""
+
+
+WRITER = """
+import sys
+from geoswarm.solver.runner.shared_state import SharedState
+
+shared = SharedState(int(sys.argv[1]), new=False)
+for count in range(200_000):
+    shared.begin(3 + count % 4)
+"""
+
+
+def test_what_is_read_was_written_at_one_moment() -> None:
+    """A position whose beginning was not written yet would look as if it had run since the machine was started."""
+    descriptor = os.memfd_create("state")
+    shared = SharedState(descriptor, new=True)
+    _, before = shared.current
+    with subprocess.Popen([sys.executable, "-c", WRITER, str(descriptor)], pass_fds=[descriptor]) as writer:
+        while writer.poll() is None:
+            for _ in range(1000):
+                index, since = shared.current
+                assert index in (IDLE, 3, 4, 5, 6)
+                assert before <= since <= time.monotonic()
+    assert writer.returncode == 0
+    assert shared.current[0] == 6
+    shared.close()
+    os.close(descriptor)
