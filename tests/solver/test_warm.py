@@ -56,7 +56,7 @@ print(json.dumps([evaluation.reason, compiled]))
 def test_each_sample_is_run_and_timed() -> None:
     told: dict[str, float] = {}
     warm(told.__setitem__)
-    assert tuple(told) == GROUPS
+    assert told.keys() == set(GROUPS)  # in which order depends on what had to be compiled
     assert all(0.0 < seconds < 300.0 for seconds in told.values())
 
 
