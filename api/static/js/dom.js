@@ -55,17 +55,25 @@ export function empty(...children) {
 const control = (node) => [node.localName, node.getAttribute("href"), node.getAttribute("aria-label") ?? node.textContent].join(" ");
 
 /**
- * Replace what stands in a place (nested lists are laid flat, what is null or false left out). Who is there with the keyboard
- * is afterwards at the control with the same id, its cursor where it was, or else at one of the same kind and name.
+ * Who is in a place with the keyboard: a function that brings them, when what stood there was replaced, to the control with
+ * the same id, its cursor where it was, or else to one of the same kind and name.
  */
+function held(place) {
+  const active = document.activeElement;
+  if (!place.contains(active) || active === place) return () => {};
+  const { id, localName: kind, selectionStart: start, selectionEnd: end } = active, name = control(active);
+  return () => {
+    const again = id ? document.getElementById(id) : [...place.querySelectorAll(kind)].find((node) => control(node) === name);
+    again?.focus({ preventScroll: true });
+    if (again?.setSelectionRange && typeof start === "number") again.setSelectionRange(start, end);
+  };
+}
+
+/** Replace what stands in a place (nested lists are laid flat, what is null or false left out); the keyboard stays where it is. */
 export function exchange(place, ...made) {
-  const active = document.activeElement, inside = place.contains(active) && active !== place;
-  const held = inside ? { id: active.id, kind: active.localName, name: control(active), start: active.selectionStart, end: active.selectionEnd } : null;
+  const back = held(place);
   place.replaceChildren(...made.flat(Infinity).filter(Boolean));
-  if (!held) return;
-  const again = held.id ? document.getElementById(held.id) : [...place.querySelectorAll(held.kind)].find((node) => control(node) === held.name);
-  again?.focus({ preventScroll: true });
-  if (again?.setSelectionRange && typeof held.start === "number") again.setSelectionRange(held.start, held.end);
+  back();
 }
 
 /** While `work` goes on its button does nothing more. It keeps the focus, which one that is disabled would lose. */
@@ -81,12 +89,19 @@ export async function once(button, work) {
 
 let dialogs = 0;
 
-/** A modal dialog with a title; returns it opened. It is closed by Escape, its button, or `.close()`, and then removed. */
+/**
+ * A modal dialog with a title; returns it opened. It is closed by Escape, its button, or `.close()`, and then removed; the
+ * keyboard is where it was before, also when that place was drawn anew meanwhile.
+ */
 export function dialog(title, ...children) {
   const id = `dialog-${++dialogs}`;
   const made = element("dialog", { "aria-labelledby": id }, element("h2", { id }, title), ...children);
   made.append(element("div", { class: "buttons" }, element("button", { type: "button", class: "quiet", onclick: () => made.close() }, "Close")));
-  made.addEventListener("close", () => made.remove());
+  const back = held(document.body);
+  made.addEventListener("close", () => {
+    made.remove();
+    if (document.activeElement === document.body) back();
+  });
   document.body.append(made);
   made.showModal();
   return made;

@@ -1,5 +1,5 @@
 // The table of evaluations: filter, leaf through, open one.
-import { element, empty, failure } from "../dom.js";
+import { element, empty, exchange, failure } from "../dom.js";
 import { duration, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
@@ -38,9 +38,9 @@ export function evaluations(view) {
       const page = await get(`/jobs/${view.id}/evaluations`, { ...query(), limit: PAGE, cursor: cursors.at(-1) });
       if (turn !== asked) return;
       next = page.next_cursor;
-      table.replaceChildren(page.items.length ? filled(page.items) : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has begun yet."));
+      exchange(table, page.items.length ? filled(page.items) : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has begun yet."));
     } catch (error) {
-      if (turn === asked) table.replaceChildren(failure(error));
+      if (turn === asked) exchange(table, failure(error));
     }
     first.hidden = back.hidden = cursors.length === 1;
     on.hidden = next === null;
