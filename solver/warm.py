@@ -140,7 +140,7 @@ GROUPS = (*SAMPLES, *BUILT_IN, *USER_LAWS, OTHER_LAWS)
 
 KERNELS = {
     "oedometer": 15,
-    "section": 22,
+    "section": 17,
     "element_test": 7,
     "consolidation": 11,
     "drucker_prager": 16,
@@ -154,7 +154,7 @@ KERNELS = {
 
 _SECONDS = {
     "oedometer": 3,
-    "section": 10,
+    "section": 9,
     "element_test": 4,
     "consolidation": 6,
     "drucker_prager": 6,

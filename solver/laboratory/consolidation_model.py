@@ -30,7 +30,7 @@ from geoswarm.solver.laboratory.water_flow import (
     VERTICAL,
     VOID_RATIO,
     permeability_of,
-    pore_pressure,
+    pore_pressure_at,
 )
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class ConsolidationModel(FlowModel):
         )
         where = "at mid-height" if self.spec.drainage == "two_sides" else "at the base"
         moved = (settlement, AXIAL_STRAIN)
-        others = (pore_pressure(where), MEAN_STRESS, K0_MEAN, *((VOID_RATIO,) if voids else ()))
+        others = (pore_pressure_at(where), MEAN_STRESS, K0_MEAN, *((VOID_RATIO,) if voids else ()))
         found = [TestSeries(axis, one) for axis in self._axes() for one in (*moved, *others)]
         for number in range(len(self.spec.stages)):
             counted, plain = self._within(number, True), self._within(number, False)

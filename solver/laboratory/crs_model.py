@@ -27,7 +27,7 @@ from geoswarm.solver.laboratory.water_flow import (
     STRESS,
     VOID_RATIO,
     permeability_of,
-    pore_pressure,
+    pore_pressure_at,
 )
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ _MEASURED = (
         "kPa",
         lambda seen: seen.rows[:, STRESS],
     ),
-    pore_pressure("at the base"),
+    pore_pressure_at("at the base"),
     Quantity(
         "effective_stress",
         "Effective stress as laboratories evaluate it: axial stress less 2/3 of the excess pore pressure at the base",

@@ -26,7 +26,7 @@ __all__ = [
     "flow_fault",
     "growth_of",
     "permeability_of",
-    "pore_pressure",
+    "pore_pressure_at",
 ]
 
 OUTPUT: Final = 5
@@ -85,7 +85,7 @@ K0_MEAN = Quantity(
 )
 
 
-def pore_pressure(where: str) -> Quantity:
+def pore_pressure_at(where: str) -> Quantity:
     """The pore pressure where it is measured, in words."""
     return Quantity(
         "pore_pressure",

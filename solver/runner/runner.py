@@ -19,7 +19,7 @@ from geoswarm.solver.runner.evaluator import BuildError, NeverMind, RunLimits
 from geoswarm.solver.runner.fork_server_link import POLL_SECONDS, ForkServerLink
 from geoswarm.solver.runner.output import anonymous_file, tail
 from geoswarm.solver.runner.process import EvaluationProcess
-from geoswarm.solver.runner.shared_state import BUILDING, IDLE
+from geoswarm.solver.runner.shared_state import BUILDING, IDLE, Progress
 from geoswarm.solver.runner.wire import ConnectionEnded, Frame, GarbledError, Outcome, unpack_outcomes
 from geoswarm.solver.system.processes import memory_of
 
@@ -189,12 +189,12 @@ class Runner:
                     self._renew(process, frame.head["renew"])
                     return
         except ConnectionEnded:
-            current = shared.current
-            raise _EndedError("worker_lost", _how_it_ended(self._kill()), current, tail(self._output)) from None
+            at = shared.current
+            raise _EndedError("worker_lost", _how_it_ended(self._kill()), at, tail(self._output)) from None
         except GarbledError:
-            current = (IDLE, shared.current[1])
+            at = shared.current._replace(position=IDLE)
             self._kill()
-            raise _EndedError("worker_lost", GARBLED, current, tail(self._output)) from None
+            raise _EndedError("worker_lost", GARBLED, at, tail(self._output)) from None
         except GeneratorExit:
             self._kill()  # the caller has lost interest; whatever is under way must not answer the next request
             raise
@@ -233,7 +233,7 @@ class Runner:
             if frame is not None:
                 return frame
             now = time.monotonic()
-            index, since = process.shared.current
+            at = process.shared.current
             if deadline is None:
                 patience = unwanted()
                 if patience is not None:
@@ -241,41 +241,39 @@ class Runner:
                     deadline = now + patience
             elif now > deadline:
                 self._kill()
-                raise NeverMind(max(index, 0))
-            self._keep_time(process, limits, index, since, now - max(asked, process.heard))
+                raise NeverMind(max(at.position, 0))
+            self._keep_time(process, limits, at, now - max(asked, process.heard))
             if limits.memory_mb is not None and now - self._memory_at > MEMORY_SECONDS:
                 self._memory_at = now
-                self._keep_memory(process, limits.memory_mb, index, since)
+                self._keep_memory(process, limits.memory_mb, at)
 
-    def _keep_time(
-        self, process: EvaluationProcess, limits: RunLimits, index: int, since: float, silent: float
-    ) -> None:
-        running = time.monotonic() - since
+    def _keep_time(self, process: EvaluationProcess, limits: RunLimits, at: Progress, silent: float) -> None:
+        running = time.monotonic() - at.since
         message: str | None = None
         reason = "worker_lost"
-        if index >= 0 and limits.seconds is not None and running - process.shared.waited > limits.seconds:
+        if at.position >= 0 and limits.seconds is not None and running - at.waited > limits.seconds:
             reason, doing = "timeout", process.shared.doing
             message = f"ran for longer than {limits.seconds:g} s ({limits.of_time}) and was killed"
             message += f" while {doing}" if doing else ""
-        elif index == BUILDING and running > BUILD_SECONDS:
+        elif at.position == BUILDING and running > BUILD_SECONDS:
             message = f"the problem was not built within {BUILD_SECONDS:g} s in the evaluation process"
-        elif (process.answering or index == IDLE) and min(running, silent) > SILENT_SECONDS:
+        elif (process.answering or at.position == IDLE) and min(running, silent) > SILENT_SECONDS:
             message = f"the evaluation process was silent for {SILENT_SECONDS:g} s with an answer due, and was killed"
         if message is not None:
             self._kill()
-            raise _EndedError(reason, message, (index, since), tail(self._output))
+            raise _EndedError(reason, message, at, tail(self._output))
 
-    def _keep_memory(self, process: EvaluationProcess, most: float, index: int, since: float) -> None:
+    def _keep_memory(self, process: EvaluationProcess, most: float, at: Progress) -> None:
         used = self._memory_used()
         if used <= most:
             return
         # What counts is what this evaluation uses, not what those before it have left.
-        spoiled = process.runs > 0 or index > 0
+        spoiled = process.runs > 0 or at.position > 0
         self._kill()
         if spoiled:
-            raise _SpoiledError(index)
+            raise _SpoiledError(at.position)
         message = f"used {used:.0f} MiB, more than {most:g} MiB (limits.memory_mb), and was killed"
-        raise _EndedError("killed_memory", message, (index, since), tail(self._output))
+        raise _EndedError("killed_memory", message, at, tail(self._output))
 
     def _memory_used(self) -> float:
         """Return the memory [MiB] of all below the fork server, beyond what the evaluation process had at its start."""
@@ -333,10 +331,10 @@ class _SpoiledError(Exception):
 class _EndedError(Exception):
     """The evaluation process has ended, by itself or not."""
 
-    def __init__(self, reason: str, message: str, current: tuple[int, float], output: str | None) -> None:
+    def __init__(self, reason: str, message: str, at: Progress, output: str | None) -> None:
         self.reason = reason
         self.message = message
-        self.index, self.began = current
+        self.index, self.began = at.position, at.since
         self.output = output
         super().__init__(message)
 

@@ -6,18 +6,34 @@ import mmap
 import os
 import struct
 import time
+from typing import NamedTuple
 
-__all__ = ["BUILDING", "IDLE", "SharedState"]
+__all__ = ["BUILDING", "IDLE", "Progress", "SharedState"]
 
 IDLE, BUILDING = -1, -2
+
+_MOST_READS = 1000
+"""After which a reader takes what it has: whoever writes all the time must not hold it up."""
+
+
+class Progress(NamedTuple):
+    """What an evaluation process is at, as it was at one moment."""
+
+    position: int
+    """Position under evaluation, or ``IDLE``, ``BUILDING``."""
+    since: float
+    """Monotonic time [s]."""
+    waited: float
+    """How long that has waited until now [s]."""
 
 
 class SharedState:
     """Memory that worker and evaluation process share.
 
     Which position is being evaluated, since when, how long it has waited and what it does (a listener of
-    :mod:`geoswarm.solver.system.activity`), and a flag. One process writes, the other reads at any time: what belongs
-    together has two places, and a byte that counts says which of them was written last.
+    :mod:`geoswarm.solver.system.activity`), and a flag. The worker writes before it asks for something, the
+    evaluation process until it has answered; the worker reads at any time. So what belongs together has two places, and
+    a byte that counts says which of them was written last.
     """
 
     _STATE = struct.Struct("=qddd")  # position; since when; seconds waited so far; since when it waits now, 0: not
@@ -59,16 +75,10 @@ class SharedState:
         self._write(index, since, waited + seconds, 0.0)
 
     @property
-    def current(self) -> tuple[int, float]:
-        """Index of the position under evaluation, or ``IDLE``, ``BUILDING``; since when (monotonic time [s])."""
-        index, since, _, _ = self._read()
-        return index, since
-
-    @property
-    def waited(self) -> float:
-        """How long the position under evaluation has waited until now [s]."""
-        _, _, waited, waiting_since = self._read()
-        return waited + (time.monotonic() - waiting_since if waiting_since else 0.0)
+    def current(self) -> Progress:
+        """What it is at."""
+        index, since, waited, waiting_since = self._read()
+        return Progress(index, since, waited + (time.monotonic() - waiting_since if waiting_since else 0.0))
 
     def _write(self, *state: float) -> None:
         count = (self._memory[self._COUNT] + 1) % 256
@@ -77,11 +87,12 @@ class SharedState:
 
     def _read(self) -> tuple[int, float, float, float]:
         """The state as it was at one moment: read again if it was written meanwhile."""
-        while True:
+        for _ in range(_MOST_READS):
             count = self._memory[self._COUNT]
             index, since, waited, waiting_since = self._STATE.unpack_from(self._memory, self._place(count))
             if self._memory[self._COUNT] == count:
-                return index, since, waited, waiting_since
+                break
+        return index, since, waited, waiting_since
 
     def _place(self, count: int) -> int:
         return self._FIRST + count % 2 * self._STATE.size

@@ -31,14 +31,14 @@ def test_waiting_is_counted_where_somebody_counts(shared: SharedState) -> None:
     with counting() as outer:
         has_waited(3.0)
         with counting() as inner, waiting():
-            now = shared.waited
-            assert 3.0 <= now <= shared.waited  # it goes on while it is waited
+            now = shared.current.waited
+            assert 3.0 <= now <= shared.current.waited  # it goes on while it is waited
         has_waited(0.5)
     assert outer.seconds == 3.5
     assert inner.seconds >= 0.0
     has_waited(1.0)  # nobody counts
     assert outer.seconds == 3.5
-    assert shared.waited == pytest.approx(4.5 + inner.seconds, rel=1e-12)
+    assert shared.current.waited == pytest.approx(4.5 + inner.seconds, rel=1e-12)
 
 
 def test_the_next_evaluation_has_not_waited(shared: SharedState) -> None:
@@ -46,9 +46,9 @@ def test_the_next_evaluation_has_not_waited(shared: SharedState) -> None:
     with pytest.raises(KeyError), waiting():
         raise KeyError
     has_waited(2.0)
-    assert shared.waited >= 2.0
+    assert shared.current.waited >= 2.0
     shared.begin(1)
-    assert shared.waited == 0.0
+    assert shared.current.waited == 0.0
 
 
 def test_what_is_done_is_told_while_it_lasts(shared: SharedState) -> None:
@@ -78,14 +78,14 @@ def test_what_is_read_was_written_at_one_moment() -> None:
     """A position whose beginning was not written yet would look as if it had run since the machine was started."""
     descriptor = os.memfd_create("state")
     shared = SharedState(descriptor, new=True)
-    _, before = shared.current
+    before = shared.current.since
     with subprocess.Popen([sys.executable, "-c", WRITER, str(descriptor)], pass_fds=[descriptor]) as writer:
         while writer.poll() is None:
             for _ in range(1000):
-                index, since = shared.current
+                index, since, _ = shared.current
                 assert index in (IDLE, 3, 4, 5, 6)
                 assert before <= since <= time.monotonic()
     assert writer.returncode == 0
-    assert shared.current[0] == 6
+    assert shared.current.position == 6
     shared.close()
     os.close(descriptor)
