@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.constitutive.creep_update import creep_update
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.general_update import creep_update
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load
 from geoswarm.solver.laws.registry import find_law

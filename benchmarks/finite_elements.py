@@ -15,7 +15,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.multifrontal import equations_of, factorise, solve_factorised
 from geoswarm.solver.fem.phases import Fixity, Phase, Traction

@@ -19,7 +19,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import call_update
-from geoswarm.solver.laws.umat_bridge import PLACES
+from geoswarm.solver.laws.libraries.umat_bridge import PLACES
 from geoswarm.solver.user_laws.build import build_umat
 from geoswarm.solver.user_laws.umat import UmatSection
 

@@ -20,7 +20,7 @@ from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.errors import InfeasibleError, unknown_series
 from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
-from geoswarm.solver.laboratory.load_stages import LATE, LoadStages
+from geoswarm.solver.laboratory.flow.load_stages import LATE, LoadStages
 from geoswarm.solver.laboratory.record import no_voids
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault, permeability_of
 from geoswarm.solver.laws.at_rest import horizontal_stress

@@ -2,15 +2,15 @@
 
 The principal axes never turn and the two lateral directions are equal, so a step is one scalar equation for the lateral
 stress (confined specimen) or none at all (lateral stress prescribed). The physics is that of
-:mod:`geoswarm.solver.constitutive.soft_soil_creep`; the general update gives the same result (tested). Compression
-positive.
+:mod:`geoswarm.solver.constitutive.soft_soil_creep.physics`; the general update gives the same result (tested).
+Compression positive.
 """
 
 from __future__ import annotations
 
 import math
 
-from geoswarm.solver.constitutive.soft_soil_creep import (
+from geoswarm.solver.constitutive.soft_soil_creep.physics import (
     ALPHA_GUARD,
     SoftSoilCreep,
     creep_increment,

@@ -10,7 +10,19 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
-from geoswarm.solver.element_test import column as kernels
+from geoswarm.solver.element_test.column import (
+    CONDUCT,
+    GROUND_ROWS,
+    GROWTH,
+    LIFT,
+    PROFILE,
+    RESIST,
+    SHARE,
+    SINK,
+    WEIGHT,
+    Soils,
+    profile,
+)
 from geoswarm.solver.element_test.column_steps import lead_column
 from geoswarm.solver.element_test.legs import Path, PointState
 from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP, PAUSED
@@ -65,10 +77,10 @@ class Ground:
     @cached_property
     def rows(self) -> FloatArray:
         """As the kernel takes them, (7, j)."""
-        rows = np.empty((kernels.GROUND_ROWS, self.share.size))
-        rows[kernels.SHARE], rows[kernels.CONDUCT], rows[kernels.GROWTH] = self.share, self.conduct, self.growth
-        rows[kernels.WEIGHT], rows[kernels.LIFT] = self.weight, self.lift
-        rows[kernels.SINK], rows[kernels.RESIST] = self.sink, self.resist
+        rows = np.empty((GROUND_ROWS, self.share.size))
+        rows[SHARE], rows[CONDUCT], rows[GROWTH] = self.share, self.conduct, self.growth
+        rows[WEIGHT], rows[LIFT] = self.weight, self.lift
+        rows[SINK], rows[RESIST] = self.sink, self.resist
         return rows
 
 
@@ -100,7 +112,7 @@ class Column:
         return [(self.soils[places[0]], np.array(places)) for places in found.values()]
 
     @cached_property
-    def laws(self) -> kernels.Soils:
+    def laws(self) -> Soils:
         """Addresses of the stress updates (j,) and constants (j, c)."""
         addresses = np.zeros(len(self.soils), dtype=np.int64)
         constants = np.zeros((len(self.soils), max(soil.constants.size for soil, _ in self._groups)))
@@ -130,8 +142,8 @@ class Column:
 
     def profile(self, large: bool) -> FloatArray:
         """Vertical stress, loss of length over the initial one, and horizontal stress of the points, (3 j,)."""
-        output = np.empty(kernels.PROFILE * self.strain.size)
-        kernels.profile(self.stress, self.strain, large, output)
+        output = np.empty(PROFILE * self.strain.size)
+        profile(self.stress, self.strain, large, output)
         return output
 
 
@@ -192,7 +204,7 @@ def follow_movement(
     count = column.strain.size
     guess, limits = np.zeros(count), np.full(count, -1, dtype=np.int64)
     now, length, steps = 0.0, _FIRST, 0
-    width = kernels.PROFILE * count
+    width = PROFILE * count
     pieces = [(np.empty((0, 4)), np.empty((0, width)), column.profile(ground.large)[np.newaxis])]
     outcome = PAUSED if movement.duration > 0.0 else DONE
     of_state = np.where(column.state_weights == AS_FOUND, AS_FOUND, column.state_weights / tolerance)

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, equivalent_pressure
 from geoswarm.solver.element_test.axial import (
     confined_load,
     confined_step,

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, equivalent_pressure
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec

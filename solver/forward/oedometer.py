@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
 from geoswarm.solver.element_test.axial import equivalent_axial_pressure, lateral_limits
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.base import in_unit

@@ -19,7 +19,7 @@ from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.soft_soil_creep import creep_soil
 
 if TYPE_CHECKING:
-    from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+    from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
     from geoswarm.solver.forward.staged_load import StagedLoadModel
 
 __all__ = ["FAST_PATHS", "Calculate", "history_of"]

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
 from geoswarm.solver.errors import Issue, ProblemError, unknown_series
 from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo

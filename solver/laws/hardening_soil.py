@@ -1,4 +1,4 @@
-"""The hardening soil model as a law: the physics is in :mod:`geoswarm.solver.constitutive.hardening_surfaces`."""
+"""The hardening soil model as a law: the physics is in :mod:`geoswarm.solver.constitutive.hardening_soil.surfaces`."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.hardening_soil import hardening_soil_step
-from geoswarm.solver.constitutive.hardening_surfaces import (
+from geoswarm.solver.constitutive.hardening_soil.step import hardening_soil_step
+from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     LEAST_STIFF,
     HardeningSoil,
     hardening_soil_of,
@@ -20,7 +20,7 @@ from geoswarm.solver.constitutive.tensors import principal_axes
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
+from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
 from geoswarm.solver.laws.usual_parameters import (
     cohesion,
     normal_K0,

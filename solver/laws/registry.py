@@ -30,21 +30,21 @@ log = logging.getLogger(__name__)
 GROUP = "geoswarm.laws"
 BUILT_IN = {
     "elastic": "geoswarm.solver.laws.elastic:Elastic",
-    "drucker_prager": "geoswarm.solver.laws.drucker_prager:DruckerPrager",
+    "drucker_prager": "geoswarm.solver.laws.perfect_plasticity.drucker_prager:DruckerPrager",
     "hardening_soil": "geoswarm.solver.laws.hardening_soil:HardeningSoilLaw",
-    "hypoplastic_clay": "geoswarm.solver.laws.hypoplastic_clay:HypoplasticClay",
-    "hypoplastic_sand": "geoswarm.solver.laws.hypoplastic_sand:HypoplasticSand",
-    "matsuoka_nakai": "geoswarm.solver.laws.matsuoka_nakai:MatsuokaNakai",
+    "hypoplastic_clay": "geoswarm.solver.laws.hypoplasticity.clay:HypoplasticClay",
+    "hypoplastic_sand": "geoswarm.solver.laws.hypoplasticity.sand:HypoplasticSand",
+    "matsuoka_nakai": "geoswarm.solver.laws.perfect_plasticity.matsuoka_nakai:MatsuokaNakai",
     "modified_cam_clay": "geoswarm.solver.laws.modified_cam_clay:ModifiedCamClay",
-    "mohr_coulomb": "geoswarm.solver.laws.mohr_coulomb:MohrCoulomb",
+    "mohr_coulomb": "geoswarm.solver.laws.perfect_plasticity.mohr_coulomb:MohrCoulomb",
     "soft_soil": "geoswarm.solver.laws.soft_soil:SoftSoilLaw",
     "soft_soil_creep": "geoswarm.solver.laws.soft_soil_creep:SoftSoilCreepLaw",
 }
 """Where the built-in laws are, by kind."""
 
 USER_LAWS = {
-    "umat": "geoswarm.solver.laws.umat_bridge:umat_update",
-    "mfront": "geoswarm.solver.laws.mfront_bridge:mfront_update",
+    "umat": "geoswarm.solver.laws.libraries.umat_bridge:umat_update",
+    "mfront": "geoswarm.solver.laws.libraries.mfront_bridge:mfront_update",
 }
 """Laws in libraries of the user's, by kind, and the thin function around each. A problem describes them, see
 :mod:`geoswarm.solver.user_laws`; they have no name under which they could be found."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.soft_soil_creep import Formulation, SoftSoilCreep, soft_soil
+from geoswarm.solver.constitutive.soft_soil_creep.physics import Formulation, SoftSoilCreep, soft_soil
 from geoswarm.solver.laws.soft_soil_creep import PARAMETERS, SoftSoilCreepLaw
 from geoswarm.solver.parameter_info import ParameterInfo
 

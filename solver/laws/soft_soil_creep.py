@@ -1,4 +1,4 @@
-"""Soft soil creep as a law: the physics is in :mod:`geoswarm.solver.constitutive.soft_soil_creep`."""
+"""Soft soil creep as a law: the physics is in :mod:`geoswarm.solver.constitutive.soft_soil_creep.physics`."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.soft_soil_creep import (
+from geoswarm.solver.constitutive.soft_soil_creep.physics import (
     Formulation,
     SoftSoilCreep,
     friction_constant,
     soft_soil_creep,
 )
-from geoswarm.solver.constitutive.soft_soil_step import soft_soil_step
+from geoswarm.solver.constitutive.soft_soil_creep.step import soft_soil_step
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF
+from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
 from geoswarm.solver.laws.usual_parameters import (
     DILATANCY,
     cohesion,

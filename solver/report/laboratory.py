@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
 from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.combined import CombinedModel

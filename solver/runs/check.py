@@ -15,7 +15,7 @@ from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.checks.extremes import extreme_issues
-from geoswarm.solver.runlog import RunLog
+from geoswarm.solver.runs.runlog import RunLog
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
 

@@ -14,10 +14,10 @@ from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import fatal_message
-from geoswarm.solver.runlog import RunKey, RunLog
 from geoswarm.solver.runs.evaluators import EvaluateGeneration, evaluator
 from geoswarm.solver.runs.journal import Keeper
 from geoswarm.solver.runs.notebook import result_html
+from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.solver.warm import compile_kernels
 
 __all__ = [

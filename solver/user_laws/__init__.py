@@ -9,5 +9,5 @@
 ``material``        a law by name, or one of these sections, in a forward model
 ==================  ==========================================================================
 
-The thin functions around the routines, which are compiled, are in :mod:`geoswarm.solver.laws`.
+The thin functions around the routines, which are compiled, are in :mod:`geoswarm.solver.laws.libraries`.
 """

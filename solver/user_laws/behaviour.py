@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pydantic import Field
 
-from geoswarm.solver.laws.mfront_bridge import MOST_STATE
+from geoswarm.solver.laws.libraries.mfront_bridge import MOST_STATE
 from geoswarm.solver.section import Section
 
 __all__ = ["Behaviour", "UnusableBehaviourError", "behaviour_in"]

@@ -12,7 +12,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law
-from geoswarm.solver.laws.library_calls import SHARED
+from geoswarm.solver.laws.libraries.calls import SHARED
 from geoswarm.solver.units import convert
 from geoswarm.solver.user_laws.section import UserLawSection, value_of
 

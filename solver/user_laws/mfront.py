@@ -32,7 +32,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleError, Issue, ProblemError
 from geoswarm.solver.laws.base import StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
-from geoswarm.solver.laws.mfront_bridge import MESSAGE_LENGTH, PLACES, TROUBLES, mfront_update
+from geoswarm.solver.laws.libraries.mfront_bridge import MESSAGE_LENGTH, PLACES, TROUBLES, mfront_update
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.system.extras import needs_extra
 from geoswarm.solver.user_laws.behaviour import Behaviour, UnusableBehaviourError, behaviour_in
@@ -213,8 +213,8 @@ def _parameter(section: MfrontSection, name: str) -> ParameterInfo:
 class MfrontLaw(UserLaw):
     """A behaviour of MFront.
 
-    Constants: what all laws in libraries have, what stands at :data:`geoswarm.solver.laws.mfront_bridge.PLACES`, then
-    the parameters.
+    Constants: what all laws in libraries have, what stands at
+    :data:`geoswarm.solver.laws.libraries.mfront_bridge.PLACES`, then the parameters.
     """
 
     kind: ClassVar[str] = "mfront"

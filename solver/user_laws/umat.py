@@ -27,7 +27,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.declared_parameter import ParameterName
 from geoswarm.solver.laws.base import StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
-from geoswarm.solver.laws.umat_bridge import BESIDE, NAME_LENGTH, PLACES, TROUBLES, umat_update
+from geoswarm.solver.laws.libraries.umat_bridge import BESIDE, NAME_LENGTH, PLACES, TROUBLES, umat_update
 from geoswarm.solver.section import Section
 from geoswarm.solver.user_laws.law import UserLaw
 from geoswarm.solver.user_laws.library import address_of, opened, pointer_in
@@ -127,8 +127,8 @@ def _law(text: str) -> UmatLaw:
 class UmatLaw(UserLaw):
     """A user routine.
 
-    Constants: what all laws in libraries have, what stands at :data:`geoswarm.solver.laws.umat_bridge.PLACES` with
-    PROPS at the end, then the parameters.
+    Constants: what all laws in libraries have, what stands at :data:`geoswarm.solver.laws.libraries.umat_bridge.PLACES`
+    with PROPS at the end, then the parameters.
     """
 
     kind: ClassVar[str] = "umat"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import subprocess
+from collections import Counter
 from importlib import import_module
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 from tests.contracts.repository import PACKAGES, ROOT, module_name, python_files
 
 LONGEST_FILE = 420
+MOST_MODULES = 16
 SOURCES = python_files(*PACKAGES)
 TESTS = python_files("tests")
 
@@ -24,6 +26,14 @@ def label(path: Path) -> str:
 def test_files_are_short() -> None:
     lengths = {label(path): len(path.read_text(encoding="utf-8").splitlines()) for path in [*SOURCES, *TESTS]}
     assert {name: length for name, length in lengths.items() if length > LONGEST_FILE} == {}
+
+
+def test_a_folder_holds_as_many_modules_as_a_reader_can_survey() -> None:
+    """Inner rooms: docs/decisions/0021-inner-rooms.md."""
+    held = Counter(
+        label(path.parent) for path in SOURCES if path.name != "__init__.py" and "versions" not in path.parts
+    )
+    assert {folder: count for folder, count in held.items() if count > MOST_MODULES} == {}
 
 
 def test_every_module_says_what_it_is_for() -> None:

@@ -12,7 +12,7 @@ from geoswarm.solver.calibration import Calibration, Offer
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.warm_start import MOST_OFFERED, EarlierRuns, best_of, offer_of
+from geoswarm.solver.runs.warm_start import MOST_OFFERED, EarlierRuns, best_of, offer_of
 from tests.solver.problems import decay_document
 
 AIMED = {"kind": "particle_swarm", "particles": 8}

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, soft_soil_creep
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import (
     confined_load,

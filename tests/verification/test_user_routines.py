@@ -24,7 +24,7 @@ from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
-from geoswarm.solver.laboratory.crs_record import Flow, lead
+from geoswarm.solver.laboratory.flow.crs_record import Flow, lead
 from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laboratory.shear_stages import ShearStage
 from geoswarm.solver.laws.base import Soil

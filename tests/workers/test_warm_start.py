@@ -12,7 +12,7 @@ from geoswarm.solver.calibration import Offer
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
+from geoswarm.solver.runs.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.queries import offers
 from geoswarm.workers.queries.workers import see_worker

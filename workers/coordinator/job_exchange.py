@@ -12,7 +12,7 @@ import numpy as np
 from sqlalchemy import Connection
 
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.runlog import RunLog
+from geoswarm.solver.runs.runlog import RunLog
 from geoswarm.workers.coordinator.ending import changed_criteria
 from geoswarm.workers.coordinator.retry import finish_retry, open_retries
 from geoswarm.workers.coordinator.tries import give_back, record_result

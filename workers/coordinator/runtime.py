@@ -20,7 +20,7 @@ from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.problem import Stopping, parse_problem
 from geoswarm.solver.problem.running import Failures
-from geoswarm.solver.runlog import RunKey, RunLog
+from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
 from geoswarm.workers.coordinator.retry import begin_retry, finish_retry

@@ -13,7 +13,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Offer
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Points, Problem, parse_problem
-from geoswarm.solver.warm_start import OTHER_MODEL, EarlierRuns, best_of, forward_model_hash, offer_of, usable_runs
+from geoswarm.solver.runs.warm_start import OTHER_MODEL, EarlierRuns, best_of, forward_model_hash, offer_of, usable_runs
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.queries.jobs import get_problem

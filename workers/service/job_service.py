@@ -25,7 +25,7 @@ from geoswarm.solver.forward.registry import PROGRAMS_REFUSED
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.runs.check import CheckReport
-from geoswarm.solver.warm_start import forward_model_hash
+from geoswarm.solver.runs.warm_start import forward_model_hash
 from geoswarm.workers.access.principal import LOCAL, Principal
 from geoswarm.workers.access.quotas import check_quotas, sizes
 from geoswarm.workers.cache import Cache

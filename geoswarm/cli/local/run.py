@@ -116,7 +116,7 @@ def run_command(
 def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
     """What earlier runs offer; a folder that offers nothing is an error."""
     from geoswarm.solver.report.folder.reading import FolderError, run_of_folder
-    from geoswarm.solver.warm_start import EarlierRuns, best_of, offer_of
+    from geoswarm.solver.runs.warm_start import EarlierRuns, best_of, offer_of
 
     offers = []
     for folder in folders:

@@ -14,7 +14,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.external.copies import FileInTheWayError
 from geoswarm.solver.forward.combined import CombinedSpec
 from geoswarm.solver.forward.oedometer import OedometerSpec
-from geoswarm.solver.laboratory.triaxial import TriaxialSpec
+from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
 from geoswarm.solver.problem import Problem, load_problem
 from geoswarm.solver.problem.given import values_from
 from geoswarm.solver.problem.parameters import FixedParameter, FreeParameter

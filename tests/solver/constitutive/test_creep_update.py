@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from geoswarm.solver.constitutive.creep_update import creep_update
-from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, principal_planes
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, soft_soil_creep
+from geoswarm.solver.constitutive.mohr_coulomb.limit import ACTIVE_SETS, principal_planes
+from geoswarm.solver.constitutive.soft_soil_creep.general_update import creep_update
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, soft_soil_creep
 from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix
 from geoswarm.solver.element_test.axial import confined_step, strain_increment
 

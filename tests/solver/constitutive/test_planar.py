@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoswarm.solver.constitutive.creep_update import creep_update
-from geoswarm.solver.constitutive.planar_mohr_coulomb import planar_mohr_coulomb
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.mohr_coulomb.planar import planar_mohr_coulomb
+from geoswarm.solver.constitutive.soft_soil_creep.general_update import creep_update
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
 
 SOIL = soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0, 3.0)

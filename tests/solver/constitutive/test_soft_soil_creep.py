@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from geoswarm.solver.constitutive.soft_soil_creep import (
+from geoswarm.solver.constitutive.soft_soil_creep.physics import (
     ALPHA_GUARD,
     SoftSoilCreep,
     creep_increment,

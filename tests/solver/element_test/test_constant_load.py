@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, equivalent_pressure, soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, equivalent_pressure, soft_soil_creep
 from geoswarm.solver.element_test.axial import confined_load, lateral_limits
 from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
 from geoswarm.solver.element_test.controls import Stage

@@ -15,7 +15,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from geoswarm.solver.constitutive.soft_soil_creep import friction_constant, soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import friction_constant, soft_soil_creep
 from geoswarm.solver.element_test.constant_load import FINISHED, constant_load_history
 
 NU, DURATION = 0.15, 1.0

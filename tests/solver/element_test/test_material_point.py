@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import (

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.fem.materials import InterfaceMaterial
 from tests.soils import creeping, elastic, mohr_coulomb

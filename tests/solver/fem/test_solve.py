@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.fem.initial import stress_at_rest
 from geoswarm.solver.fem.materials import InterfaceMaterial

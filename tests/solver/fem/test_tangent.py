@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.fem.body import Body, State
 from geoswarm.solver.fem.materials import INTERFACE_CONSTANTS, InterfaceMaterial, Material
 from geoswarm.solver.fem.mesh.mesh import Mesh

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from geoswarm.solver.constitutive.soft_soil_creep import soft_soil_creep
+from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.forward.isotropic_compression import IsotropicCompressionSpec
 from tests.solver.forward.staged_tests import ISOTROPIC_IDENTIFIED, isotropic_spec
 

@@ -20,8 +20,8 @@ from geoswarm.solver.identifiability.stored.findings import (
     sensitivity_problem,
 )
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.runlog import RunLog
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import logging
 import os
+import re
+import shutil
 import stat
 import subprocess
 import sys
@@ -15,6 +18,9 @@ import pytest
 
 from geoswarm.solver.kernels import cache
 from geoswarm.solver.kernels.cache import SOLVER, VARIABLE, alone, cache_folder, fingerprint, settle
+from geoswarm.solver.laws.registry import BUILT_IN
+
+LAW = re.compile(r"^ *from (geoswarm\.solver\.laws[.\w]*) import", re.MULTILINE)
 
 
 @pytest.fixture
@@ -42,14 +48,14 @@ def lock_up(folder: Path) -> None:
 def test_a_change_moves_the_kernels_of_a_source_and_of_those_that_import_it(tmp_path: Path) -> None:
     def write(name: str, text: str) -> Path:
         path = tmp_path / name
-        path.parent.mkdir(exist_ok=True)
+        path.parent.mkdir(exist_ok=True, parents=True)
         path.write_text(text, encoding="utf-8")
         return path
 
-    law = write("laws/clay.py", "from geoswarm.solver.constitutive.flow import flow\n")
+    law = write("laws/plastic/clay.py", "from geoswarm.solver.constitutive.plastic.flow import flow\n")
     other = write("laws/sand.py", "a = 1\n")
     body = write("fem/body.py", "from geoswarm.solver.constitutive.sums import add\n")
-    flow = write("constitutive/flow.py", "from geoswarm.solver.constitutive.sums import add\n")
+    flow = write("constitutive/plastic/flow.py", "from geoswarm.solver.constitutive.sums import add\n")
     write("constitutive/sums.py", "a = 1\n")
     before = [fingerprint(path, tmp_path) for path in (law, other, body)]
     assert len(set(before)) == 3
@@ -62,11 +68,41 @@ def test_a_change_moves_the_kernels_of_a_source_and_of_those_that_import_it(tmp_
 
 
 def test_no_kernel_imports_a_law() -> None:
-    laws = {f"geoswarm.solver.laws.{path.stem}" for path in (SOLVER / "laws").glob("*.py")}
-    laws -= {f"geoswarm.solver.laws.{name}" for name in ("base", "binary", "registry", "__init__")}
-    sources = [*(SOLVER / "fem").glob("**/*.py"), *(SOLVER / "element_test").glob("*.py")]
-    assert sources
-    assert [path.name for path in sources if any(law in path.read_text(encoding="utf-8") for law in laws)] == []
+    allowed = {f"geoswarm.solver.laws.{name}" for name in ("base", "binary", "registry")}
+    sources = [*(SOLVER / "fem").rglob("*.py"), *(SOLVER / "element_test").rglob("*.py")]
+    imported = {name for path in sources for name in LAW.findall(path.read_text(encoding="utf-8"))}
+    assert imported
+    assert imported - allowed == set()
+
+
+def test_every_import_of_a_kernel_names_the_file_that_it_is_in() -> None:
+    """An import of a folder, of a module from it or by a relative name would hide a kernel from the fingerprints."""
+    files = [path for folder in cache._KERNELS for path in (SOLVER / folder).rglob("*.py")]
+    sources = [path for path in files if "geoswarm.solver.kernels.jit import" in path.read_text(encoding="utf-8")]
+    wrong = []
+    for path in sources:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                wrong += [f"{path.name}: {name.name}" for name in node.names if name.name.startswith("geoswarm")]
+            elif isinstance(node, ast.ImportFrom):
+                module = f"{'.' * node.level}{node.module or ''}"
+                file = SOLVER.joinpath(*module.split(".")[2:]).with_suffix(".py")
+                if node.level or (module.split(".")[0] == "geoswarm" and not file.is_file()):
+                    wrong.append(f"{path.name}: {module}")
+    assert any(len(path.relative_to(SOLVER).parts) > 2 for path in sources)
+    assert wrong == []
+
+
+def test_the_fingerprint_of_a_law_knows_the_kernels_in_inner_folders(tmp_path: Path) -> None:
+    solver = tmp_path / "solver"
+    for folder in cache._KERNELS:
+        shutil.copytree(SOLVER / folder, solver / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    laws = [solver.joinpath(*place.partition(":")[0].split(".")[2:]).with_suffix(".py") for place in BUILT_IN.values()]
+    before = {path: fingerprint(path, solver) for path in laws}
+    with (solver / "constitutive" / "hypoplasticity" / "intergranular_strain.py").open("a", encoding="utf-8") as file:
+        file.write("changed = 1\n")
+    changed = {path.relative_to(solver).as_posix() for path in laws if fingerprint(path, solver) != before[path]}
+    assert changed == {"laws/hypoplasticity/clay.py", "laws/hypoplasticity/sand.py"}
 
 
 def test_the_package_comes_first(places: dict[str, Path], caplog: pytest.LogCaptureFixture) -> None:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.laboratory.consolidation import ConsolidationSpec
-from geoswarm.solver.laboratory.crs import CrsOedometerSpec
-from geoswarm.solver.laboratory.simple_shear import DirectSimpleShearSpec
-from geoswarm.solver.laboratory.triaxial import TriaxialSpec
+from geoswarm.solver.laboratory.flow.consolidation import ConsolidationSpec
+from geoswarm.solver.laboratory.flow.crs import CrsOedometerSpec
+from geoswarm.solver.laboratory.shear.simple_shear import DirectSimpleShearSpec
+from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
 
 __all__ = ["CREEP", "ELASTIC", "MOHR_COULOMB", "consolidation", "crs_oedometer", "run", "simple_shear", "triaxial"]
 

@@ -16,7 +16,7 @@ from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import isotropic_load
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
-from geoswarm.solver.laws.hypoplasticity import mobilised_friction
+from geoswarm.solver.laws.hypoplasticity.shared import mobilised_friction
 from geoswarm.solver.laws.registry import find_law
 from tests.solver.laws.test_laws import GIVEN
 

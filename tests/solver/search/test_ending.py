@@ -12,8 +12,8 @@ from scipy.optimize import least_squares
 
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.runlog import RunLog
 from geoswarm.solver.runs.local import CalibrationResult, calibrate
+from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import free, problem_of
 
 T = np.linspace(0.0, 8.0, 41)

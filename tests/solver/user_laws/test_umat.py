@@ -10,8 +10,8 @@ import pytest
 
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.laws.libraries.umat_bridge import BESIDE
 from geoswarm.solver.laws.registry import find_law
-from geoswarm.solver.laws.umat_bridge import BESIDE
 from tests.solver.user_laws.routines import DRUCKER_PRAGER, ELASTIC, MISBEHAVING, NORTON, soil
 
 STRESS = np.array([60.0, 100.0, 55.0, 8.0, -5.0, 3.0])

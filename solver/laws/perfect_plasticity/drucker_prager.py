@@ -21,7 +21,7 @@ from geoswarm.solver.constitutive.tensors import principal_axes
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Setting, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.mohr_coulomb import TENSION_CUTOFF, MohrCoulomb
+from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF, MohrCoulomb
 
 __all__ = ["DruckerPrager", "SmoothCone"]
 

@@ -1,7 +1,8 @@
 """One step of the hardening soil model with its consistent tangent, for a plane or a general stress.
 
-Equations and notation: :mod:`geoswarm.solver.constitutive.hardening_surfaces`. The step is one of principal stresses on
-the axes of the elastic trial stress. Which surfaces are active and on which edge the stress ends is found by trying.
+Equations and notation: :mod:`geoswarm.solver.constitutive.hardening_soil.surfaces`. The step is one of principal
+stresses on the axes of the elastic trial stress. Which surfaces are active and on which edge the stress ends is found
+by trying.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.hardening_return import (
+from geoswarm.solver.constitutive.hardening_soil.principal_stresses import (
     BEYOND,
     CAP,
     SHEAR,
@@ -22,7 +23,7 @@ from geoswarm.solver.constitutive.hardening_return import (
     solve_on,
     trial_stresses,
 )
-from geoswarm.solver.constitutive.hardening_surfaces import (
+from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     HardeningSoil,
     cap_pressure,
     elastic_modulus,

@@ -10,7 +10,7 @@ from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
-from geoswarm.solver.laboratory.simple_shear_model import SimpleShearModel
+from geoswarm.solver.laboratory.shear.simple_shear_model import SimpleShearModel
 
 __all__ = ["DirectSimpleShearSpec", "SimpleShearConsolidation"]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from geoswarm.solver.element_test.consolidation import Column
 from geoswarm.solver.element_test.specimen import same_strain
-from geoswarm.solver.laboratory.crs_record import Flow, lead
+from geoswarm.solver.laboratory.flow.crs_record import Flow, lead
 from geoswarm.solver.laboratory.model import FlowModel
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laboratory.record import Record
@@ -31,7 +31,7 @@ from geoswarm.solver.laboratory.water_flow import (
 )
 
 if TYPE_CHECKING:
-    from geoswarm.solver.laboratory.crs import CrsOedometerSpec
+    from geoswarm.solver.laboratory.flow.crs import CrsOedometerSpec
 
 __all__ = ["CrsModel"]
 

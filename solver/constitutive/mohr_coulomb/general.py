@@ -1,7 +1,7 @@
 """Linear elasticity with the Mohr-Coulomb limit for a general stress: one step with its consistent tangent.
 
 Components xx, yy, zz, xy, yz, zx, compression positive; the elastic trial stress is returned to the limit on its own
-principal axes, as :mod:`geoswarm.solver.constitutive.planar_mohr_coulomb` does in a plane.
+principal axes, as :mod:`geoswarm.solver.constitutive.mohr_coulomb.planar` does in a plane.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.planar_mohr_coulomb import return_to_limit
+from geoswarm.solver.constitutive.mohr_coulomb.planar import return_to_limit
 from geoswarm.solver.constitutive.principal_return import elastic_trial, turned_back
 from geoswarm.solver.constitutive.tensors import principal_axes
 from geoswarm.solver.kernels.jit import inlined

@@ -13,7 +13,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.column import PROFILE
 from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Watched, follow_loads
-from geoswarm.solver.laboratory.load_stages import LATE, LoadStages, within
+from geoswarm.solver.laboratory.flow.load_stages import LATE, LoadStages, within
 from geoswarm.solver.laboratory.model import FlowModel
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laboratory.record import Record
@@ -34,7 +34,7 @@ from geoswarm.solver.laboratory.water_flow import (
 )
 
 if TYPE_CHECKING:
-    from geoswarm.solver.laboratory.consolidation import ConsolidationSpec
+    from geoswarm.solver.laboratory.flow.consolidation import ConsolidationSpec
 
 __all__ = ["ConsolidationModel"]
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from geoswarm.solver.constitutive.smooth_cone import MATSUOKA_NAKAI
-from geoswarm.solver.laws.drucker_prager import SmoothCone
+from geoswarm.solver.laws.perfect_plasticity.drucker_prager import SmoothCone
 
 __all__ = ["MatsuokaNakai"]
 

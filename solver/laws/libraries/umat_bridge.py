@@ -3,7 +3,7 @@
 A UMAT is a Fortran subroutine with 37 arguments by reference, the length of the text CMNAME behind them by value.
 Tension is positive in it, shear strains are engineering ones, the order is 11, 22, 33, 12, 13, 23, or 12, 23, 13 where
 that is declared. Everything that the routine needs beside the strain increment stands in the constants
-(:data:`geoswarm.solver.laws.library_calls.SHARED`, :data:`PLACES`), its address included, so that one function serves
+(:data:`geoswarm.solver.laws.libraries.calls.SHARED`, :data:`PLACES`), its address included, so that one function serves
 all routines and is compiled once.
 
 Behind the routine's own state variables (STATEV) the state holds what its argument list has beside: total strain (6,),
@@ -26,7 +26,7 @@ from numba.extending import intrinsic
 
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.library_calls import DIFFERENCE, NUMBERS, SHARED, note_trouble, numbers_on_the_stack
+from geoswarm.solver.laws.libraries.calls import DIFFERENCE, NUMBERS, SHARED, note_trouble, numbers_on_the_stack
 
 __all__ = ["BESIDE", "NAME_LENGTH", "PLACES", "TROUBLES", "Places", "umat_update"]
 

@@ -1,7 +1,7 @@
 """Principal stresses of a step of hardening soil on given active surfaces and edges, by Newton's method.
 
-Equations and notation: :mod:`geoswarm.solver.constitutive.hardening_surfaces`. The step is implicit; its modulus is
-that of the mean of old and new s3, so that the way back of an elastic step ends where it began. On edges of the
+Equations and notation: :mod:`geoswarm.solver.constitutive.hardening_soil.surfaces`. The step is implicit; its modulus
+is that of the mean of old and new s3, so that the way back of an elastic step ends where it began. On edges of the
 pyramids (1: s2 = s3, 2: s1 = s2, 3: both) flow is any mean of the flows of both sides: stresses and flows are averaged
 there, and all surfaces are functions of sums of principal stresses whose weights the edge gives.
 """
@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.hardening_surfaces import (
+from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     HardeningSoil,
     cap_pressure,
     elastic_modulus,

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.fields import require_stage
 from geoswarm.solver.forward.staged_section import MAX_STAGES, MAX_STRESS
-from geoswarm.solver.laboratory.consolidation_model import ConsolidationModel
+from geoswarm.solver.laboratory.flow.consolidation_model import ConsolidationModel
 from geoswarm.solver.laboratory.section import FlowSpec, Loading
 
 __all__ = ["ConsolidationSpec"]

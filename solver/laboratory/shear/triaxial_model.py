@@ -34,7 +34,7 @@ from geoswarm.solver.laboratory.shear_axes import path_series, shear_series
 from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 
 if TYPE_CHECKING:
-    from geoswarm.solver.laboratory.triaxial import TriaxialSpec
+    from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
 
 __all__ = ["TriaxialModel"]
 

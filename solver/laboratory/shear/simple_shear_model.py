@@ -32,7 +32,7 @@ from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 from geoswarm.solver.stress_measures import mean_and_squared_q
 
 if TYPE_CHECKING:
-    from geoswarm.solver.laboratory.simple_shear import DirectSimpleShearSpec
+    from geoswarm.solver.laboratory.shear.simple_shear import DirectSimpleShearSpec
 
 __all__ = ["SimpleShearModel"]
 

@@ -24,9 +24,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.hypoplastic_clay import CLAY_CONSTANTS, clay_functions
-from geoswarm.solver.constitutive.hypoplastic_sand import SAND_CONSTANTS, sand_functions
-from geoswarm.solver.constitutive.intergranular_strain import LEAD, WAY, along_way, begin_way, end_of_way
+from geoswarm.solver.constitutive.hypoplasticity.clay import CLAY_CONSTANTS, clay_functions
+from geoswarm.solver.constitutive.hypoplasticity.intergranular_strain import LEAD, WAY, along_way, begin_way, end_of_way
+from geoswarm.solver.constitutive.hypoplasticity.sand import SAND_CONSTANTS, sand_functions
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["CLAY", "CONSTANTS", "FIRST", "SAND", "STATE", "hypoplastic_update"]

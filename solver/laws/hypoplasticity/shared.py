@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
-from geoswarm.solver.constitutive.hypoplastic_update import CONSTANTS, STATE, hypoplastic_update
+from geoswarm.solver.constitutive.hypoplasticity.step import CONSTANTS, STATE, hypoplastic_update
 from geoswarm.solver.laws.base import StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.parameter_info import ParameterInfo

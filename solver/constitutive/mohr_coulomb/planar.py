@@ -2,7 +2,7 @@
 
 Components xx, yy, zz, xy, compression positive; z is a principal axis (plane strain, axisymmetry). The elastic trial
 stress is returned to the limit on its own principal axes, exactly: planes, edges, apex and tension cut-off are the
-active sets of :mod:`geoswarm.solver.constitutive.mohr_coulomb`.
+active sets of :mod:`geoswarm.solver.constitutive.mohr_coulomb.limit`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
+from geoswarm.solver.constitutive.mohr_coulomb.limit import ACTIVE_SETS, PLANES, principal_planes
 from geoswarm.solver.constitutive.tensors import solve_dense
 from geoswarm.solver.kernels.jit import inlined, kernel
 

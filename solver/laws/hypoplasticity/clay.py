@@ -1,4 +1,4 @@
-"""Hypoplasticity of clay as a law; equations: :mod:`geoswarm.solver.constitutive.hypoplastic_clay`."""
+"""Hypoplasticity of clay as a law; equations: :mod:`geoswarm.solver.constitutive.hypoplasticity.clay`."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.hypoplastic_clay import SHAPE
-from geoswarm.solver.constitutive.hypoplastic_update import CLAY, FIRST
+from geoswarm.solver.constitutive.hypoplasticity.clay import SHAPE
+from geoswarm.solver.constitutive.hypoplasticity.step import CLAY, FIRST
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
-from geoswarm.solver.laws.hypoplasticity import (
+from geoswarm.solver.laws.hypoplasticity.shared import (
     HYPOPLASTIC_STATE,
     INTERGRANULAR,
     LEAST_PRESSURE,

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_section import MAX_DURATION
-from geoswarm.solver.laboratory.crs_model import CrsModel
+from geoswarm.solver.laboratory.flow.crs_model import CrsModel
 from geoswarm.solver.laboratory.pace import Hold
 from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
 from geoswarm.solver.laboratory.shear_stages import ShearStage

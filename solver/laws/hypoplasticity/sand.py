@@ -1,4 +1,4 @@
-"""Hypoplasticity of sand as a law; equations: :mod:`geoswarm.solver.constitutive.hypoplastic_sand`."""
+"""Hypoplasticity of sand as a law; equations: :mod:`geoswarm.solver.constitutive.hypoplasticity.sand`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.hypoplastic_update import FIRST, SAND
+from geoswarm.solver.constitutive.hypoplasticity.step import FIRST, SAND
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
-from geoswarm.solver.laws.hypoplasticity import (
+from geoswarm.solver.laws.hypoplasticity.shared import (
     HYPOPLASTIC_STATE,
     INTERGRANULAR,
     LEAST_PRESSURE,

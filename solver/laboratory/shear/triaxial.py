@@ -10,7 +10,7 @@ from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
-from geoswarm.solver.laboratory.triaxial_model import TriaxialModel
+from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
 
 __all__ = ["TriaxialConsolidation", "TriaxialSpec"]
 

@@ -2,8 +2,9 @@
 
 Components xx, yy, zz, xy (z is a principal axis) and, in general, yz, zx, compression positive. Where Mohr-Coulomb flow
 plays no part, the new deviator is a multiple of the trial deviator, so the step is two equations in mean stress p and
-deviatoric stress q. Its result is that of :func:`geoswarm.solver.constitutive.creep_update.creep_update`, which takes
-over where the limit is reached.
+deviatoric stress q. Its result is that of
+:func:`geoswarm.solver.constitutive.soft_soil_creep.general_update.creep_update`, which takes over where the limit is
+reached.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.creep_update import creep_update
-from geoswarm.solver.constitutive.soft_soil_creep import (
+from geoswarm.solver.constitutive.soft_soil_creep.general_update import creep_update
+from geoswarm.solver.constitutive.soft_soil_creep.physics import (
     SoftSoilCreep,
     creep_increment,
     equivalent_pressure,
@@ -214,7 +215,7 @@ def soft_soil_step(
     stress, strain_increment
         Shape (n,), n = 4 or 6: kPa, and strain with engineering shear; they stay as they are.
     log_time, log_pp, soil
-        As for :func:`geoswarm.solver.constitutive.creep_update.creep_update`.
+        As for :func:`geoswarm.solver.constitutive.soft_soil_creep.general_update.creep_update`.
     new, tangent
         Filled: stress (n,) and d stress/d strain increment of this algorithm (n, n).
 

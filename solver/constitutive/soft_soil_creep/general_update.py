@@ -10,7 +10,7 @@ With the secant moduli K and G = ratio K of the exact elastic law between the me
    coaxial with T;
 2. on the axes of T the strain equation ``elastic + creep + plastic = given`` is solved for the three principal stresses
    and the multipliers of the active planes by Newton's method (creep implicit at the new stress, equation set in
-   :mod:`geoswarm.solver.constitutive.soft_soil_creep`);
+   :mod:`geoswarm.solver.constitutive.soft_soil_creep.physics`);
 3. G depends on the new mean stress: axes and solution are repeated until both agree. An error in the axes changes
    principal values to second order only, so this converges quadratically; coaxial steps need it once.
 
@@ -26,8 +26,8 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.mohr_coulomb import ACTIVE_SETS, PLANES, principal_planes
-from geoswarm.solver.constitutive.soft_soil_creep import SoftSoilCreep, creep_increment, secant_compliance
+from geoswarm.solver.constitutive.mohr_coulomb.limit import ACTIVE_SETS, PLANES, principal_planes
+from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, creep_increment, secant_compliance
 from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix, solve_dense, turned
 from geoswarm.solver.kernels.jit import kernel
 
@@ -223,8 +223,8 @@ def creep_update(
     -------
     stress, tangent, log_pp, active
         New stress (6,), d stress/d strain increment of this algorithm (6, 6), new ln p_p, and the number of the active
-        planes in :data:`geoswarm.solver.constitutive.mohr_coulomb.ACTIVE_SETS` (0: none). Inputs stay as they are.
-        ``active`` is -1 when there is no solution: the step is too large, and the other values mean nothing.
+        planes in :data:`geoswarm.solver.constitutive.mohr_coulomb.limit.ACTIVE_SETS` (0: none). Inputs stay as they
+        are. ``active`` is -1 when there is no solution: the step is too large, and the other values mean nothing.
     """
     p_old = (stress[0] + stress[1] + stress[2]) / 3.0
     half = 0.5 / soil.shear_ratio

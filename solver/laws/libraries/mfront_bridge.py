@@ -7,7 +7,7 @@ four or six of them. It exists once for each hypothesis: three dimensions for si
 symmetry) for four.
 
 Everything that a behaviour needs beside the strain increment stands in the constants: what all laws in libraries have
-(:data:`geoswarm.solver.laws.library_calls.SHARED`), its addresses (:data:`PLACES`), and from ``tail`` on the kinds of
+(:data:`geoswarm.solver.laws.libraries.calls.SHARED`), its addresses (:data:`PLACES`), and from ``tail`` on the kinds of
 its internal state variables, external state variables and material properties. The state holds the internal state
 variables as the behaviour knows them, a tensor with six numbers, and behind them the total strain (6,), compression
 positive.
@@ -25,7 +25,7 @@ from numba.extending import intrinsic
 
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.library_calls import DIFFERENCE, NUMBERS, SHARED, note_trouble, numbers_on_the_stack
+from geoswarm.solver.laws.libraries.calls import DIFFERENCE, NUMBERS, SHARED, note_trouble, numbers_on_the_stack
 
 __all__ = ["BESIDE", "MESSAGE_LENGTH", "MOST_STATE", "PLACES", "TROUBLES", "Places", "mfront_update"]
 

@@ -1,0 +1,8 @@
+"""Hardening soil: shear surface and cap.
+
+======================  ========================================
+``surfaces``            parameters, surfaces, flow and stiffness
+``principal_stresses``  the principal stresses of a step
+``step``                one step, in a plane or general
+======================  ========================================
+"""

@@ -1,0 +1,9 @@
+"""Hypoplasticity of clay and sand.
+
+========================  ====================================================
+``clay``                  the functions of hypoplasticity of clay
+``sand``                  the functions of hypoplasticity of sand
+``intergranular_strain``  intergranular strain along a straight path of strain
+``step``                  one step of either by substeps
+========================  ====================================================
+"""
