@@ -18,7 +18,9 @@ _DURATION = re.compile(r"PT(\d{1,5})H(\d{1,2})M(\d{1,2})(?:[.,]\d{1,9})?S", re.A
 
 def ods_sheets(parts: PackedParts) -> dict[str, ElementTree.Element]:
     """Tables of the workbook by name."""
-    return {one.get(f"{_TABLE}name", ""): one for one in parts.part("content.xml").iter(f"{_TABLE}table")}
+    book = parts.part("content.xml").find(f"{_OFFICE}body/{_OFFICE}spreadsheet")
+    tables = [] if book is None else book.findall(f"{_TABLE}table")  # not the tables inside of cells
+    return {one.get(f"{_TABLE}name", ""): one for one in tables}
 
 
 def ods_rows(parts: PackedParts, table: ElementTree.Element) -> Iterator[list[Cell]]:

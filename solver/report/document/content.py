@@ -253,7 +253,7 @@ def _parameter_table(
         unit = objective_unit(problem)
         how = "in a follow-up job" if optimum is None else f"with {optimum.polished.evaluations} further forward runs"
         note += (
-            f" Polished by least squares from the best evaluation, objective {_quantity(p.start_objective, unit)} to "
+            f" Polished by least squares, objective {_quantity(p.start_objective, unit)} of the best evaluation to "
             f"{_quantity(p.objective, unit)}, {how}; intervals belong there."
         )
     return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)

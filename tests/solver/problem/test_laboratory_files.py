@@ -99,7 +99,8 @@ def open_document(*cells: str, names: str = "") -> bytes:
     )
     rows = "".join(f"<table:table-row>{row}</table:table-row>" for row in cells)
     blank = '<table:table-row table:number-rows-repeated="1048000"><table:table-cell/></table:table-row>'
-    body = f'<table:table table:name="Sheet1">{rows}{blank}</table:table>{names}'
+    table = f'<table:table table:name="Sheet1">{rows}{blank}</table:table>'
+    body = f"<office:body><office:spreadsheet>{table}{names}</office:spreadsheet></office:body>"
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         archive.writestr("mimetype", "application/vnd.oasis.opendocument.spreadsheet")
@@ -130,6 +131,15 @@ def test_an_open_document_workbook(tmp_path: Path) -> None:
     by_cells = observed(tmp_path, "a.ods", content, x_column="D2:D4", y_column="gauge", **DAY)
     assert by_cells.points.y == [1.5, 2.5]
     assert "no sheet 'B'; its sheets: Sheet1" in mistakes(tmp_path, "a.ods", content, sheet="B")
+
+
+def test_cells_that_an_open_document_repeats_cost_no_table(tmp_path: Path) -> None:
+    many = '<table:table-cell table:number-columns-repeated="16384" office:value-type="float" office:value="1"/>'
+    wide = open_document(ods_cell("x", "string") + ods_cell("y", "string"), ods_cell(0.5) + many)
+    assert observed(tmp_path, "a.ods", wide, **DAY).points.y == [1.0]
+    repeated = f'</table:table-row><table:table-row table:number-rows-repeated="9000000">{ods_cell(1.0)}'
+    tall = open_document(ods_cell("x", "string") + repeated)
+    assert "a.ods has more than 2000000 cells" in mistakes(tmp_path, "a.ods", tall)
 
 
 SPECIMENS = "specimen;t [day];s [mm]\nS1;0,5;1\n;1,5;2\nS2;0,25;7\n2;0,75;8\nS2;1,5;9\n"
