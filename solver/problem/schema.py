@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from functools import cache
 from typing import Any
+
+from pydantic import BaseModel
 
 from geoswarm.solver.errors import BrokenForwardModelError
 from geoswarm.solver.forward.registry import find_spec, kinds, offered_kinds
@@ -12,6 +18,7 @@ from geoswarm.solver.problem.sections import ProblemFile
 __all__ = ["problem_schema"]
 
 _FORWARD_MODEL = "x-forward-model"
+_Section = tuple[str, type[BaseModel]]
 
 
 def problem_schema(*, programs: bool = False) -> dict[str, Any]:
@@ -19,45 +26,53 @@ def problem_schema(*, programs: bool = False) -> dict[str, Any]:
 
     ``programs``: with those that run programs of the machine, which a service does not accept.
     """
+    specs = tuple(_loaded(kinds() if programs else offered_kinds()))
+    found: dict[str, Any] = json.loads(_text(specs, tuple(_methods_of_others())))
+    return found
+
+
+def _loaded(names: Iterable[str]) -> Iterator[_Section]:
+    """Forward models that can be loaded."""
+    for kind in names:
+        with suppress(BrokenForwardModelError):
+            yield kind, find_spec(kind)
+
+
+def _methods_of_others() -> Iterator[_Section]:
+    """Methods of other packages that can be loaded."""
+    for kind in methods.kinds():
+        if kind not in methods.BUILT_IN:
+            with suppress(methods.UnknownMethodError):
+                yield kind, methods.find_method(kind)
+
+
+@cache
+def _text(specs: tuple[_Section, ...], others: tuple[_Section, ...]) -> str:
+    """The schema as JSON; it takes 0.1 s to make, and a form asks for it whenever it is opened."""
     schema = ProblemFile.model_json_schema()
     definitions = schema.setdefault("$defs", {})
-    choices = []
-    for kind in kinds() if programs else offered_kinds():
-        try:
-            section = find_spec(kind).model_json_schema()
-        except BrokenForwardModelError:
-            continue
-        name = f"forward_model_{kind}"
-        inner = section.pop("$defs", {})
-        definitions |= {f"{name}_{key}": _renamed(value, name) for key, value in inner.items()}
-        definitions[name] = _renamed(section, name) | {"required": ["kind", *section.get("required", [])]}
-        choices.append({"$ref": f"#/$defs/{name}"})
-    definitions["forward_model"] = {"oneOf": choices}
+    for kind, spec in specs:
+        definitions |= _definitions(f"forward_model_{kind}", spec)
+    definitions["forward_model"] = {"oneOf": [{"$ref": f"#/$defs/forward_model_{kind}"} for kind, _ in specs]}
     place = schema["properties"]["forward_model"]
     schema["properties"]["forward_model"] = {"$ref": "#/$defs/forward_model", "description": place["description"]}
-    _add_methods(schema, definitions)
+    choice = schema["properties"]["method"]
+    for kind, section in others:
+        definitions |= _definitions(f"method_{kind}", section)
+        choice["oneOf"].append({"$ref": f"#/$defs/method_{kind}"})
+        choice["discriminator"]["mapping"][kind] = f"#/$defs/method_{kind}"
     for name, definition in definitions.items():
         if name.startswith("forward_model_"):
             definitions[name] = _with_parts(definition)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+    return json.dumps({"$schema": "https://json-schema.org/draft/2020-12/schema", **schema})
 
 
-def _add_methods(schema: dict[str, Any], definitions: dict[str, Any]) -> None:
-    """Add the methods of other packages to the choice of the section ``method``; those that cannot be loaded not."""
-    choice = schema["properties"]["method"]
-    for kind in methods.kinds():
-        if kind in methods.BUILT_IN:
-            continue
-        try:
-            section = methods.find_method(kind).model_json_schema()
-        except methods.UnknownMethodError:
-            continue
-        name = f"method_{kind}"
-        inner = section.pop("$defs", {})
-        definitions |= {f"{name}_{key}": _renamed(value, name) for key, value in inner.items()}
-        definitions[name] = _renamed(section, name) | {"required": ["kind", *section.get("required", [])]}
-        choice["oneOf"].append({"$ref": f"#/$defs/{name}"})
-        choice["discriminator"]["mapping"][kind] = f"#/$defs/{name}"
+def _definitions(name: str, section: type[BaseModel]) -> dict[str, Any]:
+    """A section and what it refers to, by names."""
+    schema = section.model_json_schema()
+    inner = schema.pop("$defs", {})
+    found = {f"{name}_{key}": _renamed(value, name) for key, value in inner.items()}
+    return found | {name: _renamed(schema, name) | {"required": ["kind", *schema.get("required", [])]}}
 
 
 def _renamed(value: Any, prefix: str) -> Any:

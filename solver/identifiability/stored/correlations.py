@@ -154,9 +154,11 @@ def _of_ordinary_size(values: FloatArray) -> FloatArray:
 
 
 def _ranks(values: FloatArray) -> FloatArray:
-    from scipy.stats import rankdata  # takes 0.4 s to import, which only Spearman's needs
-
-    ranks: FloatArray = rankdata(values, axis=0) if len(values) else values
+    """Ranks 1 to n in each column, equal values share the mean of theirs; scipy.stats takes 0.3 s to import for it."""
+    ranks = np.empty_like(values, dtype=float)
+    for column in range(values.shape[1]):
+        _, which, counts = np.unique(values[:, column], return_inverse=True, return_counts=True)
+        ranks[:, column] = (np.cumsum(counts) - (counts - 1) / 2)[which]
     return ranks
 
 
