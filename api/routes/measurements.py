@@ -20,7 +20,7 @@ router = APIRouter(prefix="/measurements", tags=["problems"])
 
 FILE_BODY = {
     "required": True,
-    "description": "the file as it is: CSV (comma, semicolon, tab) or XLSX; which of them follows from the content",
+    "description": "the file as it is: CSV (comma, semicolon, tab) or a workbook (XLSX, ODS), as its content says",
     "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
 }
 

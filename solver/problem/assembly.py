@@ -22,7 +22,8 @@ from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.problem.checks.feasibility import estimates_in_conflict, infeasibility
 from geoswarm.solver.problem.checks.sizes import point_issues, size_issues
 from geoswarm.solver.problem.issues import describe, issues_of, validated
-from geoswarm.solver.problem.observations import Observation, Points, build_observations, read_points
+from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.observations import Observation, build_observations
 from geoswarm.solver.problem.parameters import (
     FixedParameter,
     FreeParameter,
@@ -33,11 +34,11 @@ from geoswarm.solver.problem.parameters import (
     link_order,
     parse_known,
 )
+from geoswarm.solver.problem.points import Points, read_points
 from geoswarm.solver.problem.problem import Problem
 from geoswarm.solver.problem.running import Failures, Limits
 from geoswarm.solver.problem.sections import (
     PARAMETER_FORMS,
-    ObservationSection,
     ParameterSection,
     ProblemFile,
     Settings,

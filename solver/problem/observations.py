@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,42 +13,18 @@ from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
 from geoswarm.solver.problem.issues import number
-from geoswarm.solver.problem.preparation import Readings, prepared
-from geoswarm.solver.problem.sections import ObservationSection
-from geoswarm.solver.problem.tables.cells import moment_in
-from geoswarm.solver.problem.tables.columns import Columns, Heading, read_table
-from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.points import Points
+from geoswarm.solver.problem.tables.columns import Heading
 from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
 from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["Observation", "Points", "build_observations", "read_points"]
+__all__ = ["Observation", "build_observations"]
 
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
 _MOST_ISSUES = 100
 _MOST_NAMES = 50  # known series that a message lists
-
-
-@dataclass(frozen=True, slots=True)
-class Points:
-    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point.
-
-    ``inputs`` are further quantities at the points, by name. ``x_heading`` and ``y_heading`` are those of the file that
-    they were read from.
-    """
-
-    x: list[float]
-    y: list[float]
-    weight: list[float] | None = None
-    inputs: dict[str, list[float]] = field(default_factory=dict)
-    x_heading: Heading | None = field(default=None, compare=False)
-    y_heading: Heading | None = field(default=None, compare=False)
-
-    def document(self) -> dict[str, Any]:
-        """The ``points`` section."""
-        lists = {"x": self.x, "y": self.y} | ({} if self.weight is None else {"weight": self.weight})
-        document: dict[str, Any] = {name: [float(value) for value in values] for name, values in lists.items()}
-        return document | ({"inputs": self.inputs} if self.inputs else {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,6 +53,8 @@ class Observation:
         Standard deviation of a reading in the base unit and as the user gave it; None when it is not known.
     inputs
         Further quantities at the points, each of shape (m,), that a formula uses.
+    gross_x, gross_y
+        Points marked as gross errors, each of shape (q,), base units: shown, but in no misfit.
     """
 
     series: str
@@ -94,6 +71,13 @@ class Observation:
     chosen: BoolArray | None = None
     selection: Mapping[str, Any] = field(default_factory=dict)
     inputs: dict[str, FloatArray] = field(default_factory=dict)
+    gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
+    gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Where the readings come from and what was done to them, in sentences."""
+        return self.points.notes
 
     def document(self) -> dict[str, Any]:
         """The observation's section in the canonical form, points inlined."""
@@ -105,11 +89,13 @@ class Observation:
             "weight": self.given_weight,
             **({} if self.given_error is None else {"error": self.given_error}),
             **self.selection,
+            **({"gross_errors": [place + 1 for place in self.points.gross_errors]} if self.points.gross_errors else {}),
+            **({"notes": list(self.points.notes)} if self.points.notes else {}),
         }
 
     @property
     def left_out(self) -> int:
-        """Number of points that take no part."""
+        """Number of points that take no part, gross errors among them."""
         return 0 if self.chosen is None else int((~self.chosen).sum())
 
     def chosen_points(self) -> Points:
@@ -124,70 +110,8 @@ class Observation:
             y=[self.points.y[i] for i in kept],
             weight=None if weight is None else [weight[i] for i in kept],
             inputs={name: [values[i] for i in kept] for name, values in self.points.inputs.items()},
+            gross_errors=(),
         )
-
-
-def read_points(section: ObservationSection, path: str, folder: Path | None) -> tuple[Points | None, list[Issue]]:
-    """Points of a section, read from its file if it names one.
-
-    Parameters
-    ----------
-    folder
-        Where relative files lie; None when no files may be read (problems that came over the network).
-    """
-    if section.points is not None:
-        points = Points(section.points.x, section.points.y, section.points.weight, section.points.inputs or {})
-        issues = _length_issues(points, f"{path}.points")
-        return points if issues else _prepared(points, section), issues
-    assert section.file is not None
-    if folder is None:
-        message = (
-            "files can only be read beside a problem file; give the points themselves (points: {x: [..], y: [..]})"
-        )
-        return None, [Issue(f"{path}.file", message)]
-    try:
-        origin = None if section.x_origin is None else moment_in(section.x_origin)
-        wanted = Columns(
-            section.x_column, section.y_column, section.weight_column, section.sheet, origin, section.inputs or {}
-        )
-        table = read_table(folder / section.file, wanted)
-    except TableError as error:
-        return None, [Issue(f"{path}.file", message) for message in error.messages]
-    points = Points(table.x, table.y, table.weight, table.inputs, table.x_heading, table.y_heading)
-    issues = _weight_issues(points, f"{path}.file")
-    return points if issues else _prepared(points, section), issues
-
-
-def _prepared(points: Points, section: ObservationSection) -> Points:
-    """The readings as the section wants them; the canonical problem has what comes of it."""
-    if not section.sort and section.repeated_x is None and section.resample is None:
-        return points
-    given = Readings(points.x, points.y, points.weight, points.inputs)
-    found = prepared(given, sort=section.sort, repeated_x=section.repeated_x, resample=section.resample)
-    return replace(points, x=found.x, y=found.y, weight=found.weight, inputs=found.inputs)
-
-
-def _length_issues(points: Points, path: str) -> list[Issue]:
-    n = len(points.x)
-    lists = {"y": points.y, "weight": points.weight} | {f"inputs.{name}": v for name, v in points.inputs.items()}
-    issues = [
-        Issue(f"{path}.{name}", f"has {len(values)} values, but x has {n}; give one for each x")
-        for name, values in lists.items()
-        if values is not None and len(values) != n
-    ]
-    return issues or _weight_issues(points, f"{path}.weight")
-
-
-def _weight_issues(points: Points, path: str) -> list[Issue]:
-    if points.weight is None:
-        return []
-    negative = [index for index, weight in enumerate(points.weight) if weight < 0]
-    if negative:
-        first = negative[0]
-        return [Issue(path, f"weight of point {first + 1} is {number(points.weight[first])}; weights are 0 or above")]
-    if not any(points.weight):
-        return [Issue(path, "all weights are 0; at least one must be above 0")]
-    return []
 
 
 def build_observations(
@@ -254,8 +178,15 @@ def _build(
     chosen, issues = chosen_points(section, path, x, units["x"], info, spec)
     if issues:
         return None, issues
+    gross = np.zeros(len(x), dtype=np.bool_)
+    gross[list(points.gross_errors)] = True
+    gross_x, gross_y = x[gross], y[gross]
+    chosen &= ~gross
     kept = np.flatnonzero(chosen)
     place = f"{path}.points.x" if section.points is not None else f"{path}.file"
+    if not kept.size:
+        nothing = f"no point is left of {len(chosen)}: the others are gross errors"
+        return None, [Issue(f"{path}.gross_errors", nothing)]
     x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info)
     if message is not None:
         return None, [Issue(place, message)]
@@ -263,7 +194,7 @@ def _build(
     weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)[kept]
     if not weights.any():
         return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
-    for array in (x, y, weights):
+    for array in (x, y, weights, gross_x, gross_y):
         array.flags.writeable = False
     deviation = section.error
     if deviation is not None and units["y"] is not None:  # a difference: offsets of a unit do not matter
@@ -285,6 +216,8 @@ def _build(
             chosen=None if chosen.all() else chosen,
             selection={name: getattr(section, name) for name in SELECTION if getattr(section, name) not in (None, [])},
             inputs={name: np.array(values, dtype=np.float64)[kept] for name, values in points.inputs.items()},
+            gross_x=gross_x,
+            gross_y=gross_y,
         ),
         [],
     )

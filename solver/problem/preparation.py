@@ -1,7 +1,8 @@
-"""What is done to readings before they become observations: sorting, readings at equal x, thinning."""
+"""What is done to readings before they become observations: zero reading, sorting, readings at equal x, thinning."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -10,9 +11,19 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.problem.issues import number
+from geoswarm.solver.problem.zero import ZeroReading, zero_reading
 from geoswarm.solver.section import Section
 
-__all__ = ["MANY_POINTS", "Readings", "Resample", "many_points_warning", "prepared"]
+__all__ = [
+    "MANY_POINTS",
+    "NoZeroError",
+    "Preparation",
+    "Readings",
+    "Resample",
+    "many_points_warning",
+    "prepared",
+]
 
 MANY_POINTS = 20_000
 """More points of a series than these cost time and tell nothing more."""
@@ -30,44 +41,109 @@ class Resample(Section):
             raise PydanticCustomError("resample", "give either per_decade or every: {{per_decade: 20}}")
         return self
 
+    def in_words(self) -> str:
+        """What is done."""
+        if self.every is not None:
+            return f"every {self.every} readings in a row were replaced by their mean"
+        return f"neighbouring readings were replaced by their means, at most {self.per_decade} to a decade of x"
+
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """x, y, weight and further quantities of the points, lists of one length; ``weight`` None: all 1."""
+    """x, y, weight and further quantities of the points, lists of one length; ``weight`` None: all 1.
+
+    ``gross_errors`` are the places of those marked as such, rising.
+    """
 
     x: list[float]
     y: list[float]
     weight: list[float] | None
     inputs: dict[str, list[float]] = field(default_factory=dict)
+    gross_errors: tuple[int, ...] = ()
 
 
-def prepared(
-    readings: Readings, *, sort: bool, repeated_x: Literal["average", "shift"] | None, resample: Resample | None
-) -> Readings:
-    """Sort readings by x, make x differ, and thin them, in this order.
+@dataclass(frozen=True, slots=True)
+class Preparation:
+    """What is to be done to readings."""
 
-    The weight of a mean is the sum of those of its readings, so a series as a whole weighs what it did.
+    zero: Literal["first"] | ZeroReading | None = None
+    factor: float = 1.0
+    sort: bool = False
+    repeated_x: Literal["average", "shift"] | None = None
+    resample: Resample | None = None
+
+
+class NoZeroError(Exception):
+    """There is no zero reading."""
+
+
+def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[str]]:
+    """Sort by x, subtract the zero reading, multiply, make x differ, and thin, in this order; and say what was done.
+
+    The weight of a mean is the sum of those of its readings, so a series as a whole weighs what it did. Gross errors
+    take no part in zero readings and means, and stand among the others by their x.
+
+    Raises
+    ------
+    NoZeroError
+        No reading at the x of the zero reading.
     """
+    if wanted == Preparation():
+        return readings, []
     x = np.array(readings.x, dtype=np.float64)
+    y = np.array(readings.y, dtype=np.float64)
     weight = np.ones(len(x)) if readings.weight is None else np.array(readings.weight, dtype=np.float64)
-    columns = {"y": np.array(readings.y, dtype=np.float64)}
-    columns |= {f"inputs.{name}": np.array(values, dtype=np.float64) for name, values in readings.inputs.items()}
-    if sort:
-        order = np.argsort(x, kind="stable")
-        x, weight = x[order], weight[order]
-        columns = {name: values[order] for name, values in columns.items()}
-    if repeated_x == "shift":
+    counted = np.ones(len(x), dtype=np.bool_)
+    counted[list(readings.gross_errors)] = False
+    if not counted.any():
+        return readings, []  # refused elsewhere
+    done = []
+    order = np.argsort(x, kind="stable") if wanted.sort else np.arange(len(x))
+    if (np.diff(order) < 0).any():
+        done.append("the readings were sorted by x")
+    x, y, weight, counted = x[order], y[order], weight[order], counted[order]
+    columns = {f"inputs.{name}": np.array(values, dtype=np.float64)[order] for name, values in readings.inputs.items()}
+    if wanted.zero is not None:
+        value, said = zero_reading(wanted.zero, x, y, counted)
+        if value is None:
+            raise NoZeroError(said)
+        y = y - value
+        done.append(said)
+    if wanted.factor != 1.0:
+        y = y * wanted.factor
+        done.append(f"y was multiplied by {number(wanted.factor)}")
+    columns["y"] = y
+    marked = x[~counted], weight[~counted], {name: values[~counted] for name, values in columns.items()}
+    places: IntArray = np.cumsum(counted)[~counted].astype(np.int64)  # how many that count stand before each
+    x, weight, columns = x[counted], weight[counted], {name: values[counted] for name, values in columns.items()}
+    if wanted.repeated_x == "shift":
         x = _spread(x)
-    elif repeated_x == "average":
-        x, weight, columns = _means(np.flatnonzero(np.diff(x, prepend=np.nan) != 0), x, weight, columns)
-    if resample is not None:
-        x, weight, columns = _means(_groups(x, resample), x, weight, columns)
-    return Readings(
+        done.append("readings at equal x were spread evenly up to the next x")
+    for groups, said in _groupings(wanted):
+        begins = groups(x)
+        places = np.searchsorted(begins, places, side="left").astype(np.int64)
+        before = len(x)
+        x, weight, columns = _means(begins, x, weight, columns)
+        done.append(f"{said}: {len(x)} points of {before} readings")
+    x, weight = np.insert(x, places, marked[0]), np.insert(weight, places, marked[1])
+    columns = {name: np.insert(values, places, marked[2][name]) for name, values in columns.items()}
+    found = Readings(
         x.tolist(),
         columns["y"].tolist(),
         None if readings.weight is None and (weight == 1.0).all() else weight.tolist(),
         {name: columns[f"inputs.{name}"].tolist() for name in readings.inputs},
+        tuple((places + np.arange(len(places))).tolist()),
     )
+    return found, done
+
+
+def _groupings(wanted: Preparation) -> Iterator[tuple[Callable[[FloatArray], IntArray], str]]:
+    """Functions that give the first reading of each group, and what is said of them."""
+    if wanted.repeated_x == "average":
+        yield lambda x: np.flatnonzero(np.diff(x, prepend=np.nan) != 0), "readings at equal x were averaged"
+    resample = wanted.resample
+    if resample is not None:
+        yield lambda x: _groups(x, resample), resample.in_words()
 
 
 def _spread(x: FloatArray) -> FloatArray:

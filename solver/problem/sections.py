@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, Union
 
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.forward.registry import AnyForwardModelSpec
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from geoswarm.solver.methods.registry import built_in_methods
-from geoswarm.solver.problem.preparation import Resample
+from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.running import Failures, Limits
-from geoswarm.solver.problem.tables.cells import moment_in
 from geoswarm.solver.problem.weighting import Weighting
 from geoswarm.solver.section import Section
 
@@ -22,10 +21,8 @@ __all__ = [
     "FreeSection",
     "LinkedSection",
     "MethodSection",
-    "ObservationSection",
     "PARAMETER_FORMS",
     "ParameterSection",
-    "PointsSection",
     "ProblemFile",
     "Settings",
     "Scale",
@@ -68,91 +65,6 @@ PARAMETER_FORMS: dict[str, type[FreeSection] | type[FixedSection] | type[LinkedS
     "linked": LinkedSection,
 }
 """The three forms of a parameter; no key belongs to two of them."""
-
-
-class PointsSection(Section):
-    """Measured points inside the problem file."""
-
-    x: list[float] = Field(min_length=1, description="x of the points, in x_unit")
-    y: list[float] = Field(min_length=1, description="measured y, in y_unit")
-    weight: list[Annotated[float, Field(ge=0)]] | None = Field(
-        None, description="weights w_h of the points; all 1 if absent"
-    )
-    inputs: dict[str, list[float]] | None = Field(
-        None, description="further quantities at the points that a formula uses by name, one value for each x"
-    )
-
-
-def _moment(text: str) -> str:
-    if moment_in(text) is None:
-        raise PydanticCustomError("moment", "must be a date with or without time, such as 2024-03-01 08:30")
-    return text
-
-
-Moment: TypeAlias = Annotated[str, AfterValidator(_moment)]
-
-_OF_A_FILE = ("sheet", "x_column", "y_column", "weight_column", "inputs", "x_origin")
-
-
-class ObservationSection(Section):
-    """Measured points of one series."""
-
-    series: str = Field(description="name of a series of the forward model")
-    points: PointsSection | None = Field(None, description="the points themselves; give these or file")
-    file: str | None = Field(
-        None, min_length=1, description="CSV or XLSX file with columns x, y[, weight], relative to this file"
-    )
-    sheet: str | None = Field(None, min_length=1, description="sheet of an XLSX file; the first with cells if absent")
-    x_column: str | None = Field(None, min_length=1, description="header of the file's x column, if it is not x")
-    y_column: str | None = Field(None, min_length=1, description="header of the file's y column, if it is not y")
-    weight_column: str | None = Field(
-        None, min_length=1, description="header of the weight column, if it is not weight"
-    )
-    inputs: dict[str, str] | None = Field(
-        None, description="columns of further quantities that a formula uses, header by name: {T: temperature}"
-    )
-    x_origin: Moment | None = Field(
-        None, description='where x holds dates: the one at which x is 0 ("2024-03-01 08:30"); the first if absent'
-    )
-    x_unit: str | None = Field(
-        None, description="unit of x in the data; that of its heading, or the series' base unit, if absent"
-    )
-    y_unit: str | None = Field(
-        None, description="unit of y in the data; that of its heading, or the series' base unit, if absent"
-    )
-    sort: bool = Field(False, description="put the readings in the order of x first")
-    repeated_x: Literal["average", "shift"] | None = Field(
-        None,
-        description="readings at equal x: average takes their mean, shift spreads them evenly up to the next x",
-    )
-    resample: Resample | None = Field(
-        None, description="means of neighbouring readings in place of very many: {per_decade: 20} or {every: 10}"
-    )
-    weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
-    error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
-    x_from: float | None = Field(None, description="points of a smaller x, in x_unit, take no part")
-    x_to: float | None = Field(None, description="points of a larger x, in x_unit, take no part")
-    stage_x_from: float | None = Field(
-        None,
-        ge=0,
-        description="of a test in stages: readings sooner after their load than this, in x_unit, take no part (those "
-        "before the end of primary consolidation, which the soil laws do not contain)",
-    )
-    leave_out_stages: list[Annotated[int, Field(ge=1)]] = Field(
-        default=[], max_length=1000, description="numbers of stages, from 1, whose readings take no part"
-    )
-
-    @model_validator(mode="after")
-    def _one_source(self) -> ObservationSection:
-        if (self.points is None) == (self.file is None):
-            given = "both are given" if self.file else "none is given"
-            raise PydanticCustomError("one_source", "give either points or file; {given}", {"given": given})
-        columns = [name for name in _OF_A_FILE if getattr(self, name) is not None]
-        if self.file is None and columns:
-            raise PydanticCustomError(
-                "columns", "{columns} can only be given with file", {"columns": ", ".join(columns)}
-            )
-        return self
 
 
 if TYPE_CHECKING:

@@ -48,6 +48,8 @@ class SeriesCurve:
         Calculated values at the measured points, shape (m,).
     initial
         Curve of the estimate to start from, shape (n,); None without one.
+    gross_x, gross_y
+        Readings marked as gross errors, shape (q,); they take no part.
     breaks
         x at which a load is applied, of a test with loads in stages over time, shape (k,); empty for other series.
     """
@@ -64,6 +66,8 @@ class SeriesCurve:
     at_points: FloatArray
     initial: FloatArray | None = None
     breaks: FloatArray = field(default_factory=lambda: np.empty(0))
+    gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
+    gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
 
     def thinned(self) -> SeriesCurve:
         """Return the curve with as many points as a figure can show."""
@@ -242,4 +246,6 @@ def _curve(
         at_points=to_y(np.asarray(at_points, dtype=np.float64))[order],
         initial=None if initial is None else to_y(np.asarray(initial, dtype=np.float64))[along],
         breaks=to_x(breaks),
+        gross_x=to_x(observation.gross_x),
+        gross_y=to_y(observation.gross_y),
     )

@@ -89,7 +89,7 @@ def test_a_file_that_cannot_be_read_is_explained(app: App) -> None:
     answer = app.post(f"{API}/measurements?name=photo.png", content=b"\x89PNG\r\n\0\0")
     assert answer.status_code == 422
     assert answer.json()["type"].endswith("unreadable-file")
-    assert "photo.png is neither text (CSV) nor an XLSX workbook" in answer.json()["detail"]
+    assert "photo.png is neither text (CSV) nor a workbook (XLSX, ODS)" in answer.json()["detail"]
     assert app.post(f"{API}/measurements", content=b"x" * (32 * 2**20 + 1)).status_code == 413
 
 

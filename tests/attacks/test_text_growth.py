@@ -20,7 +20,8 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.expressions import parse_expression
 from geoswarm.solver.problem import parse_problem, problem_yaml, read_document, read_measurements
 from geoswarm.solver.problem.draft import draft_of_text
-from geoswarm.solver.problem.tables.cells import moment_in, read_cells
+from geoswarm.solver.problem.tables.cells import read_cells
+from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import guess_unit, units_in_comments
 from geoswarm.solver.problem.tables.lines import lines_of
 from geoswarm.solver.problem.tables.reading import TableError, cell_number, table_rows

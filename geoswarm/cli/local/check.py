@@ -83,6 +83,7 @@ def _show(problem: Problem, check: CheckReport) -> None:
             "method": check.method.replace("_", " "),
             "free parameters": ", ".join(check.free_parameters),
             "measured points": f"{check.data_points}{_left_out(problem)}",
+            **{f"readings of {o.series}": "; ".join(o.notes) for o in problem.observations if o.notes},
             "test run": f"{run.state} in {duration(run.seconds)}",
             "objective there": with_unit(number(run.objective), objective_unit(problem)),
             **({"root mean square": ", ".join(rms)} if rms else {}),
@@ -96,4 +97,6 @@ def _show(problem: Problem, check: CheckReport) -> None:
 
 def _left_out(problem: Problem) -> str:
     count = sum(observation.left_out for observation in problem.observations)
-    return f" ({count} more take no part)" if count else ""
+    gross = sum(observation.gross_x.size for observation in problem.observations)
+    which = f", {gross} of them as gross errors" if gross else ""
+    return f" ({count} more take no part{which})" if count else ""

@@ -45,7 +45,7 @@ async def read_problem(self: AsyncConnection, text: str) -> _Object:
 
 
 async def read_measurements(self: AsyncConnection, path: str | Path, sheet: str | None = None) -> _Object:
-    """Let the service read a CSV or XLSX file: columns, numbers and probable units."""
+    """Let the service read a CSV, XLSX or ODS file: columns, numbers and probable units."""
     path = Path(path)
     query = present(name=path.name, sheet=sheet)
     headers = {"Content-Type": "application/octet-stream"}

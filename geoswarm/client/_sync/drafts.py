@@ -45,7 +45,7 @@ def read_problem(self: Connection, text: str) -> _Object:
 
 
 def read_measurements(self: Connection, path: str | Path, sheet: str | None = None) -> _Object:
-    """Let the service read a CSV or XLSX file: columns, numbers and probable units."""
+    """Let the service read a CSV, XLSX or ODS file: columns, numbers and probable units."""
     path = Path(path)
     query = present(name=path.name, sheet=sheet)
     headers = {"Content-Type": "application/octet-stream"}

@@ -1,21 +1,17 @@
-"""The cells of a file of measurements, CSV or XLSX: what problem files, the command line and the form all read."""
+"""The cells of a file of measurements, CSV, XLSX or ODS: what problem files, the command line and the form all read."""
 
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 
+from geoswarm.solver.problem.tables.dates import moment_in
+from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError, cell_number, decoded, table_rows
-from geoswarm.solver.problem.tables.workbooks import Cell, read_workbook
+from geoswarm.solver.problem.tables.workbooks import read_workbook
 
-__all__ = ["Sheet", "file_content", "moment_in", "number_in", "read_cells"]
-
-# 31.12.2024, with 13:45 or 13:45:10 behind it, and 31/12/2024 13:45:10. A large file has millions of cells that may be
-# dates: strptime takes ten times as long.
-_EUROPEAN = re.compile(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:\s+(\d{1,2}):(\d{1,2})(?::(\d{1,2}))?)?", re.ASCII)
+__all__ = ["Sheet", "file_content", "number_in", "read_cells"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +28,8 @@ class Sheet:
         Headings; empty where the first row has numbers only.
     rows
         Number of the line and the cells of each row below.
+    grid
+        The same of all rows, titles and headings too, by number of the line.
     """
 
     sheets: tuple[str, ...]
@@ -40,6 +38,7 @@ class Sheet:
     header_line: int
     header: list[str]
     rows: list[tuple[int, list[Cell]]]
+    grid: dict[int, list[Cell]]
 
 
 def file_content(path: Path) -> bytes:
@@ -63,7 +62,7 @@ def file_content(path: Path) -> bytes:
 
 
 def read_cells(content: bytes, name: str, sheet: str | None = None) -> Sheet:
-    """Read a CSV file or one sheet of an XLSX workbook; which of them it is follows from the content.
+    """Read a CSV file or one sheet of a workbook (XLSX, ODS); which of them it is follows from the content.
 
     Parameters
     ----------
@@ -82,16 +81,17 @@ def read_cells(content: bytes, name: str, sheet: str | None = None) -> Sheet:
     if content.startswith(b"PK"):
         sheets, chosen, found = read_workbook(content, name, sheet)
         rows = [(line, cells) for line, cells in enumerate(found, start=1) if any(cell != "" for cell in cells)]
-        return _below_header(tuple(sheets), chosen, "", _below_title(rows))
+        return _below_header(tuple(sheets), chosen, "", rows, _below_title(rows))
     if content.startswith(b"\xd0\xcf\x11\xe0"):
-        raise TableError(f"{name} is a workbook of the old form (.xls); save it as .xlsx or .csv")
+        raise TableError(f"{name} is a workbook of the old form (.xls); save it as .xlsx, .ods or .csv")
     text = decoded(content)
     if "\0" in text:
-        raise TableError(f"{name} is neither text (CSV) nor an XLSX workbook")
+        raise TableError(f"{name} is neither text (CSV) nor a workbook (XLSX, ODS)")
     if sheet is not None:
         raise TableError(f"{name} is no workbook, so it has no sheet '{sheet}'")
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
-    return _below_header((), None, comments, [(line, list[Cell](cells)) for line, cells in table_rows(text, name)])
+    rows = [(line, list[Cell](cells)) for line, cells in table_rows(text, name)]
+    return _below_header((), None, comments, rows, rows)
 
 
 def _below_title(rows: list[tuple[int, list[Cell]]]) -> list[tuple[int, list[Cell]]]:
@@ -104,15 +104,20 @@ def _below_title(rows: list[tuple[int, list[Cell]]]) -> list[tuple[int, list[Cel
 
 
 def _below_header(
-    sheets: tuple[str, ...], sheet: str | None, comments: str, rows: list[tuple[int, list[Cell]]]
+    sheets: tuple[str, ...],
+    sheet: str | None,
+    comments: str,
+    every: list[tuple[int, list[Cell]]],
+    rows: list[tuple[int, list[Cell]]],
 ) -> Sheet:
+    grid = dict(every)
     if not rows:
-        return Sheet(sheets, sheet, comments, 1, [], [])
+        return Sheet(sheets, sheet, comments, 1, [], [], grid)
     line, first = rows[0]
     filled = [cell for cell in first if cell != ""]
     if filled and all(number_in(cell) is not None for cell in filled):
-        return Sheet(sheets, sheet, comments, line, [], rows)
-    return Sheet(sheets, sheet, comments, line, [str(cell).strip() for cell in first], rows[1:])
+        return Sheet(sheets, sheet, comments, line, [], rows, grid)
+    return Sheet(sheets, sheet, comments, line, [str(cell).strip() for cell in first], rows[1:], grid)
 
 
 def number_in(cell: Cell) -> float | None:
@@ -120,23 +125,3 @@ def number_in(cell: Cell) -> float | None:
     if isinstance(cell, float):
         return cell if math.isfinite(cell) else None
     return cell_number(cell)
-
-
-def moment_in(cell: Cell) -> datetime | None:
-    """Return date and time in ISO 8601 or as written in much of Europe (31.12.2024 13:45); with an offset, in UTC."""
-    if isinstance(cell, float) or not 8 <= len(cell) <= 40:
-        return None
-    try:
-        moment = datetime.fromisoformat(cell)
-    except ValueError:
-        pass
-    else:
-        return moment if moment.tzinfo is None else moment.astimezone(UTC).replace(tzinfo=None)
-    found = _EUROPEAN.fullmatch(cell)
-    if found is None or (found[2] == "/" and found[7] is None):
-        return None
-    day, month, year, hour, minute, second = (int(part or 0) for part in found.group(1, 3, 4, 5, 6, 7))
-    try:
-        return datetime(year, month, day, hour, minute, second)
-    except ValueError:
-        return None

@@ -1,22 +1,25 @@
-"""Measured points from the columns of a file: by heading, with the units that headings name and dates as days."""
+"""Measured points from the columns of a file: by heading or by cells, with the units of headings and dates as days."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 
-from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.problem.tables.cells import Sheet, file_content, moment_in, number_in, read_cells
+from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells
+from geoswarm.solver.problem.tables.dates import DATES_ACCEPTED, DateForm, day_of, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_in_comments
+from geoswarm.solver.problem.tables.packed import Cell
+from geoswarm.solver.problem.tables.picking import Picked, column_of, is_range, names_used, picked, rows_where
 from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
-from geoswarm.solver.problem.tables.workbooks import Cell
+from geoswarm.solver.problem.tables.workbooks import named_cells
 
-__all__ = ["Columns", "Heading", "Table", "read_table"]
+__all__ = ["Columns", "Heading", "Table", "read_table", "table_of"]
 
 _MOST_MESSAGES = 10
+_NO_MARK = frozenset({"", "0", "no", "nein", "false", "ok", "-"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +47,16 @@ class Columns:
         Date and time at which x is 0, where x holds dates; the first one if None.
     inputs
         Further columns by the name they are given.
+    y_minus
+        Column that is subtracted from that of y.
+    where
+        Entries by heading: only rows that have them count.
+    dates
+        How the dates of x are written where it can be read in several ways.
+    time
+        Column of the times of day beside the dates of x.
+    gross_errors
+        Column whose entries mark gross errors.
     """
 
     x: str | None = None
@@ -52,11 +65,32 @@ class Columns:
     sheet: str | None = None
     origin: datetime | None = None
     inputs: Mapping[str, str] = field(default_factory=dict)
+    y_minus: str | None = None
+    where: Mapping[str, str | float] = field(default_factory=dict)
+    dates: DateForm | None = None
+    time: str | None = None
+    gross_errors: str | None = None
+
+    def wanted(self) -> dict[str, str]:
+        """Columns by what they are for."""
+        given = {
+            "x": self.x or "x",
+            "y": self.y or "y",
+            "weight": self.weight,
+            "y_minus": self.y_minus,
+            "x_time": self.time,
+            "gross_error": self.gross_errors,
+        }
+        further = {f"inputs.{name}": column for name, column in self.inputs.items()}
+        return {role: name for role, name in given.items() if name is not None} | further
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns of a table, all of the same length; ``weight`` None when there is no such column."""
+    """Columns of a table, all of the same length; ``weight`` None when there is no such column.
+
+    ``gross_errors`` are the places of marked rows; ``zero`` is the moment of x = 0, where x holds dates.
+    """
 
     x: list[float]
     y: list[float]
@@ -64,132 +98,198 @@ class Table:
     x_heading: Heading = Heading("x")
     y_heading: Heading = Heading("y")
     inputs: dict[str, list[float]] = field(default_factory=dict)
+    gross_errors: list[int] = field(default_factory=list)
+    zero: datetime | None = None
 
 
 def read_table(path: Path, columns: Columns = Columns()) -> Table:
+    """Read the columns of a CSV file or a workbook; see :func:`table_of`."""
+    return table_of(file_content(path), path.name, columns)
+
+
+def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
     """Read the columns x, y and weight of a CSV file or a workbook.
 
     Parameters
     ----------
-    path
+    content
         The file. The first line of a CSV file that is neither empty nor a ``#`` comment has the headings; in a workbook
         it is the one above the first row of numbers. A heading may be named with or without its unit, upper and lower
-        case alike.
+        case alike. Rows without any of the cells that are wanted are left out.
+    name
+        Its name, for messages.
 
     Raises
     ------
     TableError
         Missing or unreadable file, missing column, or cells that are no finite numbers.
     """
-    content = file_content(path)
-    numbers = plain_numbers(content)
-    sheet = read_cells(content, path.name, columns.sheet) if numbers is None else numbers[0]
+    quick = None if _needs_cells(columns) else plain_numbers(content)
+    sheet = read_cells(content, name, columns.sheet) if quick is None else quick[0]
+    wanted = columns.wanted()
+    if content.startswith(b"PK"):
+        sheet = _named(content, name, columns, sheet, wanted)
     if not sheet.header and not sheet.rows:
-        raise TableError(f"{path.name} is empty; a header line x,y is expected")
-    reader = _Reader(path.name, sheet, None if numbers is None else numbers[1])
-    places = {
-        role: reader.place(name or role, role)
-        for role, name in (("x", columns.x), ("y", columns.y), ("weight", columns.weight))
-        if role != "weight" or name is not None or reader.has("weight")
-    }
-    further = {name: reader.place(column, f"inputs.{name}") for name, column in columns.inputs.items()}
-    if not sheet.rows:
-        raise TableError(f"{path.name} has a header but no points")
-    x, dates = reader.moments(places["x"], columns.origin)
-    if not dates and columns.origin is not None:
-        raise TableError(f"{path.name}: x_origin is a date, but column {reader.names[places['x']]} holds no dates")
-    data = {role: reader.numbers(place) for role, place in places.items() if role != "x" or not dates}
-    inputs = {name: reader.numbers(place) for name, place in further.items()}
-    reader.raise_errors()
-    return Table(
-        x if dates else data["x"],
-        data["y"],
-        data.get("weight"),
-        reader.heading(places["x"], dates),
-        reader.heading(places["y"], False),
-        inputs,
-    )
+        raise TableError(f"{name} is empty; a header line x,y is expected")
+    if "weight" not in wanted and column_of(sheet, "weight") and not is_range(wanted["x"]):
+        wanted["weight"] = "weight"
+    if not sheet.rows and not is_range(wanted["x"]):
+        for role, text in wanted.items():
+            _picked(sheet, [], role, text, name)
+        raise TableError(f"{name} has a header but no points")
+    rows = rows_where(sheet, columns.where, name)
+    reader = _Reader(name, {role: _picked(sheet, rows, role, text, name) for role, text in wanted.items()})
+    found = reader.table(columns) if quick is None else None
+    if quick is not None:
+        values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
+        if columns.origin is not None:
+            raise _no_dates(name, reader.columns["x"])
+        found = Table(values["x"], values["y"], values.get("weight"), inputs=_inputs(values))
+    assert found is not None
+    x_heading = _heading(sheet, reader.columns["x"], found.zero is not None)
+    return replace(found, x_heading=x_heading, y_heading=_heading(sheet, reader.columns["y"], False))
+
+
+def _needs_cells(columns: Columns) -> bool:
+    """Whether more than numbers of columns is asked for."""
+    texts = columns.wanted()
+    return bool(
+        columns.where or columns.dates or columns.sheet or texts.keys() & {"y_minus", "x_time", "gross_error"}
+    ) or any(is_range(text) for text in texts.values())
+
+
+def _named(content: bytes, name: str, columns: Columns, sheet: Sheet, wanted: dict[str, str]) -> Sheet:
+    """Put the cells in place of names that a workbook has for them; the sheet on which they are."""
+    used = names_used(sheet, wanted, named_cells(content, name), name)
+    if not used:
+        return sheet
+    sheets = {of for of, _ in used.values()} | ({columns.sheet} if columns.sheet is not None else set())
+    if len(sheets) > 1:
+        raise TableError(f"{name}: the named cells are on several sheets: {', '.join(sorted(sheets))}")
+    wanted.update({role: cells for role, (_, cells) in used.items()})
+    (of,) = sheets
+    return sheet if of == sheet.sheet else read_cells(content, name, of)
+
+
+def _picked(sheet: Sheet, rows: list[tuple[int, list[Cell]]], role: str, text: str, name: str) -> Picked:
+    try:
+        return picked(sheet, rows, text, name)
+    except TableError as error:
+        if text != role or column_of(sheet, text) or role not in ("x", "y"):
+            raise
+        names = [heading for heading in sheet.header if heading] or ["column 1", "column 2"]
+        suggested = names[min(("x", "y").index(role), len(names) - 1)]
+        raise TableError(f"{error}; say which it is: {role}_column: {suggested}") from None
+
+
+def _heading(sheet: Sheet, column: Picked, dates: bool) -> Heading:
+    name = column.name
+    if dates:
+        return Heading(name, "day", certain=True, dates=True)
+    unit = guess_unit(name)[1]
+    if unit is not None:
+        return Heading(name, unit, certain=name.rstrip().endswith(("]", ")", "}")))
+    commented = units_in_comments(sheet.comments).get(name)
+    return Heading(name, None if commented is None else known_unit(commented)[0])
+
+
+def _inputs(values: Mapping[str, list[float]]) -> dict[str, list[float]]:
+    return {role.removeprefix("inputs."): given for role, given in values.items() if role.startswith("inputs.")}
+
+
+def _no_dates(name: str, x: Picked) -> TableError:
+    return TableError(f"{name}: x_origin is a date, but column {x.name} holds no dates; x_dates: serial reads numbers")
 
 
 class _Reader:
-    def __init__(self, name: str, sheet: Sheet, numbers: FloatArray | None) -> None:
+    def __init__(self, name: str, columns: dict[str, Picked]) -> None:
         self._name = name
-        self._numbers = numbers
-        self._sheet = sheet
-        width = max((len(cells) for _, cells in sheet.rows[:1]), default=0)
-        self.names = sheet.header or [f"column {place + 1}" for place in range(width)]
-        self._labels = [guess_unit(name)[0] for name in self.names]
         self._messages: list[tuple[int, str]] = []
+        first = columns["x"]
+        for one in columns.values():
+            if len(one.cells) != len(first.cells):
+                raise TableError(
+                    f"{name}: {one.name} has {len(one.cells)} cells, {first.name} has {len(first.cells)}; "
+                    "where one column is a range such as B5:B30, all are, of one length"
+                )
+        marks = columns.get("gross_error")
+        needed = [one.cells for one in columns.values() if one is not marks]
+        filled = [i for i in range(len(first.cells)) if any(cells[i][1] != "" for cells in needed)]
+        self.columns = columns
+        if len(filled) < len(first.cells):
+            self.columns = {
+                role: Picked(one.name, [one.cells[i] for i in filled], one.place) for role, one in columns.items()
+            }
 
-    def has(self, name: str) -> bool:
-        return any(_key(name) in (_key(n), _key(label)) for n, label in zip(self.names, self._labels, strict=True))
-
-    def place(self, wanted: str, role: str) -> int:
-        """Index of the column with a heading, or with a heading that is this before its unit."""
-        for headings in (self.names, self._labels):
-            found = [index for index, name in enumerate(headings) if _key(name) == _key(wanted)]
-            if len(found) == 1:
-                return found[0]
-            if found:
-                break
-        problem = "there are several columns" if found else "there is no column"
-        remedy = f"; say which it is: {role}_column: {self._suggestion(role)}" if wanted == role and not found else ""
-        header = f"the header has: {', '.join(self.names)}" if self._sheet.header else "there is no line of headings"
-        raise TableError(f"{self._name} line {self._sheet.header_line}: {problem} '{wanted}'; {header}{remedy}")
-
-    def _suggestion(self, role: str) -> str:
-        names = [name for name in self.names if name] or ["HEADING"]
-        return names[min(("x", "y").index(role), len(names) - 1)] if role in ("x", "y") else names[-1]
-
-    def heading(self, place: int, dates: bool) -> Heading:
-        name = self.names[place]
-        if dates:
-            return Heading(name, "day", certain=True, dates=True)
-        unit = guess_unit(name)[1]
-        if unit is not None:
-            return Heading(name, unit, certain=name.rstrip().endswith(("]", ")", "}")))
-        commented = units_in_comments(self._sheet.comments).get(name)
-        return Heading(name, None if commented is None else known_unit(commented)[0])
-
-    def moments(self, place: int, origin: datetime | None) -> tuple[list[float], bool]:
-        """Days since the origin, if most cells are dates."""
-        if self._numbers is not None:
-            return [], False
-        cells = [self._cell(row, place) for _, row in self._sheet.rows]
-        sample = [cell for cell in cells if cell != ""][:20]
-        if sum(moment_in(cell) is not None for cell in sample) * 2 <= len(sample):
-            return [], False
-        days = []
-        for (line, _), cell in zip(self._sheet.rows, cells, strict=True):
-            moment = moment_in(cell)
-            if moment is None:
-                self._bad(cell, place, line, "no date, such as 2024-03-01 08:30 or 01.03.2024 08:30")
-                continue
-            origin = origin or moment
-            days.append((moment - origin).total_seconds() / 86400)
-        return days, True
-
-    def numbers(self, place: int) -> list[float]:
-        if self._numbers is not None:
-            column: list[float] = self._numbers[:, place].tolist()
-            return column
-        values = []
-        for line, row in self._sheet.rows:
-            cell = self._cell(row, place)
-            value = number_in(cell)
-            values.append(self._bad(cell, place, line, "no finite number") if value is None else value)
-        return values
+    def table(self, columns: Columns) -> Table:
+        """All columns as numbers."""
+        x = self.columns["x"]
+        if not x.cells:
+            raise TableError(f"{self._name}: the cells of {x.name} are all empty")
+        zero = None
+        if columns.dates is not None or columns.time is not None or self._looks_like_dates(x):
+            days, zero = self._days(x, columns)
+        elif columns.origin is not None:
+            raise _no_dates(self._name, x)
+        values = {
+            role: self._numbers(one)
+            for role, one in self.columns.items()
+            if role not in ("gross_error", "x_time") and not (role == "x" and zero is not None)
+        }
+        marks = self.columns.get("gross_error")
+        marked = [] if marks is None else [i for i, (_, cell) in enumerate(marks.cells) if _is_mark(cell)]
+        self._raise_errors()
+        y = values["y"]
+        if "y_minus" in values:
+            y = [one - other for one, other in zip(y, values["y_minus"], strict=True)]
+        x_values = values["x"] if zero is None else days
+        return Table(x_values, y, values.get("weight"), inputs=_inputs(values), gross_errors=marked, zero=zero)
 
     @staticmethod
-    def _cell(row: list[Cell], place: int) -> Cell:
-        return row[place] if place < len(row) else ""
+    def _looks_like_dates(x: Picked) -> bool:
+        sample = [cell for _, cell in x.cells if cell != ""][:20]
+        return sum(moment_in(cell) is not None for cell in sample) * 2 > len(sample)
 
-    def _bad(self, cell: Cell, place: int, line: int, what: str) -> float:
+    def _days(self, x: Picked, columns: Columns) -> tuple[list[float], datetime | None]:
+        """Days since the origin."""
+        clock = self.columns.get("x_time")
+        expected = (
+            DATES_ACCEPTED if columns.dates in (None, "serial") else f"{_AS_WRITTEN[columns.dates]} or {DATES_ACCEPTED}"
+        )
+        moments = []
+        for i, (line, cell) in enumerate(x.cells):
+            moment = moment_in(cell, columns.dates)
+            if moment is None:
+                self._bad(cell, x, line, f"no date, such as {expected}")
+                continue
+            if clock is not None:
+                line, beside = clock.cells[i]
+                since = time_of_day(beside)
+                if since is None:
+                    self._bad(beside, clock, line, "no time of day, such as 08:30 or 08:30:15")
+                    continue
+                moment = day_of(moment) + since
+            moments.append(moment)
+        if not moments:
+            return [], datetime.min  # there are messages
+        zero = columns.origin or moments[0]
+        return [(moment - zero).total_seconds() / 86400 for moment in moments], zero
+
+    def _numbers(self, column: Picked) -> list[float]:
+        values = []
+        for line, cell in column.cells:
+            value = number_in(cell)
+            values.append(self._bad(cell, column, line, "no finite number") if value is None else value)
+        return values
+
+    def _bad(self, cell: Cell, column: Picked, line: int, what: str) -> float:
         problem = f"'{str(cell)[:50]}' is {what}" if cell != "" else "the cell is empty"
-        self._messages.append((line, f"{self._name} line {line}, column {self.names[place]}: {problem}"))
+        if what == "no finite number" and (moment_in(cell, "day_first") or moment_in(cell, "month_first")):
+            problem += "; x_dates: day_first or month_first says how a date is written"
+        self._messages.append((line, f"{self._name} line {line}, column {column.name}: {problem}"))
         return 0.0
 
-    def raise_errors(self) -> None:
+    def _raise_errors(self) -> None:
         if not self._messages:
             return
         shown = [message for _, message in sorted(self._messages)[:_MOST_MESSAGES]]
@@ -197,5 +297,8 @@ class _Reader:
         raise TableError(*shown, *([f"{self._name}: {more} more bad cells"] if more else []))
 
 
-def _key(cell: str) -> str:
-    return " ".join(cell.split()).casefold()
+_AS_WRITTEN = {"day_first": "31/12/2024 08:30", "month_first": "12/31/2024 08:30"}
+
+
+def _is_mark(cell: Cell) -> bool:
+    return cell != 0.0 if isinstance(cell, float) else cell.strip().casefold() not in _NO_MARK

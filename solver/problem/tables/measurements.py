@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from geoswarm.solver.problem.tables.cells import Sheet, moment_in, number_in, read_cells
+from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells
+from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_in_comments
+from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import TableError
-from geoswarm.solver.problem.tables.workbooks import Cell
 
 __all__ = ["Column", "Measurements", "read_measurements"]
 

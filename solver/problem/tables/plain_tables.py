@@ -9,8 +9,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem.tables.cells import Sheet
+from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES
-from geoswarm.solver.problem.tables.workbooks import Cell
 
 __all__ = ["plain_numbers"]
 
@@ -37,4 +37,4 @@ def plain_numbers(content: bytes) -> tuple[Sheet, FloatArray] | None:
     if numbers.shape[1] != len(header) or not np.isfinite(numbers).all() or _PLAIN.fullmatch(heading) is not None:
         return None
     sample: list[Cell] = [float(number) for number in numbers[0]]
-    return Sheet((), None, "", 1, header, [(2, sample)]), numbers
+    return Sheet((), None, "", 1, header, [(2, sample)], {}), numbers

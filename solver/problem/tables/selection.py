@@ -15,7 +15,7 @@ from geoswarm.solver.units import convert
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.base import ForwardModelSpec
-    from geoswarm.solver.problem.sections import ObservationSection
+    from geoswarm.solver.problem.observation_section import ObservationSection
 
 __all__ = ["SELECTION", "chosen_points"]
 

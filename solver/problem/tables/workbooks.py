@@ -1,4 +1,4 @@
-"""Reads the cells of a spreadsheet (XLSX): values as they are stored, no formulas are calculated."""
+"""Reads the cells of a spreadsheet (XLSX, ODS): values as they are stored, no formulas are calculated."""
 
 from __future__ import annotations
 
@@ -6,20 +6,15 @@ import io
 import re
 import zipfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from geoswarm.solver.problem.tables.reading import MAX_CELL_CHARACTERS, TableError
+from geoswarm.solver.problem.tables.opendocument import ods_names, ods_rows, ods_sheets
+from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, PackedParts
+from geoswarm.solver.problem.tables.reading import TableError
 
-__all__ = ["Cell", "read_workbook"]
-
-Cell = str | float
-"""Text or a number; a date is text in ISO 8601."""
-
-MAX_PART_BYTES = 32 * 2**20
-MAX_UNPACKED_BYTES = 4 * MAX_PART_BYTES
-MAX_CELLS = 2_000_000
-MAX_COLUMNS = 500
+__all__ = ["named_cells", "read_workbook"]
 
 _MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 _RELATION = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
@@ -49,40 +44,83 @@ def read_workbook(content: bytes, name: str, sheet: str | None = None) -> tuple[
     TableError
         It is no workbook, has no such sheet, or is too large.
     """
+    with _opened(content, name) as archive, _explained(name):
+        parts = PackedParts(archive, name)
+        return _read_ods(parts, sheet) if _is_ods(archive) else _Workbook(parts).read(sheet)
+
+
+def named_cells(content: bytes, name: str) -> dict[str, str]:
+    """Cells that a workbook has names for: address such as ``Sheet1!$B$5:$B$30`` (``$Sheet1.$B$5`` in ODS) by name.
+
+    Raises
+    ------
+    TableError
+        It is no workbook.
+    """
+    with _opened(content, name) as archive, _explained(name):
+        parts = PackedParts(archive, name)
+        if _is_ods(archive):
+            return ods_names(parts)
+        defined = parts.part("xl/workbook.xml").iter(f"{_MAIN}definedName")
+        return {one.get("name", ""): one.text or "" for one in defined}
+
+
+@contextmanager
+def _explained(name: str) -> Iterator[None]:
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            return _Workbook(archive, name).read(sheet)
+        yield
     except (zipfile.BadZipFile, ElementTree.ParseError, expat.ExpatError, NotImplementedError, RuntimeError) as error:
         # RuntimeError: a part is encrypted; NotImplementedError: packed in a way that Python does not know
-        raise TableError(f"{name} cannot be read as an XLSX workbook: {error}") from None
+        raise TableError(f"{name} cannot be read as an XLSX or ODS workbook: {error}") from None
     except (KeyError, ValueError, IndexError, EOFError, OSError) as error:
-        raise TableError(f"{name} is no complete XLSX workbook: {error}") from None
+        raise TableError(f"{name} is no complete XLSX or ODS workbook: {error}") from None
+
+
+def _opened(content: bytes, name: str) -> zipfile.ZipFile:
+    with _explained(name):
+        return zipfile.ZipFile(io.BytesIO(content))
+
+
+def _is_ods(archive: zipfile.ZipFile) -> bool:
+    return "content.xml" in archive.namelist()
+
+
+def _read_ods(parts: PackedParts, wanted: str | None) -> tuple[list[str], str, list[list[Cell]]]:
+    sheets = ods_sheets(parts)
+    _check_sheet(parts.name, wanted, list(sheets))
+    chosen, rows = "", []
+    for chosen in [wanted] if wanted is not None else sheets:  # the one at which it ends
+        rows = list(ods_rows(parts, sheets[chosen]))
+        if any(rows):
+            break
+    return list(sheets), chosen, rows
+
+
+def _check_sheet(name: str, wanted: str | None, sheets: list[str]) -> None:
+    if not sheets:
+        raise TableError(f"{name} has no sheets with cells")
+    if wanted is not None and wanted not in sheets:
+        raise TableError(f"{name} has no sheet '{wanted}'; its sheets: {', '.join(sheets)}")
 
 
 class _Workbook:
-    def __init__(self, archive: zipfile.ZipFile, name: str) -> None:
-        self._archive = archive
-        self._name = name
-        self._left = MAX_UNPACKED_BYTES
+    def __init__(self, parts: PackedParts) -> None:
+        self._parts = parts
 
     def read(self, wanted: str | None) -> tuple[list[str], str, list[list[Cell]]]:
-        if "content.xml" in self._archive.namelist():
-            raise TableError(f"{self._name} is an OpenDocument workbook (.ods); save it as .xlsx or .csv")
-        book = self._part("xl/workbook.xml")
-        targets = {one.get("Id", ""): one.get("Target", "") for one in self._part("xl/_rels/workbook.xml.rels")}
+        part = self._parts.part
+        book = part("xl/workbook.xml")
+        targets = {one.get("Id", ""): one.get("Target", "") for one in part("xl/_rels/workbook.xml.rels")}
         sheets = {
             one.get("name", ""): _place(targets[one.get(_RELATION, "")])
             for one in book.iter(f"{_MAIN}sheet")
             if _place(targets.get(one.get(_RELATION, ""), "")).startswith("xl/worksheets/")  # not the charts
         }
-        if not sheets:
-            raise TableError(f"{self._name} has no sheets with cells")
-        if wanted is not None and wanted not in sheets:
-            raise TableError(f"{self._name} has no sheet '{wanted}'; its sheets: {', '.join(sheets)}")
+        _check_sheet(self._parts.name, wanted, list(sheets))
         settings = book.find(f"{_MAIN}workbookPr")
         since_1904 = settings is not None and settings.get("date1904") in ("1", "true")
-        texts = [self._text(one) for one in self._part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
-        dates = _date_styles(self._part("xl/styles.xml", optional=True))
+        texts = [self._text(one) for one in part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
+        dates = _date_styles(part("xl/styles.xml", optional=True))
         chosen, rows = "", []
         for chosen in [wanted] if wanted is not None else sheets:  # the one at which it ends
             rows = list(self._rows(sheets[chosen], texts, dates, since_1904))
@@ -90,27 +128,13 @@ class _Workbook:
                 break
         return list(sheets), chosen, rows
 
-    def _part(self, place: str, optional: bool = False) -> ElementTree.Element:
-        if optional and place not in self._archive.namelist():
-            return ElementTree.Element("none")
-        size = self._archive.getinfo(place).file_size
-        if size > MAX_PART_BYTES:
-            raise TableError(f"{self._name}: {place} is larger than {MAX_PART_BYTES} bytes")
-        self._left -= size  # many sheets may be one and the same large part
-        if self._left < 0:
-            raise TableError(f"{self._name} unpacks to more than {MAX_UNPACKED_BYTES} bytes before its first cell")
-        with self._archive.open(place) as part:
-            content = part.read(size + 1)  # no more than it says: read() unpacks all before it finds too much
-        _refuse_definitions(content, self._name)
-        return ElementTree.fromstring(content)
-
     def _rows(self, place: str, texts: list[str], dates: set[int], since_1904: bool) -> Iterator[list[Cell]]:
         left, line = MAX_CELLS, 0
-        for row in self._part(place).iter(f"{_MAIN}row"):
+        for row in self._parts.part(place).iter(f"{_MAIN}row"):
             blank = int(row.get("r") or line + 1) - line - 1  # empty rows are not stored
             left -= max(blank, 0)
             if left < 0:
-                raise TableError(f"{self._name} has more than {MAX_CELLS} cells")
+                raise self._parts.too_many()
             yield from ([] for _ in range(blank))
             line += max(blank, 0) + 1
             cells: list[Cell] = []
@@ -122,7 +146,7 @@ class _Workbook:
                 cells.append(self._value(cell, texts, dates, since_1904))
             left -= len(cells)
             if left < 0:
-                raise TableError(f"{self._name} has more than {MAX_CELLS} cells")
+                raise self._parts.too_many()
             yield cells
 
     def _value(self, cell: ElementTree.Element, texts: list[str], dates: set[int], since_1904: bool) -> Cell:
@@ -136,33 +160,14 @@ class _Workbook:
         if kind == "s":
             return texts[int(stored)]
         if kind != "n":  # a formula's text, an error, true or false, a date in ISO 8601
-            return self._short(stored.strip())
+            return self._parts.short(stored.strip())
         value = float(stored)
         return _date(value, since_1904) if int(cell.get("s", "0")) in dates else value
 
     def _text(self, holder: ElementTree.Element) -> str:
         """Text of all runs; phonetic hints beside them are left out."""
         runs = [holder, *holder.findall(f"{_MAIN}r")]
-        return self._short("".join(part.text or "" for run in runs for part in run.findall(f"{_MAIN}t")).strip())
-
-    def _short(self, text: str) -> str:
-        """Refuse long texts: any number of cells may show one."""
-        if len(text) > MAX_CELL_CHARACTERS:
-            raise TableError(
-                f"{self._name} has a cell of {len(text)} characters; at most {MAX_CELL_CHARACTERS} are accepted"
-            )
-        return text
-
-
-def _refuse_definitions(content: bytes, name: str) -> None:
-    """Refuse document types: no workbook has one, and their entities could stand for any amount of text."""
-    parser = expat.ParserCreate()
-
-    def found(*_: object) -> None:
-        raise TableError(f"{name} has a document type, which no workbook needs")
-
-    parser.StartDoctypeDeclHandler = found
-    parser.Parse(content, True)
+        return self._parts.short("".join(part.text or "" for run in runs for part in run.findall(f"{_MAIN}t")).strip())
 
 
 def _place(target: str) -> str:
@@ -198,7 +203,7 @@ def _date(serial: float, since_1904: bool) -> str:
     """ISO 8601 of the days since the end of 1899 (or the beginning of 1904), to a thousandth of a second."""
     from datetime import datetime, timedelta
 
-    # The first spreadsheets took 1900 for a whole_generation year; the files of the others still count that day.
+    # The first spreadsheets took 1900 for a leap year; the files of the others still count that day.
     origin = datetime(1904, 1, 1) if since_1904 else datetime(1899, 12, 30)
     try:
         moment = origin + timedelta(milliseconds=round(serial * _SECONDS_A_DAY * 1000))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -219,8 +220,11 @@ def linearise_here(
         further = [polish(calibration, samples.parameters[head], max_evaluations=_MOST_RUNS) for head in heads]
         for other in sorted(further, key=lambda polished: polished.objective)[:1]:
             if other.objective < best.objective * (1.0 - _BETTER):
-                further = [best, *(polished for polished in further if polished is not other)]
-                best, found = other, _linearise(calibration, other, noise)
+                others = [best, *(polished for polished in further if polished is not other)]
+                # what is told is the way from the best evaluation, wherever the best descent began
+                runs = best.evaluations + sum(polished.evaluations for polished in further)
+                found = _linearise(calibration, other, noise)
+                best, further = replace(other, start_objective=best.start_objective, evaluations=runs), others
     except SolverError:
         return None
     return Optimum(best, found, tuple((polished.parameters, polished.objective) for polished in further))

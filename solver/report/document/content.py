@@ -17,6 +17,7 @@ from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.document.captions import CAPTIONS
 from geoswarm.solver.report.document.laboratory_table import laboratory_table
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
+from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
 from geoswarm.solver.report.document.scope import not_modelled
 from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
@@ -98,7 +99,11 @@ def report_content(
         notes=tuple(
             map(
                 typeset,
-                (*(_notes(problem, statistics) if judged and statistics is not None else ()), *uncertainty.notes),
+                (
+                    *reading_notes(problem),
+                    *(_notes(problem, statistics) if judged and statistics is not None else ()),
+                    *uncertainty.notes,
+                ),
             )
         ),
         pictures=tuple(
@@ -208,6 +213,8 @@ def _tables(
     if statistics is not None:
         tables += _optimum_tables(statistics, labels)
     tables += uncertainty_tables(problem, uncertainty, labels)
+    if (gross := gross_error_table(problem)) is not None:
+        tables.append(gross)
     if record.failures:
         rows_of_failures = tuple((reason.replace("_", " "), str(count)) for reason, count in record.failures.items())
         tables.append(Table("Failed evaluations", ("reason", "number"), rows_of_failures, (1,)))
@@ -246,7 +253,7 @@ def _parameter_table(
         unit = objective_unit(problem)
         how = "in a follow-up job" if optimum is None else f"with {optimum.polished.evaluations} further forward runs"
         note += (
-            f" Polished by least squares from the best evaluation, objective {_quantity(p.start_objective, unit)} to "
+            f" Polished by least squares, objective {_quantity(p.start_objective, unit)} of the best evaluation to "
             f"{_quantity(p.objective, unit)}, {how}; intervals belong there."
         )
     return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)

@@ -13,7 +13,7 @@ from geoswarm.solver.report.document.html import SIGNS
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.figures.style import GRID, INK, MUTED, png_of
 
-__all__ = ["pdf_report"]
+__all__ = ["pdf_report", "shared_width"]
 
 _DPI = 200
 _MARGIN = 18.0  # mm
@@ -194,18 +194,31 @@ def _table(table: Table, width: float) -> list[Any]:
     def wide(text: str, bold: bool) -> float:
         return float(stringWidth(text, "DejaVuSans-Bold" if bold else "DejaVuSans", 8.5)) + 13.0
 
-    wanted = []
+    wanted, least = [], []
     for index, column in enumerate(table.columns):
         head = max(wide(word, True) for word in column.split() or [""])
         wanted.append(max([head, *(wide(row[index], False) for row in table.rows)]))
-    scale = min(width / sum(wanted), 1.0)
+        words = (word for row in table.rows for word in row[index].split())
+        least.append(max([head, *(wide(word, False) for word in words)]))
+    widths = shared_width(wanted, least, width)
     cells = [
         [_text(c, "right bold" if i in table.numeric else "bold") for i, c in enumerate(table.columns)],
         *([_text(c, "right" if i in table.numeric else "body") for i, c in enumerate(row)] for row in table.rows),
     ]
-    grid = Grid(cells, colWidths=[w * scale for w in wanted], style=_grid_style(), repeatRows=1, hAlign="LEFT")
+    grid = Grid(cells, colWidths=widths, style=_grid_style(), repeatRows=1, hAlign="LEFT")
     note = [_text(table.note, "small")] if table.note else []
     return [_text(table.heading, "subheading"), grid, *note]
+
+
+def shared_width(wanted: Sequence[float], least: Sequence[float], width: float) -> list[float]:
+    """Widths of columns: as wanted where they fit; else no word is broken, and what is left goes to the long texts."""
+    if sum(wanted) <= width:
+        return list(wanted)
+    needed = sum(least)
+    if needed >= width:
+        return [one * width / needed for one in least]
+    share = (width - needed) / (sum(wanted) - needed)
+    return [low + share * (high - low) for low, high in zip(least, wanted, strict=True)]
 
 
 def _grid_style(*, lines: bool = True) -> list[Any]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.report.curves import SeriesCurve
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.style import (
@@ -14,6 +15,7 @@ from geoswarm.solver.report.figures.style import (
     GREEN,
     GRID,
     MUTED,
+    ORANGE,
     drawing,
     finish,
     head,
@@ -95,12 +97,14 @@ def stages_figure(title: str, curve: SeriesCurve) -> Figure:
 
 
 def fit_rows(curves: Sequence[SeriesCurve]) -> tuple[list[str], list[list[object]]]:
-    """Return header and rows of the figure's numbers: one row a measured point."""
+    """Return header and rows of the figure's numbers: one row a measured point, those of gross errors last."""
     header = ["series", "x", "x_unit", "measured", "calculated", "residual", "y_unit"]
     rows: list[list[object]] = []
     for c in curves:
         numbers = zip(c.measured_x.tolist(), c.measured_y.tolist(), c.at_points.tolist(), strict=True)
         rows += [[c.series, x, c.x_unit, y, f, f - y, c.y_unit] for x, y, f in numbers]
+        gross = zip(c.gross_x.tolist(), c.gross_y.tolist(), strict=True)
+        rows += [[c.series, x, c.x_unit, y, "gross error", "", c.y_unit] for x, y in gross]
     return header, rows
 
 
@@ -111,11 +115,18 @@ def _fit(axes: Axes, curve: SeriesCurve) -> None:
         axes.plot(curve.x, curve.initial, color=GREEN, linewidth=1.2, linestyle="--", label="initial", zorder=2)
     axes.plot(curve.x, curve.y, color=BLUE, linewidth=1.6, label="identified", zorder=3)
     plot_measured(axes, curve.measured_x, curve.measured_y)
+    _gross_errors(axes, curve.gross_x, curve.gross_y)
     axes.set_ylabel(with_unit(curve.y_quantity, curve.y_unit))
     axes.set_title(curve.series, loc="left")
     plain_ticks(axes, "y", log=False, most=7)
     finish(axes)
     axes.grid(visible=not curve.breaks.size, axis="x")
+
+
+def _gross_errors(axes: Axes, x: FloatArray, y: FloatArray) -> None:
+    """Readings that do not count: crosses, as they are struck out by hand."""
+    if x.size:
+        axes.plot(x, y, linestyle="none", marker="x", markersize=5, color=ORANGE, label="gross error", zorder=4)
 
 
 def _residuals(axes: Axes, curve: SeriesCurve) -> None:
@@ -137,6 +148,8 @@ def _stage(axes: Axes, curve: SeriesCurve, start: float, end: float) -> None:
         axes.plot(x, curve.initial[along], color=GREEN, linewidth=1.1, linestyle="--")
     axes.plot(x, curve.y[along], color=BLUE, linewidth=1.5)
     plot_measured(axes, curve.measured_x[inside] - start, curve.measured_y[inside])
+    struck = (curve.gross_x > start) & (curve.gross_x <= end)
+    _gross_errors(axes, curve.gross_x[struck] - start, curve.gross_y[struck])
     first = float((curve.measured_x[inside] - start).min())
     set_limits(axes, "x", first * 0.6, (end - start) * 1.5, log=True)
     shown = np.concatenate([curve.y[along & (curve.x - start >= first * 0.6)], curve.measured_y[inside]])

@@ -146,7 +146,7 @@ def test_dates_of_a_sheet_follow_its_styles() -> None:
         (b"a,b\n", "no column of numbers"),
         (b"just,words\nin,here\n", "no column of numbers"),
         (b"\xd0\xcf\x11\xe0rest", "old form"),
-        (b"PK\x03\x04 broken", "cannot be read as an XLSX workbook"),
+        (b"PK\x03\x04 broken", "cannot be read as an XLSX or ODS workbook"),
         (b"a\0b,c\n1,2\n", "neither text"),
         (b"x,y\n1,2\n3,1,234\n", "a.file line 3: 3 cells under 2 headings"),
         (workbook(("s", "<row><c><v>1</v></c></row>"), **{"xl/workbook.xml": "<no"}), "cannot be read"),
@@ -154,8 +154,8 @@ def test_dates_of_a_sheet_follow_its_styles() -> None:
             workbook(("s", ""), **{SHEET.format(1): '<!DOCTYPE a [<!ENTITY b "c">]><worksheet/>'}),
             "has a document type",
         ),
-        (workbook(("s", '<row><c t="s"><v>7</v></c></row>')), "no complete XLSX workbook"),
-        (workbook(("s", ""), **{"content.xml": "<a/>"}), r"a.file is an OpenDocument workbook \(.ods\); save it as"),
+        (workbook(("s", '<row><c t="s"><v>7</v></c></row>')), "no complete XLSX or ODS workbook"),
+        (workbook(("s", ""), **{"content.xml": "<a/>"}), "a.file has no sheets with cells"),
     ],
 )
 def test_what_cannot_be_read_says_why(content: bytes, message: str) -> None:
@@ -169,7 +169,7 @@ def test_a_part_that_says_it_is_small_is_not_unpacked_further() -> None:
         size = archive.getinfo(SHEET.format(1)).file_size
     lying = content.replace(size.to_bytes(4, "little"), (5000).to_bytes(4, "little"))
     tracemalloc.start()
-    with pytest.raises(TableError, match="cannot be read as an XLSX workbook: Bad CRC"):
+    with pytest.raises(TableError, match="cannot be read as an XLSX or ODS workbook: Bad CRC"):
         read_measurements(lying, "a.xlsx")
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()

@@ -56,7 +56,13 @@ def test_columns_by_name(tmp_path: Path) -> None:
             "time,y\n1,2\n",
             ["data.csv line 1: there is no column 'x'; the header has: time, y; say which it is: x_column: time"],
         ),
-        ("x,y,X\n1,2,3\n", ["data.csv line 1: there are several columns 'x'; the header has: x, y, X"]),
+        (
+            "x,y,X\n1,2,3\n",
+            [
+                "data.csv line 1: there are several columns 'x'; the header has: x, y, X; "
+                "say which by its letter, B:B, or its cells, B5:B30"
+            ],
+        ),
         (
             "x,y\n1,\nnan,2\n\n3,inf\n1e999,0\n5\n1_0,１\n",
             [

@@ -10,8 +10,11 @@ import pytest
 
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.curves import objective_unit, series_curves, series_shares
+from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
+from geoswarm.solver.report.figures.fit_plot import fit_figure, fit_rows
 from geoswarm.solver.report.folder.tables import write_evaluations, write_result
 from geoswarm.solver.runs.local import CalibrationResult, calibrate
+from tests.solver.problems import decay_document
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +104,23 @@ def test_evaluations_keep_every_digit(problem: Problem, result: CalibrationResul
     place = header.split(",").index("rate")
     rates = [float(line.split(",")[place]) for line in lines]
     assert rates == [float(record.evaluation.parameters[0]) for record in result.history]
+
+
+def test_gross_errors_stay_visible() -> None:
+    points = {"x": [1.0, 2.0, 3.0], "y": [2.0, 90.0, 1.0]}
+    note = "borehole 7"
+    observed = [{"series": "y", "points": points, "gross_errors": [2], "notes": [note]}]
+    problem = parse_problem(decay_document(observations=observed))
+    values = problem.values([1.0 for _ in problem.free_names])
+    responses = problem.model.prepare({o.series: o.x for o in problem.observations})(values)
+    (curve,) = series_curves(problem, responses, values)
+    assert (curve.gross_x.tolist(), curve.gross_y.tolist()) == ([2], [90])
+    assert curve.measured_x.tolist() == [1, 3]
+    assert fit_rows([curve])[1][-1][:5] == ["y", 2.0, curve.x_unit, 90.0, "gross error"]
+    axes = fit_figure("fit", [curve]).axes[0]
+    crosses = [line for line in axes.get_lines() if line.get_label() == "gross error"]
+    assert [line.get_xydata().tolist() for line in crosses] == [[[2.0, 90.0]]]
+    table = gross_error_table(problem)
+    assert table is not None
+    assert [row[1:] for row in table.rows] == [("2", "90")]
+    assert list(reading_notes(problem)) == [f"Readings of y: {note}."]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.report.document.build import report_of_result
+from geoswarm.solver.report.document.pdf import shared_width
 from geoswarm.solver.report.folder.reading import FolderError, report_of_folder, run_of_folder
 from geoswarm.solver.report.folder.tables import (
     write_evaluations,
@@ -182,3 +183,11 @@ def test_jsonable_has_no_numbers_that_json_lacks() -> None:
 def test_words() -> None:
     assert [number(v) for v in (None, 0.08214, 4.837e-9, 123456.0)] == ["–", "0.08214", "4.837·10⁻⁹", "123500"]
     assert [duration(v) for v in (None, 0.02, 3.0, 125.0)] == ["–", "20 ms", "3.0 s", "2 min 05 s"]
+
+
+def test_columns_of_a_crowded_table_break_no_word() -> None:
+    # three short columns beside a text of 900 points on a page of 500
+    widths = shared_width([40.0, 60.0, 50.0, 900.0], [40.0, 60.0, 50.0, 80.0], 500.0)
+    assert widths == pytest.approx([40.0, 60.0, 50.0, 350.0])
+    assert shared_width([40.0, 60.0], [40.0, 50.0], 500.0) == [40.0, 60.0]
+    assert sum(shared_width([400.0, 600.0], [400.0, 500.0], 450.0)) == pytest.approx(450.0)

@@ -58,7 +58,7 @@ export function observationsSection(context, place) {
   /** Readings that take no part: by x, and in a test in stages by the time since the load and by stage. */
   function leftOut(one, path, about) {
     const unit = one.x_unit ?? about?.x_unit, staged = Array.isArray(draft.read(["forward_model", "stages"])) || draft.read(["forward_model", "parts"]) !== undefined;
-    const some = ["x_from", "x_to", "stage_x_from", "leave_out_stages"].some((name) => one[name] !== undefined);
+    const some = ["x_from", "x_to", "stage_x_from", "leave_out_stages", "gross_errors"].some((name) => one[name] !== undefined);
     const settles = staged && !one.series?.split(".").at(-1).startsWith("stage_");
     return [
       settles ? element("p", { class: "help" }, "The soil laws do not contain primary consolidation: leave out the readings before its end in every stage, or calibrate the values at the ends of the stages (series stage_…). Checking the problem estimates that end.") : null,
@@ -67,7 +67,14 @@ export function observationsSection(context, place) {
         element("div", { class: "fields" },
           field(draft, [...path, "x_from"], { label: "From", kind: "number", unit }), field(draft, [...path, "x_to"], { label: "To", kind: "number", unit }),
           settles ? field(draft, [...path, "stage_x_from"], { label: "Of every stage, from so long after its load", kind: "number", unit }) : null,
-          staged ? field(draft, [...path, "leave_out_stages"], { label: "Stages to leave out", kind: "numbers", help: "Their numbers, from 1." }) : null)),
+          staged ? field(draft, [...path, "leave_out_stages"], { label: "Stages to leave out", kind: "numbers", help: "Their numbers, from 1." }) : null,
+          field(draft, [...path, "gross_errors"], { label: "Gross errors", kind: "numbers", help: "Numbers of the readings, from 1: shown as crosses, but they do not count." }))),
+      element("details", { open: ["y_zero", "y_factor", "resample"].some((name) => one[name] !== undefined) },
+        element("summary", {}, "Prepare the readings"),
+        element("div", { class: "fields" },
+          field(draft, [...path, "y_zero"], { label: "Zero reading", kind: "select", options: [[undefined, "none"], ["first", "the first reading"]], help: "It is subtracted from all." }),
+          field(draft, [...path, "y_factor"], { label: "Factor of y", kind: "number", fallback: 1, help: "−1 turns the sign." }),
+          field(draft, [...path, "resample", "per_decade"], { label: "Means, so many to a decade of x", kind: "number", onchange: () => { if (!Object.keys(one.resample ?? { none: 1 }).length) draft.write([...path, "resample"], undefined); } }))),
     ];
   }
 

@@ -11,9 +11,9 @@ const ROWS_SHOWN = 6;
 /** The place for files; `series()` lists the forward model's series, `take(observation)` gets what was mapped. */
 export function uploader(series, used, take) {
   const place = element("div", {});
-  const input = element("input", { type: "file", id: "file", class: "visually-hidden", accept: ".csv,.txt,.tsv,.xlsx", onchange: () => { if (input.files[0]) read(input.files[0]); input.value = ""; } });
+  const input = element("input", { type: "file", id: "file", class: "visually-hidden", accept: ".csv,.txt,.tsv,.xlsx,.ods", onchange: () => { if (input.files[0]) read(input.files[0]); input.value = ""; } });
   const zone = element("div", { class: "drop" },
-    element("p", {}, "Drop a file of measurements here (CSV or XLSX)"),
+    element("p", {}, "Drop a file of measurements here (CSV, XLSX or ODS)"),
     input, element("label", { for: "file", class: "button quiet" }, "Choose a file"),
     element("p", { class: "help" }, "A heading, then a row for each reading. Units are taken from headings such as ", element("code", {}, "settlement [mm]"), ". The file goes to this service only, and is not stored."));
   zone.addEventListener("dragover", (event) => { event.preventDefault(); zone.classList.add("over"); });

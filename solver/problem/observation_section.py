@@ -1,0 +1,178 @@
+"""The section of one observation: its readings or their file, and what is done to them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from geoswarm.solver.problem.preparation import Resample
+from geoswarm.solver.problem.tables.dates import DateForm, moment_in
+from geoswarm.solver.problem.zero import ZeroReading
+from geoswarm.solver.section import Section
+
+__all__ = ["ObservationSection", "PointsSection"]
+
+
+class PointsSection(Section):
+    """Measured points inside the problem file."""
+
+    x: list[float] = Field(min_length=1, description="x of the points, in x_unit")
+    y: list[float] = Field(min_length=1, description="measured y, in y_unit")
+    weight: list[Annotated[float, Field(ge=0)]] | None = Field(
+        None, description="weights w_h of the points; all 1 if absent"
+    )
+    inputs: dict[str, list[float]] | None = Field(
+        None, description="further quantities at the points that a formula uses by name, one value for each x"
+    )
+
+
+def _moment(text: str) -> str:
+    if moment_in(text) is None:
+        raise PydanticCustomError("moment", "must be a date with or without time, such as 2024-03-01 08:30")
+    return text
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise PydanticCustomError("note", "must be printable text on one line, without control characters")
+    return text
+
+
+Note: TypeAlias = Annotated[str, Field(min_length=1, max_length=500), AfterValidator(_printable)]
+
+Moment: TypeAlias = Annotated[str, AfterValidator(_moment)]
+
+Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=500)]
+
+_OF_A_FILE = (
+    "sheet",
+    "x_column",
+    "y_column",
+    "y_minus",
+    "weight_column",
+    "gross_error_column",
+    "inputs",
+    "where",
+    "x_dates",
+    "x_time_column",
+    "x_origin",
+)
+
+
+class ObservationSection(Section):
+    """Measured points of one series."""
+
+    series: str = Field(description="name of a series of the forward model")
+    points: PointsSection | None = Field(None, description="the points themselves; give these or file")
+    file: str | None = Field(
+        None,
+        min_length=1,
+        description="CSV file or workbook (XLSX, ODS) with columns x, y[, weight], relative to this file",
+    )
+    sheet: str | None = Field(None, min_length=1, description="sheet of a workbook; the first with cells if absent")
+    x_column: str | None = Field(
+        None,
+        min_length=1,
+        description="header of the file's x column, if it is not x; also its letter (B:B), its cells (B5:B30) or what "
+        "the workbook calls these cells",
+    )
+    y_column: str | None = Field(
+        None, min_length=1, description="header (or letter, cells, name) of the file's y column, if it is not y"
+    )
+    y_minus: str | None = Field(
+        None, min_length=1, description="column that is subtracted from that of y, row by row: the other gauge"
+    )
+    weight_column: str | None = Field(
+        None, min_length=1, description="header of the weight column, if it is not weight"
+    )
+    inputs: dict[str, str] | None = Field(
+        None, description="columns of further quantities that a formula uses, header by name: {T: temperature}"
+    )
+    where: dict[Name, str | float] | None = Field(
+        None,
+        min_length=1,
+        max_length=10,
+        description="only rows with these entries, by header: {specimen: S1}; an empty cell means the entry above it",
+    )
+    gross_error_column: str | None = Field(
+        None,
+        min_length=1,
+        description="column with an entry beside every reading that is a gross error (empty, 0, no, ok, -: none)",
+    )
+    x_dates: DateForm | None = Field(
+        None,
+        description="how dates of x are written where it is not plain: day_first (31/12/2024), month_first "
+        "(12/31/2024), serial (numbers of days, as spreadsheets count)",
+    )
+    x_time_column: str | None = Field(
+        None, min_length=1, description="column with the time of day, where that of x holds dates alone"
+    )
+    x_origin: Moment | None = Field(
+        None, description='where x holds dates: the one at which x is 0 ("2024-03-01 08:30"); the first if absent'
+    )
+    x_unit: str | None = Field(
+        None, description="unit of x in the data; that of its heading, or the series' base unit, if absent"
+    )
+    y_unit: str | None = Field(
+        None, description="unit of y in the data; that of its heading, or the series' base unit, if absent"
+    )
+    y_zero: Literal["first"] | ZeroReading | None = Field(
+        None,
+        description="the zero reading, which is subtracted: first, {x: 0.5} for the reading at that x, or {y: 12.31}",
+    )
+    y_factor: float = Field(
+        1.0, description="y, less the zero reading, times this: -1 turns the sign; the constant of a gauge"
+    )
+    gross_errors: list[Annotated[int, Field(ge=1)]] = Field(
+        default=[],
+        max_length=10_000,
+        description="numbers of the readings, from 1, that are gross errors: they are shown and do not count",
+    )
+    sort: bool = Field(False, description="put the readings in the order of x first")
+    repeated_x: Literal["average", "shift"] | None = Field(
+        None,
+        description="readings at equal x: average takes their mean, shift spreads them evenly up to the next x",
+    )
+    resample: Resample | None = Field(
+        None, description="means of neighbouring readings in place of very many: {per_decade: 20} or {every: 10}"
+    )
+    weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
+    error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
+    x_from: float | None = Field(None, description="points of a smaller x, in x_unit, take no part")
+    x_to: float | None = Field(None, description="points of a larger x, in x_unit, take no part")
+    stage_x_from: float | None = Field(
+        None,
+        ge=0,
+        description="of a test in stages: readings sooner after their load than this, in x_unit, take no part (those "
+        "before the end of primary consolidation, which the soil laws do not contain)",
+    )
+    leave_out_stages: list[Annotated[int, Field(ge=1)]] = Field(
+        default=[], max_length=1000, description="numbers of stages, from 1, whose readings take no part"
+    )
+
+    notes: list[Note] = Field(
+        default=[],
+        max_length=20,
+        description="where the readings come from and what was done to them, for the report; geoswarm adds its own",
+    )
+
+    @field_validator("y_factor")
+    @classmethod
+    def _factor(cls, value: float) -> float:
+        if value == 0.0:
+            raise PydanticCustomError("y_factor", "must not be 0")
+        return value
+
+    @model_validator(mode="after")
+    def _one_source(self) -> ObservationSection:
+        if (self.points is None) == (self.file is None):
+            given = "both are given" if self.file else "none is given"
+            raise PydanticCustomError("one_source", "give either points or file; {given}", {"given": given})
+        columns = [name for name in _OF_A_FILE if getattr(self, name) is not None]
+        if self.file is None and columns:
+            raise PydanticCustomError(
+                "columns", "{columns} can only be given with file", {"columns": ", ".join(columns)}
+            )
+        return self

@@ -1,0 +1,167 @@
+"""Measured points as an observation's section gives them: inside the problem or in a file, prepared as it asks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.problem.issues import number
+from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.preparation import NoZeroError, Preparation, Readings, prepared
+from geoswarm.solver.problem.tables.cells import file_content
+from geoswarm.solver.problem.tables.columns import Columns, Heading, Table, table_of
+from geoswarm.solver.problem.tables.dates import moment_in
+from geoswarm.solver.problem.tables.reading import TableError
+
+__all__ = ["Points", "points_of_file", "read_points"]
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point.
+
+    ``inputs`` are further quantities at the points, by name. ``gross_errors`` are the places of those that are shown
+    and do not count, ``notes`` say what was done to the readings. ``x_heading`` and ``y_heading`` are those of the file
+    that they were read from.
+    """
+
+    x: list[float]
+    y: list[float]
+    weight: list[float] | None = None
+    inputs: dict[str, list[float]] = field(default_factory=dict)
+    gross_errors: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()
+    x_heading: Heading | None = field(default=None, compare=False)
+    y_heading: Heading | None = field(default=None, compare=False)
+
+    def document(self) -> dict[str, Any]:
+        """The ``points`` section."""
+        lists = {"x": self.x, "y": self.y} | ({} if self.weight is None else {"weight": self.weight})
+        document: dict[str, Any] = {name: [float(value) for value in values] for name, values in lists.items()}
+        return document | ({"inputs": self.inputs} if self.inputs else {})
+
+
+def read_points(section: ObservationSection, path: str, folder: Path | None) -> tuple[Points | None, list[Issue]]:
+    """Points of a section, read from its file if it names one.
+
+    Parameters
+    ----------
+    folder
+        Where relative files lie; None when no files may be read (problems that came over the network).
+    """
+    if section.points is not None:
+        given = section.points
+        points = Points(given.x, given.y, given.weight, given.inputs or {}, notes=tuple(section.notes))
+        issues = _length_issues(points, f"{path}.points")
+        return (points, issues) if issues else _prepared(points, section, path)
+    assert section.file is not None
+    if folder is None:
+        message = (
+            "files can only be read beside a problem file; give the points themselves (points: {x: [..], y: [..]})"
+        )
+        return None, [Issue(f"{path}.file", message)]
+    file = folder / section.file
+    try:
+        content = file_content(file)
+    except TableError as error:
+        return None, [Issue(f"{path}.file", message) for message in error.messages]
+    return points_of_file(section, path, content, file.name)
+
+
+def points_of_file(
+    section: ObservationSection, path: str, content: bytes, name: str
+) -> tuple[Points | None, list[Issue]]:
+    """Points of a section from the content of its file, called ``name`` in messages."""
+    try:
+        table = table_of(content, name, _columns(section))
+    except TableError as error:
+        return None, [Issue(f"{path}.file", message) for message in error.messages]
+    points = Points(
+        table.x,
+        table.y,
+        table.weight,
+        table.inputs,
+        tuple(table.gross_errors),
+        (*section.notes, *_reading_notes(section, table, name)),
+        table.x_heading,
+        table.y_heading,
+    )
+    issues = _weight_issues(points, f"{path}.file")
+    return (points, issues) if issues else _prepared(points, section, path)
+
+
+def _columns(section: ObservationSection) -> Columns:
+    return Columns(
+        section.x_column,
+        section.y_column,
+        section.weight_column,
+        section.sheet,
+        None if section.x_origin is None else moment_in(section.x_origin),
+        section.inputs or {},
+        section.y_minus,
+        section.where or {},
+        section.x_dates,
+        section.x_time_column,
+        section.gross_error_column,
+    )
+
+
+def _reading_notes(section: ObservationSection, table: Table, name: str) -> list[str]:
+    """What of a file was read, where that is more than columns of numbers."""
+    notes = []
+    if section.where:
+        notes.append(f"rows of {name} with {', '.join(f'{key} = {value}' for key, value in section.where.items())}")
+    if section.y_minus is not None:
+        notes.append(f"y is the difference of two columns: {table.y_heading.name} less {section.y_minus}")
+    if table.zero is not None:
+        notes.append(f"x counts from {table.zero.isoformat(sep=' ', timespec='seconds')}")
+    return [note if note.isprintable() else repr(note) for note in notes]
+
+
+def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[Points, list[Issue]]:
+    """The readings as the section wants them; the canonical problem has what comes of it."""
+    count = len(points.x)
+    beyond = [place for place in section.gross_errors if place > count]
+    if beyond:
+        return points, [Issue(f"{path}.gross_errors", f"there is no reading {beyond[0]}; there are {count}")]
+    marked = tuple(sorted({*points.gross_errors, *(place - 1 for place in section.gross_errors)}))
+    given = Readings(points.x, points.y, points.weight, points.inputs, marked)
+    wanted = Preparation(section.y_zero, section.y_factor, section.sort, section.repeated_x, section.resample)
+    try:
+        found, done = prepared(given, wanted)
+    except NoZeroError as error:
+        return points, [Issue(f"{path}.y_zero", str(error))]
+    return replace(
+        points,
+        x=found.x,
+        y=found.y,
+        weight=found.weight,
+        inputs=found.inputs,
+        gross_errors=found.gross_errors,
+        notes=(*points.notes, *done),
+    ), []
+
+
+def _length_issues(points: Points, path: str) -> list[Issue]:
+    n = len(points.x)
+    lists = {"y": points.y, "weight": points.weight} | {f"inputs.{name}": v for name, v in points.inputs.items()}
+    issues = [
+        Issue(f"{path}.{name}", f"has {len(values)} values, but x has {n}; give one for each x")
+        for name, values in lists.items()
+        if values is not None and len(values) != n
+    ]
+    return issues or _weight_issues(points, f"{path}.weight")
+
+
+def _weight_issues(points: Points, path: str) -> list[Issue]:
+    if points.weight is None:
+        return []
+    negative = [index for index, weight in enumerate(points.weight) if weight < 0]
+    if negative:
+        first = negative[0]
+        return [Issue(path, f"weight of point {first + 1} is {number(points.weight[first])}; weights are 0 or above")]
+    if not any(points.weight):
+        return [Issue(path, "all weights are 0; at least one must be above 0")]
+    return []

@@ -1,0 +1,164 @@
+"""Which cells of a sheet a column of measurements is: by heading, by letter (B:B), by range (B5:B30) or by name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from geoswarm.solver.problem.tables.cells import Sheet, number_in
+from geoswarm.solver.problem.tables.headings import guess_unit
+from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell
+from geoswarm.solver.problem.tables.reading import TableError
+
+__all__ = ["Picked", "column_of", "is_range", "names_used", "picked", "rows_where"]
+
+_ADDRESS = re.compile(r"\$?([A-Za-z]{1,3})\$?(\d{1,7})(?::\.?\$?([A-Za-z]{1,3})\$?(\d{1,7}))?", re.ASCII)
+_LETTERS = re.compile(r"\$?([A-Za-z]{1,3}):\$?([A-Za-z]{1,3})", re.ASCII)
+_OF_SHEET = re.compile(r"\$?(?:'(?P<quoted>(?:[^']|'')*)'|(?P<plain>[^'!.]*))[!.](?P<cells>.*)")
+_MOST_SHOWN = 10
+
+Rows = list[tuple[int, list[Cell]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Picked:
+    """Cells of a column with their lines; ``place`` is that of the column in the rows, None for a range."""
+
+    name: str
+    cells: list[tuple[int, Cell]]
+    place: int | None = None
+
+
+def is_range(wanted: str) -> bool:
+    """Whether a column is told by its cells, such as B5:B30."""
+    return _ADDRESS.fullmatch(wanted) is not None and ":" in wanted
+
+
+def column_of(sheet: Sheet, wanted: str) -> list[int]:
+    """Places of the columns with a heading, or with a heading that is this before its unit, or of a letter (B:B)."""
+    for headings in (sheet.header, [guess_unit(name)[0] for name in sheet.header]):
+        found = [index for index, name in enumerate(headings) if _key(name) == _key(wanted)]
+        if found:
+            return found
+    letters = _LETTERS.fullmatch(wanted)
+    if letters is not None and letters[1].upper() == letters[2].upper():
+        return [_number(letters[1])]
+    if not sheet.header and (unnamed := re.fullmatch(r"column (\d{1,3})", wanted)) is not None:
+        return [int(unnamed[1]) - 1]
+    return []
+
+
+def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
+    """Cells of a column.
+
+    Parameters
+    ----------
+    rows
+        Those of the sheet that count, for a heading or a letter; a range has its own.
+    file
+        Its name, for messages.
+
+    Raises
+    ------
+    TableError
+        There is no such column, or several.
+    """
+    found = column_of(sheet, wanted)
+    if len(found) == 1 and found[0] < MAX_COLUMNS:
+        place = found[0]
+        name = sheet.header[place] if place < len(sheet.header) else wanted
+        return Picked(name or wanted, [(line, _cell(row, place)) for line, row in rows], place)
+    if not found and is_range(wanted):
+        return Picked(wanted, _range(sheet, wanted, file))
+    what = "there are several columns" if found else "there is no column"
+    header = f"the header has: {', '.join(sheet.header)}" if sheet.header else "there is no line of headings"
+    remedy = "; say which by its letter, B:B, or its cells, B5:B30" if found else ""
+    raise TableError(f"{file} line {sheet.header_line}: {what} '{wanted}'; {header}{remedy}")
+
+
+def _range(sheet: Sheet, wanted: str, file: str) -> list[tuple[int, Cell]]:
+    address = _ADDRESS.fullmatch(wanted)
+    assert address is not None
+    first, last = _number(address[1]), _number(address[3] or address[1])
+    top, bottom = int(address[2]), int(address[4] or address[2])
+    if (first != last and top != bottom) or first > last or top > bottom:
+        raise TableError(f"{file}: cells {wanted} are no column such as B5:B30 and no row such as B5:M5")
+    known = max(sheet.grid, default=0)
+    if bottom > known or last >= MAX_COLUMNS:
+        raise TableError(f"{file}: cells {wanted} reach beyond the sheet, whose last row is {known}")
+    if first == last:
+        return [(line, _cell(sheet.grid.get(line, []), first)) for line in range(top, bottom + 1)]
+    return [(top, _cell(sheet.grid.get(top, []), place)) for place in range(first, last + 1)]
+
+
+def names_used(
+    sheet: Sheet, wanted: Mapping[str, str], names: Mapping[str, str], file: str
+) -> dict[str, tuple[str, str]]:
+    """Columns that are names of cells: sheet and range of each role.
+
+    Raises
+    ------
+    TableError
+        A name stands for something else.
+    """
+    found = {}
+    for role, text in wanted.items():
+        if text not in names or column_of(sheet, text):
+            continue
+        parts = _OF_SHEET.fullmatch(names[text])
+        cells = "" if parts is None else parts["cells"].replace("$", "").replace(":.", ":")
+        if parts is None or not is_range(cells):
+            raise TableError(
+                f"{file}: name '{text}' stands for {names[text][:80]}; a column such as B5:B30 is expected"
+            )
+        quoted = parts["quoted"]
+        found[role] = (parts["plain"] if quoted is None else quoted.replace("''", "'"), cells)
+    return found
+
+
+def rows_where(sheet: Sheet, where: Mapping[str, str | float], file: str) -> Rows:
+    """Rows with these entries; an empty cell below another one means the same as that, as in merged cells.
+
+    Raises
+    ------
+    TableError
+        No row has them, or there is no such column.
+    """
+    rows = sheet.rows
+    for heading, value in where.items():
+        entries: list[Cell] = []
+        for _, cell in picked(sheet, rows, heading, file).cells:
+            entries.append(entries[-1] if cell == "" and entries else cell)
+        kept = [row for row, entry in zip(rows, entries, strict=True) if _same(entry, value)]
+        if not kept:
+            known = list(dict.fromkeys(str(entry) for entry in entries if entry != ""))
+            more = f", ... ({len(known)} in all)" if len(known) > _MOST_SHOWN else ""
+            raise TableError(
+                f"{file}: no row has {heading} = {value}; there are: {', '.join(known[:_MOST_SHOWN])}{more}"
+            )
+        rows = kept
+    return rows
+
+
+def _same(entry: Cell, value: str | float) -> bool:
+    number = number_in(entry)
+    wanted = value if isinstance(value, float) else number_in(value)
+    if number is not None and wanted is not None:
+        return number == wanted
+    return _key(str(entry)) == _key(str(value))
+
+
+def _cell(row: list[Cell], place: int) -> Cell:
+    return row[place] if place < len(row) else ""
+
+
+def _number(letters: str) -> int:
+    number = 0
+    for letter in letters.upper():
+        number = 26 * number + ord(letter) - ord("A") + 1
+    return number - 1
+
+
+def _key(cell: str) -> str:
+    return " ".join(cell.split()).casefold()
