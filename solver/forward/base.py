@@ -17,6 +17,7 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
+    from geoswarm.solver.sketches.declared import Sketch
     from geoswarm.solver.user_laws.section import UserLawSection
 
 __all__ = [
@@ -226,6 +227,15 @@ class ForwardModelSpec(BaseModel, ABC):
         """
         del folder, path
         return self
+
+    def sketch(self) -> Sketch | None:
+        """What a form and a report draw of it: specimen or ground and the loading programme; None: nothing."""
+        return None
+
+    def sketches(self) -> dict[str, Sketch]:
+        """Sketches by the name of a part; the name is empty where there are no parts."""
+        found = self.sketch()
+        return {} if found is None else {"": found}
 
     @abstractmethod
     def build(self) -> ForwardModel:

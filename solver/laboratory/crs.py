@@ -11,7 +11,10 @@ from geoswarm.solver.forward.staged_section import MAX_DURATION
 from geoswarm.solver.laboratory.crs_model import CrsModel
 from geoswarm.solver.laboratory.pace import Hold
 from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
+from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.laboratory.shear_stages import ShearStage
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.stages import movement_panels
 
 __all__ = ["CrsOedometerSpec"]
 
@@ -107,6 +110,25 @@ class CrsOedometerSpec(FlowSpec):
             elif stage.keep == "stress":
                 before = None
         return self
+
+    def sketch(self) -> Sketch:
+        """A flat specimen in a ring, drained at the top, whose top is moved."""
+        specimen = Specimen(
+            self.material_in_words,
+            "ring",
+            Load("σv", "total vertical stress less the back pressure, while the top is moved"),
+            base="closed",
+            height=self.height,
+            back_pressure=self.back_pressure,
+            readings=(
+                Reading("σv, εa", "vertical stress and axial strain", "top"),
+                Reading("u", "pore pressure at the base", "base"),
+            ),
+            remark=f"Placed under σ′v = {self.initial_stress:g} kPa.",
+        )
+        strain = Load("εa", "axial strain")
+        panels = movement_panels(self.build().stages, strain, None, timed=is_timed(self.stages), title="Compression")
+        return Sketch("Oedometer test at constant rate of strain", specimen, panels)
 
     def build(self) -> CrsModel:
         """Build the forward model."""
