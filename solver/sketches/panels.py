@@ -55,14 +55,16 @@ def _panel(sheet: Sheet, panel: Panel, top: float, tall: float) -> None:
         sheet.line((_LEFT, level), (_RIGHT, level), ink="muted", width=0.8)
     sheet.line((_LEFT, top), (_LEFT, bottom), (_RIGHT, bottom), ink="muted", width=0.9)
     _x_ticks(sheet, x, bottom)
-    sheet.text((4.0, top - 9.0), f"{panel.symbol} [{panel.unit or '-'}]", "start")
+    sheet.text((4.0, top - 10.0), f"{panel.symbol} [{panel.unit or '-'}]", "start")
     title = f"{panel.x} [{panel.x_unit}]" if panel.x_unit else panel.x
     if x.log:
         title += ", logarithmic"
     sheet.text((_RIGHT, bottom + 27.0), title, "end", size=_SMALL)
     for start, end, words in panel.cycles:
         first, last = at((start, y.high))[0], at((end, y.high))[0]
-        sheet.text((0.5 * (first + last), top - 2.0), words, size=_SMALL)
+        half = 0.5 * text_width(words, _SMALL)
+        middle = min(max(0.5 * (first + last), _LEFT + 20.0 + half), _WIDTH - half)
+        sheet.text((middle, top - 4.0), words, size=_SMALL)
     for track in panel.tracks:
         _line(sheet, track, at)
     taken: list[Box] = []
@@ -128,18 +130,24 @@ def _marks(sheet: Sheet, track: Track, at: Place, taken: list[Box], *, named: bo
         x, y = at(track.points[number])
         text = short(track.points[number][1])
         before, level = at(track.points[number - 1]) if number else (x, y)
-        x = 0.5 * (x + before) if level == y else x - 0.5 * text_width(text, _SMALL)
-        _placed(sheet, (x, y), text, taken, over)
+        after = at(track.points[number + 1])[1] if number + 1 < len(track.points) else y
+        if level == y:
+            x = 0.5 * (x + before)
+        elif level > y or after == y:  # left of the end, on the free side of the line
+            x -= 0.5 * text_width(text, _SMALL) + (0.0 if level > y else 16.0)
+            y += 0.0 if level > y else 3.0
+        _placed(sheet, (x, y), text, taken, over, below=level < y and after < y)
 
 
-def _placed(sheet: Sheet, at: Point, text: str, taken: list[Box], over: float) -> None:
+def _placed(sheet: Sheet, at: Point, text: str, taken: list[Box], over: float, *, below: bool = False) -> None:
     """Write a text above a point or below it, unless something is there."""
     wide = text_width(text, _SMALL)
     middle = min(max(at[0], _LEFT + 0.5 * wide + 2.0), _WIDTH - 0.5 * wide)
-    for y in (at[1] - 4.0, at[1] + 13.0):
+    places = (at[1] + 13.0, at[1] - 4.0) if below else (at[1] - 4.0, at[1] + 13.0)
+    for y in places:
         box = (middle - 0.5 * wide, middle + 0.5 * wide, y - 9.0, y + 2.0)
         free = all(box[0] > b or box[1] < a or box[2] > d or box[3] < c for a, b, c, d in taken)
-        if free and y - 9.0 > over - 8.0:
+        if free and y - 9.0 > over - (_HEAD if box[0] > _LEFT + 24.0 else 8.0):
             taken.append(box)
             sheet.text((middle, y), text, size=_SMALL)
             return

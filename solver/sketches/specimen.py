@@ -10,7 +10,8 @@ from geoswarm.solver.sketches.shapes import Drawing, Sheet, text_width
 __all__ = ["draw_specimen"]
 
 _WIDTH = 270.0
-_WIDEST, _TALLEST = 124.0, 128.0
+_WIDEST = {"ring": 124.0, "membrane": 84.0, "sliding rings": 124.0}
+_TALLEST = 128.0
 _USUAL = {"ring": 0.42, "membrane": 1.8, "sliding rings": 0.42}
 """Height over diameter where the problem does not give both."""
 _FLATTEST, _SLIMMEST = 0.28, 1.8
@@ -55,7 +56,7 @@ def _size(specimen: Specimen) -> tuple[float, float]:
     if specimen.height is not None and specimen.diameter is not None:
         ratio = specimen.height / specimen.diameter
     ratio = min(max(ratio, _FLATTEST), _SLIMMEST)
-    width = min(_WIDEST, _TALLEST / ratio)
+    width = min(_WIDEST[specimen.held], _TALLEST / ratio)
     return width, width * ratio
 
 
@@ -77,13 +78,13 @@ def _side(sheet: Sheet, specimen: Specimen, left: float, top: float, width: floa
     if specimen.held == "ring":
         for x in (left - _RING, right):
             sheet.box(x, top - _STONE + 2.0, _RING, height + _STONE * 2.0 - 2.0, "steel")
-        return _RING + 12.0
+        return _RING + 18.0
     if specimen.held == "sliding rings":
         count = 7
         for x in (left - _RING, right):
             for number in range(count):
                 sheet.box(x, top + number * height / count, _RING, height / count - 1.5, "steel")
-        return _RING + 12.0
+        return _RING + 18.0
     for x in (left - 2.0, right + 2.0):
         sheet.line((x, top - _STONE), (x, base + _STONE), ink="ink", width=1.6)
     return 14.0 if specimen.lateral is None else 46.0

@@ -71,7 +71,8 @@ def load_panel(
     """
     drawn = []
     for load, initial, values in tracks:
-        points, marks, time, before = [(0.0, initial)], [], 0.0, initial
+        points, time, before = [(0.0, initial)], 0.0, initial
+        marks: list[int] = []
         for stage, value in zip(stages, values, strict=True):
             grows = float(getattr(stage, "loading_time", 0.0))
             points.append((time + grows, value))
@@ -93,7 +94,7 @@ def _told(
     stages: Sequence[Loaded], load: Load, initial: float, values: Sequence[float], *, durations: bool = True
 ) -> str:
     parts = [
-        f"{value:g} kPa for {stage.duration:g} day" if durations else f"{value:g} kPa"
+        f"{value:g} kPa for {stage.duration:.4g} day" if durations else f"{value:g} kPa"
         for stage, value in list(zip(stages, values, strict=True))[:_TOLD]
     ]
     left = len(values) - len(parts)

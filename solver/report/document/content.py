@@ -101,14 +101,17 @@ def report_content(
                 (*(_notes(problem, statistics) if judged and statistics is not None else ()), *uncertainty.notes),
             )
         ),
-        pictures=tuple(
-            Picture(name, *CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
-        ),
+        pictures=tuple(_picture(figures, name) for name in figures.names),
         tables=tuple(_tables(problem, record, statistics, labels, optimum, uncertainty)),
         provenance=tuple(_provenance(problem, record).items()),
         problem=_listing(_short(problem.document())),
         figures=figures,
     )
+
+
+def _picture(figures: FigureSet, name: str) -> Picture:
+    heading, caption, wide = CAPTIONS.get(name.partition(".")[0], (name, "", False))
+    return Picture(name, heading, figures.caption(name) or caption, wide)
 
 
 _HEADINGS = {

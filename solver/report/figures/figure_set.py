@@ -19,6 +19,7 @@ from geoswarm.solver.report.figures.intervals_plot import IntervalRow, interval_
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure, matrix_rows
 from geoswarm.solver.report.figures.progress_plots import convergence_figure, convergence_rows, traces_figure
+from geoswarm.solver.report.figures.sketch_plot import sketch_figure, sketch_rows, sketch_words
 from geoswarm.solver.report.figures.uncertainty_plots import (
     index_rows,
     indices_figure,
@@ -29,6 +30,7 @@ from geoswarm.solver.report.figures.uncertainty_plots import (
 )
 from geoswarm.solver.report.record import RunRecord
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.sketches.declared import Sketch
 from geoswarm.solver.words import verdict_in_words
 
 if TYPE_CHECKING:
@@ -36,16 +38,17 @@ if TYPE_CHECKING:
 
 __all__ = ["FigureSet"]
 
+_MOST_SKETCHES = 12
 Rows = tuple[list[str], list[list[object]]]
 
 
 class FigureSet:
     """All figures of one run.
 
-    ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity, fit,
-    stages.SERIES (one a series that was measured during several loads), compression (of a laboratory test;
-    compression.PART of each of several), convergence, traces. A follow-up has neither matrix nor the progress of a
-    search.
+    ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity,
+    sketch (of a test; sketch.PART of each of several), fit, stages.SERIES (one a series that was measured during
+    several loads), compression (of a laboratory test; compression.PART of each of several), convergence, traces. A
+    follow-up has neither matrix nor the progress of a search.
 
     Parameters
     ----------
@@ -126,6 +129,8 @@ class FigureSet:
             rows = self._intervals(self._statistics, self._samples)
             makers["intervals"] = (lambda: intervals_figure(f"{title}: parameters", rows), lambda: interval_rows(rows))
         makers |= self._further(title)
+        for part, sketch in self._sketches.items():
+            makers[part] = _sketch(title, part, sketch)
         if self._record.best is not None:
             makers["fit"] = (lambda: fit_figure(f"{title}: fit", self._curves), lambda: fit_rows(self._curves))
             for curve in self._curves:
@@ -147,6 +152,17 @@ class FigureSet:
                 lambda: _trace_rows(samples),
             )
         return makers
+
+    @cached_property
+    def _sketches(self) -> dict[str, Sketch]:
+        """By the name of the figure."""
+        found = self._problem.forward_model.sketches()
+        return {f"sketch.{part}" if part else "sketch": one for part, one in list(found.items())[:_MOST_SKETCHES]}
+
+    def caption(self, name: str) -> str | None:
+        """What a figure shows in words, where that hangs on the problem."""
+        sketch = self._sketches.get(name)
+        return None if sketch is None else sketch_words(sketch)
 
     @property
     def _intervals_wanted(self) -> bool:
@@ -226,6 +242,12 @@ class FigureSet:
 
 def _stages(title: str, curve: SeriesCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
     return lambda: stages_figure(f"{title}: {curve.series} by stage", curve), lambda: fit_rows([curve])
+
+
+def _sketch(title: str, name: str, sketch: Sketch) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    part = name.partition(".")[2]
+    heading = f"{title}: {part or sketch.test}"
+    return lambda: sketch_figure(heading, sketch), lambda: sketch_rows(sketch)
 
 
 def _compression(title: str, curve: CompressionCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
