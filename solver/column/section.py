@@ -125,6 +125,7 @@ class ColumnSpec(ForwardModelSpec):
     """
 
     depends_on_section: ClassVar[bool] = True
+    consolidates: ClassVar[bool] = True
 
     kind: Literal["column"] = "column"
     soils: dict[_Name, SoilSection] = Field(min_length=1, max_length=100, description="Soils by a name of your choice.")

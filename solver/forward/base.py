@@ -17,6 +17,7 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
+    from geoswarm.solver.forward.diagram import Diagram
     from geoswarm.solver.sketches.declared import Sketch
     from geoswarm.solver.user_laws.section import UserLawSection
 
@@ -146,6 +147,9 @@ class ForwardModelSpec(BaseModel, ABC):
     programs: ClassVar[bool] = False
     """Whether models of this kind run programs or code of the machine: the service neither offers nor accepts it."""
 
+    consolidates: ClassVar[bool] = False
+    """Whether the flow of pore water is calculated, so that primary consolidation is in its curves."""
+
     kind: str
 
     @classmethod
@@ -236,6 +240,10 @@ class ForwardModelSpec(BaseModel, ABC):
         """Sketches by the name of a part; the name is empty where there are no parts."""
         found = self.sketch()
         return {} if found is None else {"": found}
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """What reports draw beside each series over its own axis: one series over another."""
+        return ()
 
     @abstractmethod
     def build(self) -> ForwardModel:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_DURATION
 from geoswarm.solver.laboratory.crs_model import CrsModel
 from geoswarm.solver.laboratory.pace import Hold
@@ -129,6 +132,36 @@ class CrsOedometerSpec(FlowSpec):
         strain = Load("εa", "axial strain")
         panels = movement_panels(self.build().stages, strain, None, timed=is_timed(self.stages), title="Compression")
         return Sketch("Oedometer test at constant rate of strain", specimen, panels)
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """The compression curve over effective stress as laboratories evaluate it."""
+        back, initial = self.back_pressure, self.initial_void_ratio
+
+        def effective(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            del start
+            return readings["axial_stress"] - 2.0 / 3.0 * (readings["pore_pressure"] - back)
+
+        def voids(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            del start
+            assert initial is not None
+            return initial - (1.0 + initial) * readings["axial_strain"]
+
+        derived = [Derived("effective_stress", ("axial_stress", "pore_pressure"), effective)]
+        if initial is not None:
+            derived.append(Derived("void_ratio", ("axial_strain",), voids))
+        return (
+            Diagram(
+                "compression_line",
+                "Compression curve",
+                "Over the logarithm of effective stress as laboratories evaluate it: axial stress less 2/3 of the "
+                "excess pore pressure at the base.",
+                "effective_stress",
+                "axial_strain" if initial is None else "void_ratio",
+                log=True,
+                downwards=initial is None,
+                derived=tuple(derived),
+            ),
+        )
 
     def build(self) -> CrsModel:
         """Build the forward model."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
@@ -176,6 +179,17 @@ class DirectSimpleShearSpec(LaboratorySpec):
             tracks = [(normal, self.initial_stress, loads)]
             panels = (load_panel(self.consolidation, tracks, "Consolidation"), *panels)
         return Sketch("Direct simple shear test", specimen, panels)
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """The stress path; at constant volume the normal stress follows from the pore pressure."""
+        keeps = all(self.keeps_volume(stage) for stage in self.shearing)
+
+        def normal(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            return start["normal_stress"] - readings["pore_pressure"]
+
+        derived = (Derived("normal_stress", ("pore_pressure",), normal),) if keeps else ()
+        caption = "Shear stress over vertical effective stress while the specimen is sheared."
+        return (Diagram("stress_path", "Stress path", caption, "normal_stress", "shear_stress", derived=derived),)
 
     def build(self) -> SimpleShearModel:
         """Build the forward model."""

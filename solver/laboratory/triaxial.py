@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
@@ -217,6 +220,23 @@ class TriaxialSpec(LaboratorySpec):
         if self.consolidation:
             panels = (self._consolidated(axial, radial), *panels)
         return Sketch("Triaxial test", specimen, panels)
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """The stress path; under a constant cell pressure p' follows from q and the pore pressure."""
+        back = self.back_pressure
+
+        def mean(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            excess = readings["pore_pressure"] - back if "pore_pressure" in readings else 0.0
+            return start["p"] + (readings["q"] - start["q"]) / 3.0 - excess
+
+        undrained = any(self.is_undrained(stage) for stage in self.shearing)
+        needs = ("q", "pore_pressure") if undrained else ("q",)
+        cell = all(stage.constant == "radial_stress" for stage in self.shearing)
+        caption = "Deviator stress over mean effective stress while the specimen is sheared"
+        if cell:
+            caption += "; where p' was not read itself, from q and pore pressure at constant cell pressure"
+        derived = (Derived("p", needs, mean),) if cell else ()
+        return (Diagram("stress_path", "Stress path", f"{caption}.", "p", "q", derived=derived),)
 
     def _consolidated(self, axial: Load, radial: Load) -> Panel:
         """The programme of consolidation; the radial stress beside the axial one where it is another and known."""

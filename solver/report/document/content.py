@@ -111,7 +111,7 @@ def report_content(
 
 def _picture(figures: FigureSet, name: str) -> Picture:
     heading, caption, wide = CAPTIONS.get(name.partition(".")[0], (name, "", False))
-    return Picture(name, heading, figures.caption(name) or caption, wide)
+    return Picture(name, *(figures.told(name) or (heading, caption)), wide)
 
 
 _HEADINGS = {

@@ -13,7 +13,9 @@ from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.compression import CompressionCurve, compression_curves
 from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
+from geoswarm.solver.report.diagrams import DiagramCurve, diagram_curves
 from geoswarm.solver.report.figures.compression_plot import compression_figure, compression_rows
+from geoswarm.solver.report.figures.diagram_plot import diagram_figure, diagram_rows
 from geoswarm.solver.report.figures.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
 from geoswarm.solver.report.figures.intervals_plot import IntervalRow, interval_rows, intervals_figure
 from geoswarm.solver.report.figures.labels import parameter_labels
@@ -47,7 +49,8 @@ class FigureSet:
 
     ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity,
     sketch (of a test; sketch.PART of each of several), fit, stages.SERIES (one a series that was measured during
-    several loads), compression (of a laboratory test; compression.PART of each of several), convergence, traces. A
+    several loads), compression (of a laboratory test; compression.PART of each of several), those that a test
+    declares (stress_path, compression_line), convergence, traces. A
     follow-up has neither matrix nor the progress of a search.
 
     Parameters
@@ -139,6 +142,8 @@ class FigureSet:
             for compressed in self._compression:
                 name = f"compression.{compressed.part}" if compressed.part else "compression"
                 makers[name] = _compression(title, compressed)
+            for name, declared in self._diagrams.items():
+                makers[name] = _diagram(title, declared)
         if records:
             target = self._problem.stopping.target_objective
             makers["convergence"] = (
@@ -159,10 +164,20 @@ class FigureSet:
         found = self._problem.forward_model.sketches()
         return {f"sketch.{part}" if part else "sketch": one for part, one in list(found.items())[:_MOST_SKETCHES]}
 
-    def caption(self, name: str) -> str | None:
-        """What a figure shows in words, where that hangs on the problem."""
-        sketch = self._sketches.get(name)
-        return None if sketch is None else sketch_words(sketch)
+    @cached_property
+    def _diagrams(self) -> dict[str, DiagramCurve]:
+        """By the name of the figure."""
+        best = self._record.best
+        found = () if best is None else diagram_curves(self._problem, best.parameters)
+        return {f"{one.diagram.name}.{one.part}" if one.part else one.diagram.name: one for one in found}
+
+    def told(self, name: str) -> tuple[str, str] | None:
+        """Heading and caption of a figure that the problem's own test declares."""
+        if name in self._sketches:
+            return self._sketches[name].test, sketch_words(self._sketches[name])
+        if name in self._diagrams:
+            return self._diagrams[name].diagram.heading, self._diagrams[name].diagram.caption
+        return None
 
     @property
     def _intervals_wanted(self) -> bool:
@@ -248,6 +263,11 @@ def _sketch(title: str, name: str, sketch: Sketch) -> tuple[Callable[[], Figure]
     part = name.partition(".")[2]
     heading = f"{title}: {part or sketch.test}"
     return lambda: sketch_figure(heading, sketch), lambda: sketch_rows(sketch)
+
+
+def _diagram(title: str, curve: DiagramCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    heading = f"{title}: {curve.diagram.heading.lower()}{f' ({curve.part})' if curve.part else ''}"
+    return lambda: diagram_figure(heading, curve), lambda: diagram_rows(curve)
 
 
 def _compression(title: str, curve: CompressionCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:

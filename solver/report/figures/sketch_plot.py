@@ -4,7 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geoswarm.solver.report.figures.style import BLUE, GREEN, GRID, INK, MUTED, ORANGE, drawing, head
+from geoswarm.solver.report.figures.style import (
+    BLUE,
+    GREEN,
+    GRID,
+    INK,
+    MUTED,
+    ORANGE,
+    SOIL,
+    STEEL,
+    STONE,
+    drawing,
+    head,
+)
 from geoswarm.solver.sketches.declared import Sketch
 from geoswarm.solver.sketches.drawing import drawings
 from geoswarm.solver.sketches.shapes import Area, Dot, Ink, Line, Shape, Text
@@ -22,16 +34,16 @@ _HEAD = 34.0
 _LINE = 72.0 * _UNIT
 _LETTERS = 0.88
 """Of the height of letters: those of figures are wider than those of a page."""
-_FILLS: dict[Ink, tuple[str, float]] = {
-    "ink": (INK, 1.0),
-    "muted": (MUTED, 1.0),
-    "grid": (GRID, 1.0),
-    "soil": ("#c8963e", 0.38),
-    "steel": (MUTED, 0.5),
-    "stone": (MUTED, 0.16),
-    "water": (BLUE, 1.0),
-    "load": (ORANGE, 1.0),
-    "reading": (GREEN, 1.0),
+_COLOURS: dict[Ink, str] = {
+    "ink": INK,
+    "muted": MUTED,
+    "grid": GRID,
+    "soil": SOIL,
+    "steel": STEEL,
+    "stone": STONE,
+    "water": BLUE,
+    "load": ORANGE,
+    "reading": GREEN,
 }
 
 
@@ -81,7 +93,7 @@ def _put(axes: Axes, shape: Shape, order: float) -> None:
     if isinstance(shape, Line):
         axes.plot(
             *zip(*shape.points, strict=True),
-            color=_FILLS[shape.ink][0],
+            color=_COLOURS[shape.ink],
             linewidth=_LINE * shape.width,
             linestyle=(0, (4, 3)) if shape.dashed else "-",
             solid_joinstyle="round",
@@ -89,12 +101,10 @@ def _put(axes: Axes, shape: Shape, order: float) -> None:
             zorder=order,
         )
     elif isinstance(shape, Area):
-        colour, opacity = _FILLS[shape.ink]
-        axes.add_patch(
-            Polygon(shape.points, facecolor=colour, alpha=opacity, linewidth=0.0, clip_on=False, zorder=order)
-        )
+        colour = _COLOURS[shape.ink]
+        axes.add_patch(Polygon(shape.points, facecolor=colour, linewidth=0.0, clip_on=False, zorder=order))
     elif isinstance(shape, Dot):
-        colour = _FILLS[shape.ink][0]
+        colour = _COLOURS[shape.ink]
         look = {"facecolor": colour, "linewidth": 0.0} if shape.filled else {"fill": False, "linewidth": 1.3 * _LINE}
         axes.add_patch(Circle(shape.centre, shape.radius, edgecolor=colour, clip_on=False, zorder=order, **look))
     else:
