@@ -143,7 +143,8 @@ def _load_tests(problem: Problem) -> Iterator[_LoadTest]:
 
 
 def _is_load_test(spec: ForwardModelSpec, model: ForwardModel) -> bool:
-    stages, names = getattr(spec, "stages", ()), {info.name for info in model.series}
+    stages: Any = getattr(spec, "stages", ())
+    names = {info.name for info in model.series}
     whole = bool(stages) and hasattr(stages[0], "stress") and hasattr(spec, "initial_stress")
     return whole and bool(names & {"stage_axial_strain", "stage_volumetric_strain"})
 

@@ -111,6 +111,7 @@ def report_content(
 
 def _picture(figures: FigureSet, name: str) -> Picture:
     heading, caption, wide = CAPTIONS.get(name.partition(".")[0], (name, "", False))
+    wide = wide or (name == "fit" and figures.fit_is_wide)
     return Picture(name, *(figures.told(name) or (heading, caption)), wide)
 
 

@@ -16,7 +16,13 @@ from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective
 from geoswarm.solver.report.diagrams import DiagramCurve, diagram_curves
 from geoswarm.solver.report.figures.compression_plot import compression_figure, compression_rows
 from geoswarm.solver.report.figures.diagram_plot import diagram_figure, diagram_rows
-from geoswarm.solver.report.figures.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
+from geoswarm.solver.report.figures.fit_plot import (
+    MOST_BELOW_EACH_OTHER,
+    fit_figure,
+    fit_rows,
+    has_stages,
+    stages_figure,
+)
 from geoswarm.solver.report.figures.intervals_plot import IntervalRow, interval_rows, intervals_figure
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure, matrix_rows
@@ -170,6 +176,11 @@ class FigureSet:
         best = self._record.best
         found = () if best is None else diagram_curves(self._problem, best.parameters)
         return {f"{one.diagram.name}.{one.part}" if one.part else one.diagram.name: one for one in found}
+
+    @property
+    def fit_is_wide(self) -> bool:
+        """Whether the figure of the fit has two columns."""
+        return len(self._problem.observations) > MOST_BELOW_EACH_OTHER
 
     def told(self, name: str) -> tuple[str, str] | None:
         """Heading and caption of a figure that the problem's own test declares."""

@@ -12,12 +12,9 @@ export function sketchPanel(context, beside, inside) {
 
   BESIDE.addEventListener("change", settle);
   settle();
-  context.draft.on("change", () => {
-    const now = context.draft.read(["forward_model", "kind"]) ?? null;
-    if (now !== kind) clear(); // of something else
-    kind = now;
-  });
+  context.draft.on("change", follow);
   context.draft.on("answer", ({ sketches }) => {
+    follow(); // YAML may have changed it
     drawings.classList.toggle("old", sketches === null);
     if (sketches === null || JSON.stringify(sketches) === shown) return;
     shown = JSON.stringify(sketches);
@@ -25,7 +22,11 @@ export function sketchPanel(context, beside, inside) {
     drawings.replaceChildren(...sketches.map(drawn));
   });
 
-  function clear() {
+  /** What was drawn of another forward model goes. */
+  function follow() {
+    const now = context.draft.read(["forward_model", "kind"]) ?? null;
+    if (now === kind) return;
+    kind = now;
     shown = null;
     panel.hidden = true;
     drawings.replaceChildren();
