@@ -6,15 +6,18 @@ import re
 from functools import cache
 from typing import Any
 
-from geoswarm.api.schemas.drafts import DraftIssue, DraftObservation, Example, ProblemDraft
+from geoswarm.api.schemas.drafts import DraftIssue, DraftObservation, DraftSketch, Example, ProblemDraft
 from geoswarm.api.schemas.jobs import Parameter, Series
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.problem import Draft, Problem, load_problem
+from geoswarm.solver.sketches.drawing import drawings
+from geoswarm.solver.sketches.svg import svg_element
 from geoswarm.solver.units import convert
 
 __all__ = ["describe_draft", "find_examples"]
 
 MAX_LISTED = 2000
+_MOST_SKETCHES = 12
 
 
 def describe_draft(draft: Draft) -> ProblemDraft:
@@ -28,10 +31,21 @@ def describe_draft(draft: Draft) -> ProblemDraft:
         parameters=None if model is None else [Parameter.model_validate(one) for one in model.parameters[:MAX_LISTED]],
         series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
         open_parameters=model is not None and model.open_parameters,
+        sketches=_sketches(draft),
         observations=[] if problem is None else _observations(problem),
         free_parameters=[] if problem is None else list(problem.free_names),
         planned_evaluations=None if problem is None else problem.planned_evaluations,
     )
+
+
+def _sketches(draft: Draft) -> list[DraftSketch] | None:
+    if draft.spec is None:
+        return None if draft.model is None else []
+    return [
+        DraftSketch(part=part, heading=one.heading, words=one.words, svg=svg_element(one.drawing, one.words))
+        for part, sketch in list(draft.spec.sketches().items())[:_MOST_SKETCHES]
+        for one in drawings(sketch)
+    ]
 
 
 def _observations(problem: Problem) -> list[DraftObservation]:

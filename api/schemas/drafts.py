@@ -11,6 +11,7 @@ from geoswarm.api.schemas.jobs import Model, Number, Parameter, Series
 __all__ = [
     "DraftIssue",
     "DraftObservation",
+    "DraftSketch",
     "Example",
     "ExampleList",
     "ExampleSummary",
@@ -41,6 +42,15 @@ class DraftObservation(BaseModel):
     y_factor: Number
 
 
+class DraftSketch(BaseModel):
+    """A drawing of the forward model: a specimen or the ground, or its loading programme."""
+
+    part: str = Field(description="of a combined model; empty otherwise")
+    heading: str
+    words: str = Field(description="what is drawn, in words")
+    svg: str = Field(description="an svg element whose classes the page gives their colours")
+
+
 class ProblemDraft(BaseModel):
     """A problem that may still have mistakes; the forward model's parameters and series are told meanwhile."""
 
@@ -51,6 +61,9 @@ class ProblemDraft(BaseModel):
     parameters: list[Parameter] | None = Field(description="of the forward model; null while its section has mistakes")
     series: list[Series] | None
     open_parameters: bool = Field(description="the problem may name parameters of its own (a formula)")
+    sketches: list[DraftSketch] | None = Field(
+        description="of laboratory tests and layered ground, of at most 12 parts; null while the section has mistakes"
+    )
     observations: list[DraftObservation] = Field(description="empty while there are mistakes")
     free_parameters: list[str]
     planned_evaluations: int | None = Field(description="null with mistakes, or when no number limits the search")

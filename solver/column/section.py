@@ -15,6 +15,8 @@ from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 from geoswarm.solver.forward.fields import Geometry, LawSettings, StepError, require_stage
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STAGES, MAX_STRESS
 from geoswarm.solver.laboratory.section import Loading, Part, ratio_fault, settings_fault
+from geoswarm.solver.sketches.declared import Drains, Ground, Layer, Load, Sketch
+from geoswarm.solver.sketches.stages import load_panel
 from geoswarm.solver.user_laws.material import LawChoice, law_of
 from geoswarm.solver.user_laws.section import UserLawSection
 
@@ -123,6 +125,7 @@ class ColumnSpec(ForwardModelSpec):
     """
 
     depends_on_section: ClassVar[bool] = True
+    consolidates: ClassVar[bool] = True
 
     kind: Literal["column"] = "column"
     soils: dict[_Name, SoilSection] = Field(min_length=1, max_length=100, description="Soils by a name of your choice.")
@@ -270,6 +273,23 @@ class ColumnSpec(ForwardModelSpec):
             )
         require_stage(self.zero_at_stage, self.stages)
         return self
+
+    def sketch(self) -> Sketch:
+        """Layers with water, drains and instruments, and the load over time."""
+        load = Load("Δσ", "load on the ground surface")
+        drains = self.drains
+        ground = Ground(
+            tuple(
+                Layer(one.soil, self.soils[one.soil].law.kind.replace("_", " "), one.thickness) for one in self.layers
+            ),
+            load,
+            self.water_table,
+            self.base == "drained",
+            None if drains is None else Drains(drains.top, drains.bottom, drains.spacing),
+            tuple((name, point.depth) for name, point in self.points.items()),
+        )
+        loads = [stage.stress for stage in self.stages]
+        return Sketch("Layered ground", ground, (load_panel(self.stages, [(load, 0.0, loads)]),))
 
     def build(self) -> ColumnModel:
         """Build the forward model."""

@@ -17,6 +17,8 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
+    from geoswarm.solver.forward.diagram import Diagram
+    from geoswarm.solver.sketches.declared import Sketch
     from geoswarm.solver.user_laws.section import UserLawSection
 
 __all__ = [
@@ -145,6 +147,9 @@ class ForwardModelSpec(BaseModel, ABC):
     programs: ClassVar[bool] = False
     """Whether models of this kind run programs or code of the machine: the service neither offers nor accepts it."""
 
+    consolidates: ClassVar[bool] = False
+    """Whether the flow of pore water is calculated, so that primary consolidation is in its curves."""
+
     kind: str
 
     @classmethod
@@ -226,6 +231,19 @@ class ForwardModelSpec(BaseModel, ABC):
         """
         del folder, path
         return self
+
+    def sketch(self) -> Sketch | None:
+        """What a form and a report draw of it: specimen or ground and the loading programme; None: nothing."""
+        return None
+
+    def sketches(self) -> dict[str, Sketch]:
+        """Sketches by the name of a part; the name is empty where there are no parts."""
+        found = self.sketch()
+        return {} if found is None else {"": found}
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """What reports draw beside each series over its own axis: one series over another."""
+        return ()
 
     @abstractmethod
     def build(self) -> ForwardModel:

@@ -28,6 +28,7 @@ from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, Forward
 from geoswarm.solver.forward.registry import AnyForwardModelSpec, built, find_spec
 
 if TYPE_CHECKING:
+    from geoswarm.solver.sketches.declared import Sketch
     from geoswarm.solver.user_laws.section import UserLawSection
 
 __all__ = ["CombinedModel", "CombinedSpec"]
@@ -104,6 +105,10 @@ class CombinedSpec(ForwardModelSpec):
     def only_here(self) -> bool:
         """When a part can."""
         return any(part.only_here for part in self.parts.values())
+
+    def sketches(self) -> dict[str, Sketch]:
+        """Those of all parts that have one."""
+        return {name: found for name, part in self.parts.items() if (found := part.sketch()) is not None}
 
     def build(self) -> CombinedModel:
         """Build the forward models of all parts."""

@@ -14,6 +14,8 @@ from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.stages import load_panel
 
 __all__ = ["IsotropicCompressionModel", "IsotropicCompressionSpec"]
 
@@ -66,6 +68,26 @@ class IsotropicCompressionSpec(StagedLoadSpec):
     def radius(self) -> float:
         """Half the diameter."""
         return 0.5 * self.diameter
+
+    def sketch(self) -> Sketch:
+        """A cylinder under all-round pressure in stages."""
+        load = Load("p′", "all-round effective stress")
+        specimen = Specimen(
+            self.material_in_words,
+            "membrane",
+            load,
+            lateral=load,
+            height=self.height,
+            diameter=self.diameter,
+            readings=(
+                Reading("Δh", "decrease of the height", "top"),
+                Reading("Δr", "decrease of the radius", "side"),
+            ),
+            remark="Excess pore pressures are not calculated.",
+        )
+        loads = [stage.stress for stage in self.stages]
+        panel = load_panel(self.stages, [(load, self.initial_stress, loads)])
+        return Sketch("Isotropic compression test", specimen, (panel,))
 
     def build(self) -> IsotropicCompressionModel:
         """Build the forward model."""

@@ -17,6 +17,8 @@ from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.stages import load_panel
 
 __all__ = ["OedometerModel", "OedometerSpec"]
 
@@ -82,6 +84,21 @@ class OedometerSpec(StagedLoadSpec):
     def radius(self) -> float:
         """That of the ring; as large as the height unless a diameter is given."""
         return self.height if self.diameter is None else 0.5 * self.diameter
+
+    def sketch(self) -> Sketch:
+        """A flat specimen in a ring under loads in stages."""
+        load = Load("σ′v", "vertical effective stress")
+        specimen = Specimen(
+            self.material_in_words,
+            "ring",
+            load,
+            height=self.height,
+            diameter=self.diameter,
+            readings=(Reading("s", "settlement of the top", "top"),),
+            remark="Excess pore pressures are not calculated.",
+        )
+        loads = [stage.stress for stage in self.stages]
+        return Sketch("Oedometer test", specimen, (load_panel(self.stages, [(load, self.initial_stress, loads)]),))
 
     def build(self) -> OedometerModel:
         """Build the forward model."""

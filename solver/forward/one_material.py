@@ -29,6 +29,11 @@ class OneMaterialSpec(ForwardModelSpec, ABC):
         return law_of(self.material)
 
     @property
+    def material_in_words(self) -> str:
+        """Name of the law as it is written beside a specimen."""
+        return self.law.kind.replace("_", " ")
+
+    @property
     def user_laws(self) -> tuple[UserLawSection, ...]:
         """That of the material, where it is in a library."""
         return (self.material,) if isinstance(self.material, UserLawSection) else ()

@@ -9,6 +9,7 @@
 ``record``        a calculated test: consolidation, shearing, pore water
 ``shear_stages``  stages of shearing as legs of a material point
 ``shear_axes``    what series run over
+``shear_sketch``  what sketches of tests share
 ``series``        how values of a series are picked from a calculated test
 ``quantities``    what is measured
 ``water_flow``    the permeability, and what is measured of a column of points

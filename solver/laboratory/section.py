@@ -101,6 +101,8 @@ class LaboratorySpec(OneMaterialSpec, ABC):
 class FlowSpec(LaboratorySpec, ABC):
     """Fields of the laboratory tests in which pore water flows: a column of points stands for the specimen."""
 
+    consolidates: ClassVar[bool] = True
+
     height: float = Field(
         gt=0.0,
         le=10.0,

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from geoswarm.solver.errors import Issue, ProblemError, SolverError
-from geoswarm.solver.forward.base import ForwardModel
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.problem.assembly import parse_problem
 from geoswarm.solver.problem.problem import Problem
@@ -50,8 +50,8 @@ class Draft:
         All mistakes; empty when the problem could be submitted.
     problem
         None with mistakes.
-    model
-        The forward model of the draft, as soon as its section is sound.
+    model, spec
+        The forward model of the draft and its section, as soon as that is sound.
     """
 
     document: dict[str, Any] | None
@@ -59,6 +59,7 @@ class Draft:
     issues: tuple[LocatedIssue, ...]
     problem: Problem | None
     model: ForwardModel | None
+    spec: ForwardModelSpec | None = None
 
 
 def draft_of_text(text: str) -> Draft:
@@ -84,13 +85,13 @@ def draft_of_document(document: Mapping[str, Any]) -> Draft:
 
 
 def _judged(document: dict[str, Any], text: str | None) -> Draft:
-    model = _model(json.dumps(document.get("forward_model")))
+    spec, model = _model(json.dumps(document.get("forward_model")))
     try:
-        return Draft(document, text, (), parse_problem(document), model)
+        return Draft(document, text, (), parse_problem(document), model, spec)
     except ProblemError as error:
         lines = {} if text is None else lines_of(text)
         issues = tuple(LocatedIssue(one.path, one.message, line_of(one.path, lines)) for one in error.issues)
-        return Draft(document, text, issues, None, model)
+        return Draft(document, text, issues, None, model, spec)
 
 
 def _syntax(issue: Issue) -> LocatedIssue:
@@ -99,12 +100,15 @@ def _syntax(issue: Issue) -> LocatedIssue:
     return LocatedIssue(issue.path, issue.message, int(found[1]) if found else None)
 
 
-def _model(section: str) -> ForwardModel | None:
+def _model(section: str) -> tuple[ForwardModelSpec | None, ForwardModel | None]:
     try:
         spec = parse_spec(json.loads(section))
-        return None if spec.runs_programs else _built(spec.with_files(None, "forward_model").model_dump_json())
+        if spec.runs_programs:
+            return None, None
+        spec = spec.with_files(None, "forward_model")
+        return spec, _built(spec.model_dump_json())
     except (ValidationError, SolverError, ValueError):
-        return None
+        return None, None
 
 
 @lru_cache(maxsize=16)  # drafts are judged at every change, most of which are elsewhere; a section plans a mesh

@@ -33,7 +33,7 @@ def stage_times(spec: ForwardModelSpec, series: str) -> FloatArray:
     """
     _, test, series = section_of_test(spec, series)
     stages: Any = getattr(test, "stages", ())
-    if not stages or series.startswith("stage_"):
+    if not stages or not hasattr(stages[0], "stress") or series.startswith(("stage_", "branch_")):
         return np.empty(0)
     durations = np.array([stage.duration for stage in stages], dtype=np.float64)
     starts = np.concatenate([[0.0], np.cumsum(durations)[:-1]])

@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import SolverError
+from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.forward.combined import CombinedModel
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
-from geoswarm.solver.report.laboratory import StagedTest, laboratory_values, staged_tests
+from geoswarm.solver.report.laboratory import StagedTest, laboratory_values
 
 __all__ = ["CompressionCurve", "compression_curves", "measured_strain"]
 
 _LATE = 0.5
 """A reading stands for the end of a stage when it was made in the last half of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _LoadTest:
+    """A test in stages: name of its part, forward model, and parameters of the part."""
+
+    part: str
+    model: Any
+    values: Callable[[Mapping[str, float]], Mapping[str, float]]
+
+    @property
+    def confined(self) -> bool:
+        """Whether a ring holds the side."""
+        return any(info.name == "stage_axial_strain" for info in self.model.series)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +46,9 @@ class CompressionCurve:
     ----------
     part
         Name of the test in a combined model; empty otherwise.
-    confined
-        Whether the stress is the vertical one of an oedometer, not an all-round one.
+    confined, total
+        Whether the stress is the vertical one of an oedometer, not an all-round one; whether it is the total one less
+        the back pressure, as where pore water flows.
     void_ratio
         Whether y is a void ratio; otherwise engineering strain in percent, of the height (oedometer) or the volume.
     stages
@@ -39,7 +58,7 @@ class CompressionCurve:
     measured_stages, measured
         Stages that were read, shape (m,), and y, shape (m,).
     preconsolidation, interval
-        Preconsolidation stress and its 95 % interval, kPa.
+        Preconsolidation stress and its 95 % interval, kPa; None for laws that have none of this kind.
     """
 
     part: str
@@ -50,8 +69,9 @@ class CompressionCurve:
     calculated: FloatArray
     measured_stages: IntArray
     measured: FloatArray
-    preconsolidation: float
+    preconsolidation: float | None
     interval: tuple[float, float] | None
+    total: bool = False
 
     @property
     def measured_stress(self) -> FloatArray:
@@ -65,9 +85,11 @@ def compression_curves(
     """Return the compression curve of every laboratory test; none of one that cannot be calculated."""
     found = {v.part: v for v in laboratory_values(problem, values, linearisation) if v.symbol == "σ′p"}
     curves = []
-    for test in staged_tests(problem):
+    for test in _load_tests(problem):
+        own = found.get(test.part)
+        ends = (None, None) if own is None else (own.value, own.interval)
         try:
-            curves.append(_curve(problem, test, values, found[test.part].value, found[test.part].interval))
+            curves.append(_curve(problem, test, values, *ends))
         except SolverError:
             continue
     return tuple(curves)
@@ -75,9 +97,9 @@ def compression_curves(
 
 def _curve(
     problem: Problem,
-    test: StagedTest,
+    test: _LoadTest,
     values: Mapping[str, float],
-    preconsolidation: float,
+    preconsolidation: float | None,
     interval: tuple[float, float] | None,
 ) -> CompressionCurve:
     spec = test.model.spec
@@ -102,10 +124,32 @@ def _curve(
         shown(measured),
         preconsolidation,
         interval,
+        spec.consolidates,
     )
 
 
-def _strain_before(test: StagedTest, values: Mapping[str, float], strain: FloatArray) -> float:
+def _load_tests(problem: Problem) -> Iterator[_LoadTest]:
+    """The tests of a problem with loads in stages, and strains at their ends, of any law."""
+    spec, model = problem.forward_model, problem.model
+    if spec.runs_outside:
+        return
+    if not isinstance(model, CombinedModel):
+        if _is_load_test(spec, model):
+            yield _LoadTest("", model, dict)
+        return
+    for name in model.part_names:
+        if _is_load_test(spec.parts[name], model.part(name)):  # type: ignore[attr-defined]  # of a combined model
+            yield _LoadTest(name, model.part(name), partial(model.part_values, name))
+
+
+def _is_load_test(spec: ForwardModelSpec, model: ForwardModel) -> bool:
+    stages: Any = getattr(spec, "stages", ())
+    names = {info.name for info in model.series}
+    whole = bool(stages) and hasattr(stages[0], "stress") and hasattr(spec, "initial_stress")
+    return whole and bool(names & {"stage_axial_strain", "stage_volumetric_strain"})
+
+
+def _strain_before(test: _LoadTest, values: Mapping[str, float], strain: FloatArray) -> float:
     """Calculated strain from the beginning of the test to the zero of its readings."""
     whole = type(test.model)(test.model.spec.model_copy(update={"zero_at_stage": 1}))
     series = "stage_axial_strain" if test.confined else "stage_volumetric_strain"
@@ -113,7 +157,7 @@ def _strain_before(test: StagedTest, values: Mapping[str, float], strain: FloatA
     return float(first[0] - strain[0])
 
 
-def measured_strain(problem: Problem, test: StagedTest) -> tuple[IntArray, FloatArray]:
+def measured_strain(problem: Problem, test: StagedTest | _LoadTest) -> tuple[IntArray, FloatArray]:
     """Stages that were read, from 1, and the strain since the zero of the readings."""
     spec = test.model.spec
     prefix = f"{test.part}." if test.part else ""
@@ -147,7 +191,9 @@ def _sorted(ends: Mapping[int, float]) -> tuple[IntArray, FloatArray]:
     return np.array(stages, dtype=np.int64), np.array([ends[stage] for stage in stages], dtype=np.float64)
 
 
-def _ends(problem: Problem, test: StagedTest, series: str, x: FloatArray, y: FloatArray) -> dict[int, float]:
+def _ends(
+    problem: Problem, test: StagedTest | _LoadTest, series: str, x: FloatArray, y: FloatArray
+) -> dict[int, float]:
     """Reading at the end of each stage, by its number."""
     starts = stage_times(problem.forward_model, series)
     if starts.size == 0:

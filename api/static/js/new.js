@@ -10,6 +10,7 @@ import { modelSection } from "./new/model.js";
 import { observationsSection } from "./new/observations.js";
 import { parametersSection } from "./new/parameters.js";
 import { reader, words } from "./new/schema.js";
+import { sketchPanel } from "./new/sketch.js";
 import { yamlPanel } from "./new/yaml.js";
 
 const EMPTY = { name: "calibration", method: { kind: "particle_swarm" }, stopping: { max_evaluations: 600, stagnation_generations: 25 } };
@@ -66,18 +67,20 @@ function form(context, kinds, beginnings, strict, judged) {
   parametersSection(context, places.parameters);
   methodSection(context, places.method);
   yamlPanel(context, places.yaml, strict);
+  const beside = element("div", {}), inside = element("div", {});
+  sketchPanel(context, beside, inside);
   checkSection(context, places.check, judged);
   return element("div", { class: "new-job" },
     element("div", { class: "steps" },
       beginnings,
       element("fieldset", { class: "held" },
         name,
-        section("model", "1. Forward model", places.model),
+        section("model", "1. Forward model", inside, places.model),
         section("measurements", "2. Measurements", places.measurements),
         section("parameters", "3. Parameters", places.parameters),
         section("method", "4. Method and stopping", places.method),
         section("go", "5. Check and start", places.check, errorPlace([])))),
-    element("aside", { id: "yaml-panel", "aria-label": "YAML of the problem" }, element("fieldset", { class: "held" }, places.yaml)));
+    element("aside", { id: "yaml-panel", "aria-label": "Sketch and YAML of the problem" }, beside, element("fieldset", { class: "held" }, places.yaml)));
 }
 
 /** While an example is on its way nothing can be written: it would be overwritten. */

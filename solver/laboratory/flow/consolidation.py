@@ -11,6 +11,8 @@ from geoswarm.solver.forward.fields import require_stage
 from geoswarm.solver.forward.staged_section import MAX_STAGES, MAX_STRESS
 from geoswarm.solver.laboratory.flow.consolidation_model import ConsolidationModel
 from geoswarm.solver.laboratory.section import FlowSpec, Loading
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.stages import load_panel
 
 __all__ = ["ConsolidationSpec"]
 
@@ -77,6 +79,30 @@ class ConsolidationSpec(FlowSpec):
     def _zero_at_a_stage(self) -> ConsolidationSpec:
         require_stage(self.zero_at_stage, self.stages)
         return self
+
+    def sketch(self) -> Sketch:
+        """A flat specimen in a ring, drained on one side or on two, under loads in stages."""
+        load = Load("σv", "total vertical stress less the back pressure")
+        one_side = self.drainage == "one_side"
+        specimen = Specimen(
+            self.material_in_words,
+            "ring",
+            load,
+            base="closed" if one_side else "drained",
+            height=self.height,
+            back_pressure=self.back_pressure,
+            readings=(
+                Reading("s", "settlement of the top", "top"),
+                Reading(
+                    "u",
+                    f"pore pressure at {'the base' if one_side else 'mid-height'}",
+                    "base" if one_side else "inside",
+                ),
+            ),
+        )
+        loads = [stage.stress for stage in self.stages]
+        panel = load_panel(self.stages, [(load, self.initial_stress, loads)])
+        return Sketch("Oedometer test with consolidation", specimen, (panel,))
 
     def build(self) -> ConsolidationModel:
         """Build the forward model."""

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_DURATION
 from geoswarm.solver.laboratory.flow.crs_model import CrsModel
 from geoswarm.solver.laboratory.pace import Hold
 from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
+from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.laboratory.shear_stages import ShearStage
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.stages import movement_panels
 
 __all__ = ["CrsOedometerSpec"]
 
@@ -107,6 +113,55 @@ class CrsOedometerSpec(FlowSpec):
             elif stage.keep == "stress":
                 before = None
         return self
+
+    def sketch(self) -> Sketch:
+        """A flat specimen in a ring, drained at the top, whose top is moved."""
+        specimen = Specimen(
+            self.material_in_words,
+            "ring",
+            Load("σv", "total vertical stress less the back pressure, while the top is moved"),
+            base="closed",
+            height=self.height,
+            back_pressure=self.back_pressure,
+            readings=(
+                Reading("σv, εa", "vertical stress and axial strain", "top"),
+                Reading("u", "pore pressure at the base", "base"),
+            ),
+            remark=f"Placed under σ′v = {self.initial_stress:g} kPa.",
+        )
+        strain = Load("εa", "axial strain")
+        panels = movement_panels(self.build().stages, strain, None, timed=is_timed(self.stages), title="Compression")
+        return Sketch("Oedometer test at constant rate of strain", specimen, panels)
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """The compression curve over effective stress as laboratories evaluate it."""
+        back, initial = self.back_pressure, self.initial_void_ratio
+
+        def effective(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            del start
+            return readings["axial_stress"] - 2.0 / 3.0 * (readings["pore_pressure"] - back)
+
+        def voids(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            del start
+            assert initial is not None
+            return initial - (1.0 + initial) * readings["axial_strain"]
+
+        derived = [Derived("effective_stress", ("axial_stress", "pore_pressure"), effective)]
+        if initial is not None:
+            derived.append(Derived("void_ratio", ("axial_strain",), voids))
+        return (
+            Diagram(
+                "compression_line",
+                "Compression curve",
+                "Over the logarithm of effective stress as laboratories evaluate it: axial stress less 2/3 of the "
+                "excess pore pressure at the base.",
+                "effective_stress",
+                "axial_strain" if initial is None else "void_ratio",
+                log=True,
+                downwards=initial is None,
+                derived=tuple(derived),
+            ),
+        )
 
     def build(self) -> CrsModel:
         """Build the forward model."""

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear.simple_shear_model import SimpleShearModel
+from geoswarm.solver.laboratory.shear_sketch import is_timed
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.stages import load_panel, movement_panels
 
 __all__ = ["DirectSimpleShearSpec", "SimpleShearConsolidation"]
 
@@ -143,6 +149,47 @@ class DirectSimpleShearSpec(LaboratorySpec):
     def _consistent(self) -> DirectSimpleShearSpec:
         require_pace(self.law, self.shearing)
         return self
+
+    def sketch(self) -> Sketch:
+        """A flat specimen between rings, consolidated and sheared along its top."""
+        keeps = all(self.keeps_volume(stage) for stage in self.shearing)
+        normal, strain, stress = (
+            Load("σ′v", "vertical effective stress"),
+            Load("γ", "shear strain"),
+            Load("τ", "shear stress"),
+        )
+        height = (
+            Reading("σ′v", "vertical stress that keeps the height", "top")
+            if keeps
+            else Reading("εv", "vertical strain", "top")
+        )
+        specimen = Specimen(
+            self.material_in_words,
+            "sliding rings",
+            normal,
+            shear=Load("τ, γ", "shear stress and shear strain, both measured"),
+            readings=(height,),
+            remark="While it is sheared its volume stays." if keeps else "",
+        )
+        panels = movement_panels(
+            self.build().shearing, strain, stress, timed=is_timed(self.shearing), stress_at_first=0.0
+        )
+        if self.consolidation:
+            loads = [stage.normal_stress for stage in self.consolidation]
+            tracks = [(normal, self.initial_stress, loads)]
+            panels = (load_panel(self.consolidation, tracks, "Consolidation"), *panels)
+        return Sketch("Direct simple shear test", specimen, panels)
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """The stress path; at constant volume the normal stress follows from the pore pressure."""
+        keeps = all(self.keeps_volume(stage) for stage in self.shearing)
+
+        def normal(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            return start["normal_stress"] - readings["pore_pressure"]
+
+        derived = (Derived("normal_stress", ("pore_pressure",), normal),) if keeps else ()
+        caption = "Shear stress over vertical effective stress while the specimen is sheared."
+        return (Diagram("stress_path", "Stress path", caption, "normal_stress", "shear_stress", derived=derived),)
 
     def build(self) -> SimpleShearModel:
         """Build the forward model."""

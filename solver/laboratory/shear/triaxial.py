@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.base import in_unit
+from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
+from geoswarm.solver.laboratory.shear_sketch import is_timed
+from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.stages import load_panel, movement_panels
 
 __all__ = ["TriaxialConsolidation", "TriaxialSpec"]
 
@@ -183,6 +189,69 @@ class TriaxialSpec(LaboratorySpec):
             )
         require_pace(self.law, self.shearing)
         return self
+
+    def sketch(self) -> Sketch:
+        """A cylinder in its cell, consolidated and sheared."""
+        undrained = all(self.is_undrained(stage) for stage in self.shearing)
+        readings = [Reading("q, εa", "deviator stress and axial strain", "top")]
+        if any(self.is_undrained(stage) for stage in self.shearing):
+            readings.append(Reading("u", "pore pressure", "base"))
+        if not undrained:
+            readings.append(Reading("εv", "volumetric strain, by the water that leaves", "water"))
+        end: Literal["shut", "drained"] = "shut" if undrained else "drained"
+        axial, radial = Load("σ′a", "axial effective stress"), Load("σ′r", "radial effective stress")
+        specimen = Specimen(
+            self.material_in_words,
+            "membrane",
+            Load("σ′a = σ′r + q", axial.words),
+            lateral=radial,
+            top=end,
+            base=end,
+            back_pressure=self.back_pressure,
+            readings=tuple(readings),
+            remark=f"Placed under σ′a = {self.initial_stress:g} kPa, σ′r/σ′a = {self.initial_ratio}.",
+        )
+        panels = movement_panels(
+            self.build().shearing,
+            Load("εa", "axial strain"),
+            Load("q", "deviator stress"),
+            timed=is_timed(self.shearing),
+        )
+        if self.consolidation:
+            panels = (self._consolidated(axial, radial), *panels)
+        return Sketch("Triaxial test", specimen, panels)
+
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """The stress path; under a constant cell pressure p' follows from q and the pore pressure."""
+        back = self.back_pressure
+
+        def mean(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            excess = readings["pore_pressure"] - back if "pore_pressure" in readings else 0.0
+            return start["p"] + (readings["q"] - start["q"]) / 3.0 - excess
+
+        undrained = any(self.is_undrained(stage) for stage in self.shearing)
+        needs = ("q", "pore_pressure") if undrained else ("q",)
+        cell = all(stage.constant == "radial_stress" for stage in self.shearing)
+        caption = "Deviator stress over mean effective stress while the specimen is sheared"
+        if cell:
+            caption += "; where p' was not read itself, from q and pore pressure at constant cell pressure"
+        derived = (Derived("p", needs, mean),) if cell else ()
+        return (Diagram("stress_path", "Stress path", f"{caption}.", "p", "q", derived=derived),)
+
+    def _consolidated(self, axial: Load, radial: Load) -> Panel:
+        """The programme of consolidation; the radial stress beside the axial one where it is another and known."""
+        start = self.initial_stress
+        tracks = [(axial, start, [stage.axial for stage in self.consolidation])]
+        given = [stage.axial if stage.radial is None else stage.radial for stage in self.consolidation]
+        known = [value for value in given if value != "K0"]
+        ratio = self.initial_ratio
+        if len(known) == len(given) and known != tracks[0][2] and ratio != "K0":
+            tracks.append((radial, ratio * start, known))
+        if len(known) < len(given):
+            title = "Consolidation, without radial strain where K0 is given"
+        else:
+            title = "Consolidation" if known != tracks[0][2] else "Consolidation, isotropic"
+        return load_panel(self.consolidation, tracks, title)
 
     def build(self) -> TriaxialModel:
         """Build the forward model."""

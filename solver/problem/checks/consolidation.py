@@ -15,7 +15,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem.problem import Problem
-from geoswarm.solver.problem.stages import stage_of, stage_times
+from geoswarm.solver.problem.stages import section_of_test, stage_of, stage_times
 from geoswarm.solver.units import convert
 
 __all__ = ["PrimaryConsolidation", "consolidation_degree", "find_consolidation"]
@@ -77,11 +77,15 @@ def consolidation_degree(factor: FloatArray) -> FloatArray:
 
 
 def find_consolidation(problem: Problem) -> tuple[PrimaryConsolidation, ...]:
-    """Look for primary consolidation in all observations over the time of a test in stages; runs nothing."""
+    """Look for primary consolidation in all observations over the time of a test in stages; runs nothing.
+
+    What calculates the flow of pore water has it in its curves.
+    """
     found = []
     for observation in problem.observations:
         starts = stage_times(problem.forward_model, observation.series)
-        if starts.size == 0:
+        _, test, _ = section_of_test(problem.forward_model, observation.series)
+        if starts.size == 0 or test.consolidates:
             continue
         stages = stage_of(observation.x, starts)
         times = {}

@@ -36,6 +36,7 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
         "absolute elementary effect, and its spread. Whiskers: 95 % intervals.",
         True,
     ),
+    "sketch": ("The test", "The specimen or the ground, and the loading programme.", True),
     "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
     "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
     "compression": (

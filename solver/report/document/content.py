@@ -106,14 +106,18 @@ def report_content(
                 ),
             )
         ),
-        pictures=tuple(
-            Picture(name, *CAPTIONS.get(name.partition(".")[0], (name, "", False))) for name in figures.names
-        ),
+        pictures=tuple(_picture(figures, name) for name in figures.names),
         tables=tuple(_tables(problem, record, statistics, labels, optimum, uncertainty)),
         provenance=tuple(_provenance(problem, record).items()),
         problem=_listing(_short(problem.document())),
         figures=figures,
     )
+
+
+def _picture(figures: FigureSet, name: str) -> Picture:
+    heading, caption, wide = CAPTIONS.get(name.partition(".")[0], (name, "", False))
+    wide = wide or (name == "fit" and figures.fit_is_wide)
+    return Picture(name, *(figures.told(name) or (heading, caption)), wide)
 
 
 _HEADINGS = {

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
-from geoswarm.solver.problem.stages import stage_times
+from geoswarm.solver.problem.stages import section_of_test, stage_times
 
 __all__ = ["not_modelled"]
 
 
 def not_modelled(problem: Problem) -> tuple[str, ...]:
     """Sentences on primary consolidation in readings over the time of a test in stages; empty for other problems."""
-    timed = [o for o in problem.observations if stage_times(problem.forward_model, o.series).size]
+    spec = problem.forward_model
+    timed = [
+        o
+        for o in problem.observations
+        if stage_times(spec, o.series).size and not section_of_test(spec, o.series)[1].consolidates
+    ]
     if not timed:
         return ()
     counts = ", ".join(f"{o.left_out} of {len(o.points.x)} of {o.series}" for o in timed)

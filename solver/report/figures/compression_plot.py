@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from geoswarm.solver.report.compression import CompressionCurve
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.style import (
     BLUE,
     ORANGE,
+    PAPER,
     drawing,
     finish,
     head,
@@ -36,22 +39,24 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
         axes.plot(curve.stress, curve.calculated, color=BLUE, linewidth=1.6, label="identified", zorder=3)
         if curve.measured.size:
             plot_measured(axes, curve.measured_stress, curve.measured)
-        low, high = float(curve.stress.min()), float(max(curve.stress.max(), curve.preconsolidation))
-        set_limits(axes, "x", min(low, curve.preconsolidation) / 1.4, high * 1.4, log=True)
-        if curve.preconsolidation > _BEYOND * curve.stress[0]:  # normally consolidated from the start: nothing to mark
+        past = curve.preconsolidation
+        ends = curve.stress if past is None else np.append(curve.stress, past)
+        set_limits(axes, "x", float(ends.min()) / 1.4, float(ends.max()) * 1.4, log=True)
+        if past is not None and past > _BEYOND * curve.stress[0]:  # else normally consolidated from the start
             if curve.interval is not None:
                 axes.axvspan(*curve.interval, color=ORANGE, alpha=0.18, linewidth=0.0, zorder=1)
-            label = f"σ′p = {curve.preconsolidation:.3g} kPa"
-            axes.axvline(curve.preconsolidation, color=ORANGE, linewidth=1.2, linestyle="--", label=label, zorder=2)
+            label = f"σ′p = {past:.3g} kPa"
+            axes.axvline(past, color=ORANGE, linewidth=1.2, linestyle="--", label=label, zorder=2)
         plain_ticks(axes, "x", log=True, most=6)
         plain_ticks(axes, "y", log=False, most=7)
         if not curve.void_ratio:
             axes.invert_yaxis()
         stress = "vertical effective stress σ′v" if curve.confined else "mean effective stress p′"
+        stress = "vertical stress less back pressure" if curve.total else stress
         axes.set_xlabel(with_unit(stress, "kPa"))
         axes.set_ylabel(with_unit(*_quantity(curve)))
         finish(axes)
-        axes.legend(loc="lower left", facecolor="white", framealpha=0.85, edgecolor="none")
+        axes.legend(loc="lower left", facecolor=PAPER, framealpha=0.85, edgecolor="none")
     return figure
 
 

@@ -13,12 +13,21 @@ from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.compression import CompressionCurve, compression_curves
 from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
+from geoswarm.solver.report.diagrams import DiagramCurve, diagram_curves
 from geoswarm.solver.report.figures.compression_plot import compression_figure, compression_rows
-from geoswarm.solver.report.figures.fit_plot import fit_figure, fit_rows, has_stages, stages_figure
+from geoswarm.solver.report.figures.diagram_plot import diagram_figure, diagram_rows
+from geoswarm.solver.report.figures.fit_plot import (
+    MOST_BELOW_EACH_OTHER,
+    fit_figure,
+    fit_rows,
+    has_stages,
+    stages_figure,
+)
 from geoswarm.solver.report.figures.intervals_plot import IntervalRow, interval_rows, intervals_figure
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure, matrix_rows
 from geoswarm.solver.report.figures.progress_plots import convergence_figure, convergence_rows, traces_figure
+from geoswarm.solver.report.figures.sketch_plot import sketch_figure, sketch_rows, sketch_words
 from geoswarm.solver.report.figures.uncertainty_plots import (
     index_rows,
     indices_figure,
@@ -29,6 +38,7 @@ from geoswarm.solver.report.figures.uncertainty_plots import (
 )
 from geoswarm.solver.report.record import RunRecord
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.sketches.declared import Sketch
 from geoswarm.solver.words import verdict_in_words
 
 if TYPE_CHECKING:
@@ -36,16 +46,18 @@ if TYPE_CHECKING:
 
 __all__ = ["FigureSet"]
 
+_MOST_SKETCHES = 12
 Rows = tuple[list[str], list[list[object]]]
 
 
 class FigureSet:
     """All figures of one run.
 
-    ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity, fit,
-    stages.SERIES (one a series that was measured during several loads), compression (of a laboratory test;
-    compression.PART of each of several), convergence, traces. A follow-up has neither matrix nor the progress of a
-    search.
+    ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity,
+    sketch (of a test; sketch.PART of each of several), fit, stages.SERIES (one a series that was measured during
+    several loads), compression (of a laboratory test; compression.PART of each of several), those that a test
+    declares (stress_path, compression_line), convergence, traces. A
+    follow-up has neither matrix nor the progress of a search.
 
     Parameters
     ----------
@@ -126,6 +138,8 @@ class FigureSet:
             rows = self._intervals(self._statistics, self._samples)
             makers["intervals"] = (lambda: intervals_figure(f"{title}: parameters", rows), lambda: interval_rows(rows))
         makers |= self._further(title)
+        for part, sketch in self._sketches.items():
+            makers[part] = _sketch(title, part, sketch)
         if self._record.best is not None:
             makers["fit"] = (lambda: fit_figure(f"{title}: fit", self._curves), lambda: fit_rows(self._curves))
             for curve in self._curves:
@@ -134,6 +148,8 @@ class FigureSet:
             for compressed in self._compression:
                 name = f"compression.{compressed.part}" if compressed.part else "compression"
                 makers[name] = _compression(title, compressed)
+            for name, declared in self._diagrams.items():
+                makers[name] = _diagram(title, declared)
         if records:
             target = self._problem.stopping.target_objective
             makers["convergence"] = (
@@ -147,6 +163,32 @@ class FigureSet:
                 lambda: _trace_rows(samples),
             )
         return makers
+
+    @cached_property
+    def _sketches(self) -> dict[str, Sketch]:
+        """By the name of the figure."""
+        found = self._problem.forward_model.sketches()
+        return {f"sketch.{part}" if part else "sketch": one for part, one in list(found.items())[:_MOST_SKETCHES]}
+
+    @cached_property
+    def _diagrams(self) -> dict[str, DiagramCurve]:
+        """By the name of the figure."""
+        best = self._record.best
+        found = () if best is None else diagram_curves(self._problem, best.parameters)
+        return {f"{one.diagram.name}.{one.part}" if one.part else one.diagram.name: one for one in found}
+
+    @property
+    def fit_is_wide(self) -> bool:
+        """Whether the figure of the fit has two columns."""
+        return len(self._problem.observations) > MOST_BELOW_EACH_OTHER
+
+    def told(self, name: str) -> tuple[str, str] | None:
+        """Heading and caption of a figure that the problem's own test declares."""
+        if name in self._sketches:
+            return self._sketches[name].test, sketch_words(self._sketches[name])
+        if name in self._diagrams:
+            return self._diagrams[name].diagram.heading, self._diagrams[name].diagram.caption
+        return None
 
     @property
     def _intervals_wanted(self) -> bool:
@@ -226,6 +268,17 @@ class FigureSet:
 
 def _stages(title: str, curve: SeriesCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
     return lambda: stages_figure(f"{title}: {curve.series} by stage", curve), lambda: fit_rows([curve])
+
+
+def _sketch(title: str, name: str, sketch: Sketch) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    part = name.partition(".")[2]
+    heading = f"{title}: {part or sketch.test}"
+    return lambda: sketch_figure(heading, sketch), lambda: sketch_rows(sketch)
+
+
+def _diagram(title: str, curve: DiagramCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    heading = f"{title}: {curve.diagram.heading.lower()}{f' ({curve.part})' if curve.part else ''}"
+    return lambda: diagram_figure(heading, curve), lambda: diagram_rows(curve)
 
 
 def _compression(title: str, curve: CompressionCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:

@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["fit_figure", "fit_rows", "has_stages", "stages_figure"]
+__all__ = ["MOST_BELOW_EACH_OTHER", "fit_figure", "fit_rows", "has_stages", "stages_figure"]
 
+MOST_BELOW_EACH_OTHER = 3
+"""More series stand in two columns: a page of paper is not that long."""
 _CROWDED = 0.02
 """Half of the points within this share of the range: only a log axis shows them."""
 _FEWEST = 3
@@ -51,12 +53,15 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
     from matplotlib.figure import Figure
 
     with drawing():
-        figure = Figure(figsize=(4.6, 0.5 + 3.5 * len(curves)), layout="constrained")
+        columns = 1 if len(curves) <= MOST_BELOW_EACH_OTHER else 2
+        rows = -(-len(curves) // columns)
+        figure = Figure(figsize=(4.6 * columns, 0.5 + 3.5 * rows), layout="constrained")
         head(figure, title)
-        grid = figure.add_gridspec(2 * len(curves), 1, height_ratios=[3.0, 1.0] * len(curves))
+        grid = figure.add_gridspec(2 * rows, columns, height_ratios=[3.0, 1.0] * rows)
         for index, curve in enumerate(curves):
-            upper = figure.add_subplot(grid[2 * index])
-            lower = figure.add_subplot(grid[2 * index + 1], sharex=upper)
+            row, column = divmod(index, columns)
+            upper = figure.add_subplot(grid[2 * row, column])
+            lower = figure.add_subplot(grid[2 * row + 1, column], sharex=upper)
             _fit(upper, curve)
             _residuals(lower, curve)
             if _crowded(curve):

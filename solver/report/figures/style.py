@@ -1,8 +1,8 @@
 """How every figure looks, and how it becomes a file: one palette, one set of sizes, one lock.
 
 Colours are those of Okabe and Ito, and a part of viridis for values: told apart with every common colour vision, and
-visible on white as on black. Ink, muted ink and grid have colours of their own that :func:`inline_svg` replaces by
-those of the page.
+visible on white as on black. Ink, muted ink, grid, paper and what sketches are filled with have colours of their own
+that :func:`inline_svg` replaces by those of the page.
 """
 
 from __future__ import annotations
@@ -33,7 +33,11 @@ __all__ = [
     "INK",
     "MUTED",
     "ORANGE",
+    "PAPER",
     "SKY",
+    "SOIL",
+    "STEEL",
+    "STONE",
     "colour_map",
     "drawing",
     "figures_available",
@@ -51,6 +55,7 @@ __all__ = [
 ]
 
 INK, MUTED, GRID = "#1b1f24", "#6a7178", "#d5d9dd"
+PAPER, SOIL, STEEL, STONE = "#fefefe", "#ead9bd", "#c3c8cd", "#e4e2dc"
 BLUE, SKY, ORANGE, GREEN = "#0072B2", "#56B4E9", "#D55E00", "#009E73"
 
 _SETTINGS: Any = {
@@ -82,6 +87,15 @@ _SETTINGS: Any = {
     "mathtext.default": "regular",
 }
 
+_ROLES = (
+    (INK, "currentColor"),
+    (MUTED, "var(--muted)"),
+    (GRID, "var(--grid)"),
+    (PAPER, "var(--paper)"),
+    (SOIL, "var(--soil)"),
+    (STEEL, "var(--steel)"),
+    (STONE, "var(--stone)"),
+)
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 _LOCK = threading.RLock()  # matplotlib's settings and font caches belong to the process, not to a thread
@@ -152,7 +166,7 @@ def finish(axes: Axes, *, legend: bool = True) -> None:
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
     if legend:
-        axes.legend(facecolor="white", framealpha=0.85, edgecolor="none")
+        axes.legend(facecolor=PAPER, framealpha=0.85, edgecolor="none")
 
 
 def plain_ticks(axes: Axes, which: str, *, log: bool, most: int = 4, inset: bool = False, whole: bool = False) -> None:
@@ -231,7 +245,7 @@ def inline_svg(figure: Figure, name: str) -> str:
     text = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', text)
     text = re.sub(r'(url\(#|href="#)', rf"\1{name}-", text)
     text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", text)
-    for colour, role in ((INK, "currentColor"), (MUTED, "var(--muted)"), (GRID, "var(--grid)")):
+    for colour, role in _ROLES:
         text = text.replace(colour, role)
     return text
 

@@ -30,6 +30,9 @@ def test_every_axis_has_a_unit(swarm: Run, sampling: Run) -> None:
             labels = [label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
             labels += [figure.get_supxlabel(), figure.get_supylabel()] if name.startswith("stages") else []
             labels += [axes.get_title(loc="left") for axes in figure.axes] if name == "intervals" else []
+            if name == "sketch":
+                written = [text.get_text() for axes in figure.axes for text in axes.texts]
+                labels += [text for text in written if text.startswith(("σ′v", "time")) and text != "σ′v"]
             assert labels, name
             assert all(re.search(r"\[[^\]]+\]", label) for label in labels), (name, labels)
 
@@ -161,7 +164,9 @@ def test_the_same_figure_has_the_same_bytes_and_inline_ids_are_its_own(swarm: Ru
 
 
 def test_unknown_figure_is_an_error_that_lists_the_known(swarm: Run) -> None:
-    with pytest.raises(KeyError, match=r"no figure 'pie'; there are: matrix, intervals, fit, stages\.settlement"):
+    with pytest.raises(
+        KeyError, match=r"no figure 'pie'; there are: matrix, intervals, sketch, fit, stages\.settlement"
+    ):
         swarm.report.figures.draw("pie")
 
 

@@ -1,0 +1,125 @@
+"""The sketch of a test as a figure: the same shapes as in the form of a new job."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from geoswarm.solver.report.figures.style import (
+    BLUE,
+    GREEN,
+    GRID,
+    INK,
+    MUTED,
+    ORANGE,
+    SOIL,
+    STEEL,
+    STONE,
+    drawing,
+    head,
+)
+from geoswarm.solver.sketches.declared import Sketch
+from geoswarm.solver.sketches.drawing import drawings
+from geoswarm.solver.sketches.shapes import Area, Dot, Ink, Line, Shape, Text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["sketch_figure", "sketch_rows", "sketch_words"]
+
+_UNIT = 0.0122
+"""Inches of a unit of the sheet."""
+_GAP = 14.0
+_HEAD = 34.0
+_LINE = 72.0 * _UNIT
+_LETTERS = 0.88
+"""Of the height of letters: those of figures are wider than those of a page."""
+_COLOURS: dict[Ink, str] = {
+    "ink": INK,
+    "muted": MUTED,
+    "grid": GRID,
+    "soil": SOIL,
+    "steel": STEEL,
+    "stone": STONE,
+    "water": BLUE,
+    "load": ORANGE,
+    "reading": GREEN,
+}
+
+
+def sketch_figure(title: str, sketch: Sketch) -> Figure:
+    """Draw the specimen or the ground, and the loading programme beside it."""
+    from matplotlib.figure import Figure
+
+    told = drawings(sketch)
+    width = sum(one.drawing.width for one in told) + _GAP * (len(told) - 1)
+    height = max(one.drawing.height for one in told) + _HEAD
+    with drawing():
+        figure = Figure(figsize=(width * _UNIT, height * _UNIT))
+        left = 0.0
+        for one in told:
+            own = one.drawing
+            place = (left / width, 1.0 - (_HEAD + own.height) / height, own.width / width, own.height / height)
+            axes = figure.add_axes(place)
+            axes.set_axis_off()
+            axes.set_xlim(0.0, own.width)
+            axes.set_ylim(own.height, 0.0)
+            for order, shape in enumerate(own.shapes):
+                _put(axes, shape, 1.0 + 0.001 * order)
+            left += own.width + _GAP
+        head(figure, title)
+    return figure
+
+
+def sketch_words(sketch: Sketch) -> str:
+    """The same in words."""
+    return " ".join(one.words for one in drawings(sketch))
+
+
+def sketch_rows(sketch: Sketch) -> tuple[list[str], list[list[object]]]:
+    """Return header and rows of the figure's numbers: the corners of the lines of the programme."""
+    header = ["panel", "quantity", "x", "x_quantity", "x_unit", "y", "y_unit"]
+    rows: list[list[object]] = []
+    for number, panel in enumerate(sketch.programme, start=1):
+        for track in panel.tracks:
+            symbol = track.symbol or panel.symbol
+            rows += [[number, symbol, x, panel.x, panel.x_unit, y, panel.unit] for x, y in track.points]
+    return header, rows
+
+
+def _put(axes: Axes, shape: Shape, order: float) -> None:
+    from matplotlib.patches import Circle, Polygon
+
+    if isinstance(shape, Line):
+        axes.plot(
+            *zip(*shape.points, strict=True),
+            color=_COLOURS[shape.ink],
+            linewidth=_LINE * shape.width,
+            linestyle=(0, (4, 3)) if shape.dashed else "-",
+            solid_joinstyle="round",
+            clip_on=False,
+            zorder=order,
+        )
+    elif isinstance(shape, Area):
+        colour = _COLOURS[shape.ink]
+        axes.add_patch(Polygon(shape.points, facecolor=colour, linewidth=0.0, clip_on=False, zorder=order))
+    elif isinstance(shape, Dot):
+        colour = _COLOURS[shape.ink]
+        look = {"facecolor": colour, "linewidth": 0.0} if shape.filled else {"fill": False, "linewidth": 1.3 * _LINE}
+        axes.add_patch(Circle(shape.centre, shape.radius, edgecolor=colour, clip_on=False, zorder=order, **look))
+    else:
+        _write(axes, shape, order)
+
+
+def _write(axes: Axes, text: Text, order: float) -> None:
+    sides = {"start": "left", "middle": "center", "end": "right"}
+    axes.text(
+        *text.at,
+        text.text,
+        ha=sides[text.anchor] if not text.upwards else "right",
+        va="baseline" if not text.upwards else "center",
+        rotation=90.0 if text.upwards else 0.0,
+        fontsize=_LINE * _LETTERS * text.size,
+        color=INK if text.ink == "ink" else MUTED,
+        zorder=order + 1.0,
+    )

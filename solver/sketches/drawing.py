@@ -1,0 +1,92 @@
+"""A sketch as drawings, each with the same in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from geoswarm.solver.sketches.declared import Ground, Sketch, Specimen
+from geoswarm.solver.sketches.ground import draw_ground
+from geoswarm.solver.sketches.panels import draw_programme
+from geoswarm.solver.sketches.shapes import Drawing
+from geoswarm.solver.sketches.specimen import draw_specimen
+
+__all__ = ["Told", "drawings"]
+
+_MOST_NAMED = 12
+_HELD = {
+    "ring": "in a ring that holds its side",
+    "membrane": "in a membrane under cell pressure",
+    "sliding rings": "between rings that slide on each other",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """A drawing, its heading, and the same in words."""
+
+    heading: str
+    drawing: Drawing
+    words: str
+
+
+def drawings(sketch: Sketch) -> tuple[Told, ...]:
+    """The specimen or the ground, then the loading programme where there is one."""
+    if isinstance(sketch.body, Ground):
+        body = Told(sketch.test, draw_ground(sketch.body), _of_ground(sketch.body))
+    else:
+        body = Told(sketch.test, draw_specimen(sketch.body), _of_specimen(sketch.body))
+    if not sketch.programme:
+        return (body,)
+    words = " ".join(panel.words for panel in sketch.programme)
+    return (body, Told("Loading programme", draw_programme(sketch.programme), words))
+
+
+def _of_specimen(one: Specimen) -> str:
+    size = [f"height h = {one.height:g} m"] if one.height is not None else []
+    size += [f"diameter d = {one.diameter:g} m"] if one.diameter is not None else []
+    parts = [f"Specimen of {one.material}, {_HELD[one.held]}{''.join(f', {text}' for text in size)}."]
+    acting = [load for load in (one.vertical, one.lateral, one.shear) if load is not None]
+    parts.append(f"It bears {', '.join(dict.fromkeys(f'{load.symbol}: {load.words}' for load in acting))}.")
+    parts.append(_drainage(one))
+    if one.readings:
+        parts.append(f"Measured: {', '.join(f'{reading.symbol}: {reading.words}' for reading in one.readings)}.")
+    if one.remark:
+        parts.append(one.remark)
+    return " ".join(parts)
+
+
+def _drainage(one: Specimen) -> str:
+    ends = {"top": one.top, "base": one.base}
+    drained = [name for name, end in ends.items() if end == "drained"]
+    if not drained:
+        shut = "shut" in ends.values()
+        text = "No water leaves while it is sheared" if shut else "No water leaves"
+    else:
+        text = f"Water leaves through porous stones at {' and '.join(drained)}"
+        if len(drained) == 1:
+            text = f"Water leaves through a porous stone at the {drained[0]}"
+            text += "".join(f", the {name} is closed" for name, end in ends.items() if end == "closed")
+    if one.back_pressure > 0.0:
+        text += f"; back pressure u₀ = {one.back_pressure:g} kPa"
+    return f"{text}."
+
+
+def _of_ground(ground: Ground) -> str:
+    layers = [f"{one.soil} ({one.material}), {one.thickness:g} m" for one in ground.layers[:_MOST_NAMED]]
+    left = len(ground.layers) - len(layers)
+    parts = [f"Layers from the ground surface: {'; '.join(layers)}{f'; and {left} further layers' if left else ''}."]
+    parts.append(f"{ground.load.symbol}: {ground.load.words}.")
+    if ground.water_table >= 0.0:
+        parts.append(f"Water table {ground.water_table:g} m below the surface.")
+    else:
+        parts.append(f"Free water stands {-ground.water_table:g} m above the surface.")
+    base = "and at the base" if ground.base_drained else "; the base is closed"
+    parts.append(f"Water leaves at the surface{' ' if ground.base_drained else ''}{base}.")
+    if ground.drains is not None:
+        drains = ground.drains
+        parts.append(f"Vertical drains from {drains.top:g} m to {drains.bottom:g} m, {drains.spacing:g} m apart.")
+    if ground.instruments:
+        named = ", ".join(f"{name} in {depth:g} m" for name, depth in ground.instruments[:_MOST_NAMED])
+        left = len(ground.instruments) - _MOST_NAMED
+        parts.append(f"Instruments: {named}{f' and {left} more' if left > 0 else ''}.")
+    return " ".join(parts)
