@@ -8,10 +8,23 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from geoswarm.api.pages import compare, job, jobs, mesh, new, sign_in, statistics, workers
-from geoswarm.api.pages.shell import error_page
+from geoswarm.api.pages.shell import error_page, templates
 
 __all__ = ["error_page", "router"]
 
 router = APIRouter(include_in_schema=False)
 for page in (jobs, compare, new, job, statistics, mesh, workers, sign_in):
     router.include_router(page.router)
+
+MENU = (
+    ("jobs", "Jobs", "/"),
+    ("new", "New job", "/new"),
+    ("compare", "Compare", "/compare"),
+    ("workers", "Workers", "/workers"),
+)
+"""What the menu of every page leads to: view, words, address."""
+
+JOB_TABS = (("job", "Job", ""), ("statistics", "Statistics", "/statistics"), ("mesh", "Slope and mesh", "/mesh"))
+"""Pages of a job: view, words, address below that of the job."""
+
+templates.globals.update(menu=MENU, job_tabs=JOB_TABS)
