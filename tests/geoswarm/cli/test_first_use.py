@@ -63,7 +63,7 @@ def test_kernels_are_compiled_once_before_the_search(installation: Installation,
     assert one | apart == two | apart
     kernels = cache_folder(installation.packages / "geoswarm" / "solver")
     sources = {path.name.rpartition("-")[0] for path in kernels.iterdir() if path.is_dir()}
-    assert {"axial", "soft_soil_creep"} <= sources  # of this laboratory test, and nothing of the finite elements
+    assert {"axial", "physics", "step"} <= sources  # of this laboratory test, and nothing of the finite elements
     assert not {"newton", "triangle", "multifrontal"} & sources
 
 
