@@ -59,7 +59,7 @@ def log_scale(low: float, high: float) -> Scale:
 
 
 def short(value: float) -> str:
-    """A number as short as it is understood: ``0.05``, ``20 000``, ``1e+06``."""
+    """A number as short as it is understood: ``0.05``, ``5000``, ``2e4``."""
     if value == 0.0:
         return "0"
     text = f"{value:.4g}"

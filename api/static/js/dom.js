@@ -89,14 +89,8 @@ export async function once(button, work) {
 
 let dialogs = 0;
 
-/**
- * A modal dialog with a title; returns it opened. It is closed by Escape, its button, or `.close()`, and then removed; the
- * keyboard is where it was before, also when that place was drawn anew meanwhile.
- */
-export function dialog(title, ...children) {
-  const id = `dialog-${++dialogs}`;
-  const made = element("dialog", { "aria-labelledby": id }, element("h2", { id }, title), ...children);
-  made.append(element("div", { class: "buttons" }, element("button", { type: "button", class: "quiet", onclick: () => made.close() }, "Close")));
+/** Open a dialog. Closed, it is removed, and the keyboard is where it was before, also when that place was drawn anew meanwhile. */
+function opened(made) {
   const back = held(document.body);
   made.addEventListener("close", () => {
     made.remove();
@@ -105,6 +99,14 @@ export function dialog(title, ...children) {
   document.body.append(made);
   made.showModal();
   return made;
+}
+
+/** A modal dialog with a title; returns it opened. It is closed by Escape, its button, or `.close()`, and then removed. */
+export function dialog(title, ...children) {
+  const id = `dialog-${++dialogs}`;
+  const made = element("dialog", { "aria-labelledby": id }, element("h2", { id }, title), ...children);
+  made.append(element("div", { class: "buttons" }, element("button", { type: "button", class: "quiet", onclick: () => made.close() }, "Close")));
+  return opened(made);
 }
 
 /** Ask before something that cannot be undone; a promise of true or false. */
@@ -118,8 +120,6 @@ export function confirmed(question, yes) {
         element("button", { type: "button", class: "danger", onclick: () => made.close("yes") }, yes),
         element("button", { type: "button", class: "quiet", autofocus: true, onclick: () => made.close("") }, "No")),
     );
-    made.addEventListener("close", () => { made.remove(); resolve(made.returnValue === "yes"); });
-    document.body.append(made);
-    made.showModal();
+    opened(made).addEventListener("close", () => resolve(made.returnValue === "yes"));
   });
 }

@@ -139,13 +139,13 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
         raise TableError(f"{name} has a header but no points")
     rows = rows_where(sheet, columns.where, name)
     reader = _Reader(name, {role: _picked(sheet, rows, role, text, name) for role, text in wanted.items()})
-    found = reader.table(columns) if quick is None else None
-    if quick is not None:
+    if quick is None:
+        found = reader.table(columns)
+    elif columns.origin is not None:
+        raise _no_dates(name, reader.columns["x"])
+    else:
         values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
-        if columns.origin is not None:
-            raise _no_dates(name, reader.columns["x"])
         found = Table(values["x"], values["y"], values.get("weight"), inputs=_inputs(values))
-    assert found is not None
     x_heading = _heading(sheet, reader.columns["x"], found.zero is not None)
     return replace(found, x_heading=x_heading, y_heading=_heading(sheet, reader.columns["y"], False))
 
@@ -160,6 +160,8 @@ def _needs_cells(columns: Columns) -> bool:
 
 def _named(content: bytes, name: str, columns: Columns, sheet: Sheet, wanted: dict[str, str]) -> Sheet:
     """Put the cells in place of names that a workbook has for them; the sheet on which they are."""
+    if all(column_of(sheet, text) or is_range(text) for text in wanted.values()):
+        return sheet  # without unpacking the workbook once more
     used = names_used(sheet, wanted, named_cells(content, name), name)
     if not used:
         return sheet

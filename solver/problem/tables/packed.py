@@ -8,7 +8,7 @@ from xml.parsers import expat
 
 from geoswarm.solver.problem.tables.reading import MAX_CELL_CHARACTERS, TableError
 
-__all__ = ["MAX_CELLS", "MAX_COLUMNS", "Cell", "PackedParts"]
+__all__ = ["MAX_CELLS", "MAX_COLUMNS", "Cell", "PackedParts", "column_number"]
 
 Cell = str | float
 """Text or a number; a date is text in ISO 8601."""
@@ -17,6 +17,18 @@ MAX_PART_BYTES = 32 * 2**20
 MAX_UNPACKED_BYTES = 4 * MAX_PART_BYTES
 MAX_CELLS = 2_000_000
 MAX_COLUMNS = 500
+
+
+def column_number(letters: str) -> int:
+    """Number of a column from its letters, from 0.
+
+    >>> column_number("AB")
+    27
+    """
+    number = 0
+    for letter in letters.upper():
+        number = 26 * number + ord(letter) - ord("A") + 1
+    return number - 1
 
 
 class PackedParts:

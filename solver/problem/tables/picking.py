@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from geoswarm.solver.problem.tables.cells import Sheet, number_in
 from geoswarm.solver.problem.tables.headings import guess_unit
-from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell
+from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_number
 from geoswarm.solver.problem.tables.reading import TableError
 
 __all__ = ["Picked", "column_of", "is_range", "names_used", "picked", "rows_where"]
@@ -43,7 +43,7 @@ def column_of(sheet: Sheet, wanted: str) -> list[int]:
             return found
     letters = _LETTERS.fullmatch(wanted)
     if letters is not None and letters[1].upper() == letters[2].upper():
-        return [_number(letters[1])]
+        return [column_number(letters[1])]
     if not sheet.header and (unnamed := re.fullmatch(r"column (\d{1,3})", wanted)) is not None:
         return [int(unnamed[1]) - 1]
     return []
@@ -80,7 +80,7 @@ def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
 def _range(sheet: Sheet, wanted: str, file: str) -> list[tuple[int, Cell]]:
     address = _ADDRESS.fullmatch(wanted)
     assert address is not None
-    first, last = _number(address[1]), _number(address[3] or address[1])
+    first, last = column_number(address[1]), column_number(address[3] or address[1])
     top, bottom = int(address[2]), int(address[4] or address[2])
     if (first != last and top != bottom) or first > last or top > bottom:
         raise TableError(f"{file}: cells {wanted} are no column such as B5:B30 and no row such as B5:M5")
@@ -151,13 +151,6 @@ def _same(entry: Cell, value: str | float) -> bool:
 
 def _cell(row: list[Cell], place: int) -> Cell:
     return row[place] if place < len(row) else ""
-
-
-def _number(letters: str) -> int:
-    number = 0
-    for letter in letters.upper():
-        number = 26 * number + ord(letter) - ord("A") + 1
-    return number - 1
 
 
 def _key(cell: str) -> str:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from xml.etree import ElementTree
 from xml.parsers import expat
 
 from geoswarm.solver.problem.tables.opendocument import ods_names, ods_rows, ods_sheets
-from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, PackedParts
+from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, PackedParts, column_number
 from geoswarm.solver.problem.tables.reading import TableError
 
 __all__ = ["named_cells", "read_workbook"]
@@ -86,21 +86,30 @@ def _is_ods(archive: zipfile.ZipFile) -> bool:
 
 
 def _read_ods(parts: PackedParts, wanted: str | None) -> tuple[list[str], str, list[list[Cell]]]:
-    sheets = ods_sheets(parts)
-    _check_sheet(parts.name, wanted, list(sheets))
-    chosen, rows = "", []
-    for chosen in [wanted] if wanted is not None else sheets:  # the one at which it ends
-        rows = list(ods_rows(parts, sheets[chosen]))
-        if any(rows):
-            break
-    return list(sheets), chosen, rows
+    tables = ods_sheets(parts)
+    sheets = _known(parts.name, wanted, list(tables))
+    return sheets, *_chosen(wanted, sheets, lambda sheet: ods_rows(parts, tables[sheet]))
 
 
-def _check_sheet(name: str, wanted: str | None, sheets: list[str]) -> None:
+def _known(name: str, wanted: str | None, sheets: list[str]) -> list[str]:
+    """The sheets, if there are any, and the one that is wanted is among them."""
     if not sheets:
         raise TableError(f"{name} has no sheets with cells")
     if wanted is not None and wanted not in sheets:
         raise TableError(f"{name} has no sheet '{wanted}'; its sheets: {', '.join(sheets)}")
+    return sheets
+
+
+def _chosen(
+    wanted: str | None, sheets: Sequence[str], rows_of: Callable[[str], Iterable[list[Cell]]]
+) -> tuple[str, list[list[Cell]]]:
+    """The sheet that is wanted, or the first one with cells, and its rows."""
+    chosen, rows = "", list[list[Cell]]()
+    for chosen in [wanted] if wanted is not None else sheets:  # the one at which it ends
+        rows = list(rows_of(chosen))
+        if any(cell != "" for row in rows for cell in row):
+            break
+    return chosen, rows
 
 
 class _Workbook:
@@ -116,17 +125,12 @@ class _Workbook:
             for one in book.iter(f"{_MAIN}sheet")
             if _place(targets.get(one.get(_RELATION, ""), "")).startswith("xl/worksheets/")  # not the charts
         }
-        _check_sheet(self._parts.name, wanted, list(sheets))
+        names = _known(self._parts.name, wanted, list(sheets))
         settings = book.find(f"{_MAIN}workbookPr")
         since_1904 = settings is not None and settings.get("date1904") in ("1", "true")
         texts = [self._text(one) for one in part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
         dates = _date_styles(part("xl/styles.xml", optional=True))
-        chosen, rows = "", []
-        for chosen in [wanted] if wanted is not None else sheets:  # the one at which it ends
-            rows = list(self._rows(sheets[chosen], texts, dates, since_1904))
-            if any(cell != "" for row in rows for cell in row):
-                break
-        return list(sheets), chosen, rows
+        return names, *_chosen(wanted, names, lambda sheet: self._rows(sheets[sheet], texts, dates, since_1904))
 
     def _rows(self, place: str, texts: list[str], dates: set[int], since_1904: bool) -> Iterator[list[Cell]]:
         left, line = MAX_CELLS, 0
@@ -179,10 +183,7 @@ def _column(reference: str | None, following: int) -> int:
     letters = re.match(r"[A-Z]{1,3}", reference or "")
     if letters is None:
         return following
-    number = 0
-    for letter in letters.group():
-        number = 26 * number + ord(letter) - ord("A") + 1
-    return max(number - 1, following)
+    return max(column_number(letters.group()), following)
 
 
 def _date_styles(styles: ElementTree.Element) -> set[int]:
