@@ -9,15 +9,14 @@ from typing import Any
 from geoswarm.api.schemas.drafts import DraftIssue, DraftObservation, DraftSketch, Example, ProblemDraft
 from geoswarm.api.schemas.jobs import Parameter, Series
 from geoswarm.solver.examples import example_file, example_names
+from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.problem import Draft, Problem, load_problem
-from geoswarm.solver.sketches.drawing import drawings
 from geoswarm.solver.sketches.svg import svg_element
 from geoswarm.solver.units import convert
 
 __all__ = ["describe_draft", "find_examples"]
 
 MAX_LISTED = 2000
-_MOST_SKETCHES = 12
 
 
 def describe_draft(draft: Draft) -> ProblemDraft:
@@ -43,8 +42,8 @@ def _sketches(draft: Draft) -> list[DraftSketch] | None:
         return None if draft.model is None else []
     return [
         DraftSketch(part=part, heading=one.heading, words=one.words, svg=svg_element(one.drawing, one.words))
-        for part, sketch in list(draft.spec.sketches().items())[:_MOST_SKETCHES]
-        for one in drawings(sketch)
+        for part, sketch in sketches_of(draft.spec).items()
+        for one in sketch.drawings
     ]
 
 

@@ -236,10 +236,9 @@ class ForwardModelSpec(BaseModel, ABC):
         """What a form and a report draw of it: specimen or ground and the loading programme; None: nothing."""
         return None
 
-    def sketches(self) -> dict[str, Sketch]:
-        """Sketches by the name of a part; the name is empty where there are no parts."""
-        found = self.sketch()
-        return {} if found is None else {"": found}
+    def by_part(self) -> Mapping[str, ForwardModelSpec]:
+        """Sections of the parts by name; this one with an empty name where there are no parts."""
+        return {"": self}
 
     def diagrams(self) -> tuple[Diagram, ...]:
         """What reports draw beside each series over its own axis: one series over another."""

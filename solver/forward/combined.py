@@ -14,8 +14,9 @@ all. A parameter ``part.name`` is the value for that part alone and goes before 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -28,10 +29,9 @@ from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, Forward
 from geoswarm.solver.forward.registry import AnyForwardModelSpec, built, find_spec
 
 if TYPE_CHECKING:
-    from geoswarm.solver.sketches.declared import Sketch
     from geoswarm.solver.user_laws.section import UserLawSection
 
-__all__ = ["CombinedModel", "CombinedSpec"]
+__all__ = ["CombinedModel", "CombinedSpec", "ModelPart", "parts_of"]
 
 
 class CombinedSpec(ForwardModelSpec):
@@ -106,9 +106,9 @@ class CombinedSpec(ForwardModelSpec):
         """When a part can."""
         return any(part.only_here for part in self.parts.values())
 
-    def sketches(self) -> dict[str, Sketch]:
-        """Those of all parts that have one."""
-        return {name: found for name, part in self.parts.items() if (found := part.sketch()) is not None}
+    def by_part(self) -> Mapping[str, ForwardModelSpec]:
+        """The parts."""
+        return self.parts
 
     def build(self) -> CombinedModel:
         """Build the forward models of all parts."""
@@ -223,6 +223,29 @@ class CombinedModel:
             }
 
         return run
+
+
+@dataclass(frozen=True, slots=True)
+class ModelPart:
+    """One of the models of a section: its name (empty where it is the only one), section, and forward model.
+
+    ``values``: parameters of the part, under the names that its model knows, from those of the whole.
+    """
+
+    name: str
+    spec: ForwardModelSpec
+    model: ForwardModel
+    values: Callable[[Mapping[str, float]], Mapping[str, float]]
+
+
+def parts_of(spec: ForwardModelSpec, model: ForwardModel) -> tuple[ModelPart, ...]:
+    """The parts of a combined model, or the model as the only part."""
+    if not isinstance(model, CombinedModel):
+        return (ModelPart("", spec, model, dict),)
+    return tuple(
+        ModelPart(name, part, model.part(name), partial(model.part_values, name))
+        for name, part in spec.by_part().items()
+    )
 
 
 def _prepared(part: _Part, points: Mapping[str, FloatArray]) -> ForwardRun:

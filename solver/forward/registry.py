@@ -8,8 +8,9 @@ that is broken never harms the others.
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Mapping
-from typing import Annotated, Any, LiteralString
+from typing import TYPE_CHECKING, Annotated, Any, LiteralString
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, WithJsonSchema
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -17,6 +18,9 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from geoswarm.solver.errors import BrokenForwardModelError, SolverError, UnknownForwardModelError, in_words
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.installed import Installed
+
+if TYPE_CHECKING:
+    from geoswarm.solver.sketches.drawing import DrawnSketch
 
 __all__ = [
     "BUILT_IN",
@@ -30,6 +34,7 @@ __all__ = [
     "kinds",
     "offered_kinds",
     "parse_spec",
+    "sketches_of",
 ]
 
 GROUP = "geoswarm.forward_models"
@@ -61,6 +66,10 @@ PROGRAMS_REFUSED = (
 )
 """What a service answers to a forward model that runs programs."""
 
+
+_MOST_SKETCHES = 12
+
+log = logging.getLogger(__name__)
 
 _installed: Installed[type[ForwardModelSpec]] = Installed(
     "forward model",
@@ -120,6 +129,28 @@ def built(spec: ForwardModelSpec) -> ForwardModel:
         raise BrokenForwardModelError(
             f"forward model '{spec.kind}' cannot be built: it raised {in_words(error)}"
         ) from None
+
+
+def sketches_of(spec: ForwardModelSpec) -> dict[str, DrawnSketch]:
+    """The sketches of a section by the name of a part (empty where there are no parts), 12 at most.
+
+    A part of another package whose sketch cannot be drawn has none, and the log says why.
+    """
+    from geoswarm.solver.sketches.drawing import DrawnSketch, drawings
+
+    found: dict[str, DrawnSketch] = {}
+    for name, part in spec.by_part().items():
+        try:
+            sketch = part.sketch()
+            if sketch is not None:
+                found[name] = DrawnSketch(sketch, drawings(sketch))
+        except Exception as error:  # anybody's code; a fault of our own is shown as one
+            if part.kind in BUILT_IN:
+                raise
+            log.warning("forward model '%s' has no sketch: it raised %s", part.kind, in_words(error))
+        if len(found) == _MOST_SKETCHES:
+            break
+    return found
 
 
 def find_spec(kind: str) -> type[ForwardModelSpec]:

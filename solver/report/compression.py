@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
-from geoswarm.solver.forward.combined import CombinedModel
+from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
@@ -130,16 +129,11 @@ def _curve(
 
 def _load_tests(problem: Problem) -> Iterator[_LoadTest]:
     """The tests of a problem with loads in stages, and strains at their ends, of any law."""
-    spec, model = problem.forward_model, problem.model
-    if spec.runs_outside:
+    if problem.forward_model.runs_outside:
         return
-    if not isinstance(model, CombinedModel):
-        if _is_load_test(spec, model):
-            yield _LoadTest("", model, dict)
-        return
-    for name in model.part_names:
-        if _is_load_test(spec.parts[name], model.part(name)):  # type: ignore[attr-defined]  # of a combined model
-            yield _LoadTest(name, model.part(name), partial(model.part_values, name))
+    for part in parts_of(problem.forward_model, problem.model):
+        if _is_load_test(part.spec, part.model):
+            yield _LoadTest(part.name, part.model, part.values)
 
 
 def _is_load_test(spec: ForwardModelSpec, model: ForwardModel) -> bool:

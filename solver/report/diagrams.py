@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
-from geoswarm.solver.forward.combined import CombinedModel, CombinedSpec
+from geoswarm.solver.forward.base import ForwardModel, SeriesInfo
+from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.forward.diagram import Diagram
 from geoswarm.solver.problem import Observation, Problem
 
@@ -58,30 +58,19 @@ def diagram_curves(problem: Problem, values: Mapping[str, float]) -> tuple[Diagr
         Value of every parameter.
     """
     found = []
-    for part, spec, model, own in _tests(problem, values):
-        prefix = f"{part}." if part else ""
+    if problem.forward_model.runs_outside:
+        return ()
+    for part in parts_of(problem.forward_model, problem.model):
+        prefix = f"{part.name}." if part.name else ""
         observed = {o.series.removeprefix(prefix): o for o in problem.observations if o.series.startswith(prefix)}
-        for diagram in spec.diagrams():
+        for diagram in part.spec.diagrams():
             try:
-                curve = _curve(part, diagram, model, own, observed)
+                curve = _curve(part.name, diagram, part.model, part.values(values), observed)
             except SolverError:
                 continue
             if curve is not None:
                 found.append(curve)
     return tuple(found)
-
-
-def _tests(
-    problem: Problem, values: Mapping[str, float]
-) -> Iterator[tuple[str, ForwardModelSpec, ForwardModel, Mapping[str, float]]]:
-    spec, model = problem.forward_model, problem.model
-    if spec.runs_outside:
-        return
-    if isinstance(spec, CombinedSpec) and isinstance(model, CombinedModel):
-        for name, part in spec.parts.items():
-            yield name, part, model.part(name), model.part_values(name, values)
-    else:
-        yield "", spec, model, values
 
 
 def _curve(

@@ -26,7 +26,7 @@ import numpy as np
 from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
 from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.forward.combined import CombinedModel
+from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
@@ -85,16 +85,10 @@ class LaboratoryValue:
 
 def staged_tests(problem: Problem) -> tuple[StagedTest, ...]:
     """The laboratory tests of a problem on soft soil (with or without creep), which laboratories have terms for."""
-    model = problem.model
-    if isinstance(model, StagedLoadModel):
-        return (StagedTest("", model, dict),) if isinstance(model.law, SoftSoilCreepLaw) else ()
-    if not isinstance(model, CombinedModel):
-        return ()
-    parts = ((name, model.part(name)) for name in model.part_names)
     return tuple(
-        StagedTest(name, part, lambda values, name=name: model.part_values(name, values))  # type: ignore[misc]  # mypy: default of a lambda
-        for name, part in parts
-        if isinstance(part, StagedLoadModel) and isinstance(part.law, SoftSoilCreepLaw)
+        StagedTest(part.name, part.model, part.values)
+        for part in parts_of(problem.forward_model, problem.model)
+        if isinstance(part.model, StagedLoadModel) and isinstance(part.model.law, SoftSoilCreepLaw)
     )
 
 

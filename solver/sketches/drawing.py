@@ -10,7 +10,7 @@ from geoswarm.solver.sketches.panels import draw_programme
 from geoswarm.solver.sketches.shapes import Drawing
 from geoswarm.solver.sketches.specimen import draw_specimen
 
-__all__ = ["Told", "drawings"]
+__all__ = ["DrawnSketch", "Told", "drawings"]
 
 _MOST_NAMED = 12
 _HELD = {
@@ -27,6 +27,19 @@ class Told:
     heading: str
     drawing: Drawing
     words: str
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnSketch:
+    """A sketch and its drawings."""
+
+    sketch: Sketch
+    drawings: tuple[Told, ...]
+
+    @property
+    def words(self) -> str:
+        """The same in words."""
+        return " ".join(one.words for one in self.drawings)
 
 
 def drawings(sketch: Sketch) -> tuple[Told, ...]:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.identifiability import Samples, Statistics
 from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.problem import Problem
@@ -27,7 +28,7 @@ from geoswarm.solver.report.figures.intervals_plot import IntervalRow, interval_
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure, matrix_rows
 from geoswarm.solver.report.figures.progress_plots import convergence_figure, convergence_rows, traces_figure
-from geoswarm.solver.report.figures.sketch_plot import sketch_figure, sketch_rows, sketch_words
+from geoswarm.solver.report.figures.sketch_plot import sketch_figure, sketch_rows
 from geoswarm.solver.report.figures.uncertainty_plots import (
     index_rows,
     indices_figure,
@@ -38,7 +39,7 @@ from geoswarm.solver.report.figures.uncertainty_plots import (
 )
 from geoswarm.solver.report.record import RunRecord
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
-from geoswarm.solver.sketches.declared import Sketch
+from geoswarm.solver.sketches.drawing import DrawnSketch
 from geoswarm.solver.words import verdict_in_words
 
 if TYPE_CHECKING:
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
 
 __all__ = ["FigureSet"]
 
-_MOST_SKETCHES = 12
 Rows = tuple[list[str], list[list[object]]]
 
 
@@ -165,10 +165,10 @@ class FigureSet:
         return makers
 
     @cached_property
-    def _sketches(self) -> dict[str, Sketch]:
+    def _sketches(self) -> dict[str, DrawnSketch]:
         """By the name of the figure."""
-        found = self._problem.forward_model.sketches()
-        return {f"sketch.{part}" if part else "sketch": one for part, one in list(found.items())[:_MOST_SKETCHES]}
+        found = sketches_of(self._problem.forward_model)
+        return {f"sketch.{part}" if part else "sketch": one for part, one in found.items()}
 
     @cached_property
     def _diagrams(self) -> dict[str, DiagramCurve]:
@@ -185,7 +185,7 @@ class FigureSet:
     def told(self, name: str) -> tuple[str, str] | None:
         """Heading and caption of a figure that the problem's own test declares."""
         if name in self._sketches:
-            return self._sketches[name].test, sketch_words(self._sketches[name])
+            return self._sketches[name].sketch.test, self._sketches[name].words
         if name in self._diagrams:
             return self._diagrams[name].diagram.heading, self._diagrams[name].diagram.caption
         return None
@@ -270,10 +270,10 @@ def _stages(title: str, curve: SeriesCurve) -> tuple[Callable[[], Figure], Calla
     return lambda: stages_figure(f"{title}: {curve.series} by stage", curve), lambda: fit_rows([curve])
 
 
-def _sketch(title: str, name: str, sketch: Sketch) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+def _sketch(title: str, name: str, sketch: DrawnSketch) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
     part = name.partition(".")[2]
-    heading = f"{title}: {part or sketch.test}"
-    return lambda: sketch_figure(heading, sketch), lambda: sketch_rows(sketch)
+    heading = f"{title}: {part or sketch.sketch.test}"
+    return lambda: sketch_figure(heading, sketch), lambda: sketch_rows(sketch.sketch)
 
 
 def _diagram(title: str, curve: DiagramCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:

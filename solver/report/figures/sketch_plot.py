@@ -18,14 +18,14 @@ from geoswarm.solver.report.figures.style import (
     head,
 )
 from geoswarm.solver.sketches.declared import Sketch
-from geoswarm.solver.sketches.drawing import drawings
+from geoswarm.solver.sketches.drawing import DrawnSketch
 from geoswarm.solver.sketches.shapes import Area, Dot, Ink, Line, Shape, Text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["sketch_figure", "sketch_rows", "sketch_words"]
+__all__ = ["sketch_figure", "sketch_rows"]
 
 _UNIT = 0.0122
 """Inches of a unit of the sheet."""
@@ -47,11 +47,11 @@ _COLOURS: dict[Ink, str] = {
 }
 
 
-def sketch_figure(title: str, sketch: Sketch) -> Figure:
+def sketch_figure(title: str, sketch: DrawnSketch) -> Figure:
     """Draw the specimen or the ground, and the loading programme beside it."""
     from matplotlib.figure import Figure
 
-    told = drawings(sketch)
+    told = sketch.drawings
     width = sum(one.drawing.width for one in told) + _GAP * (len(told) - 1)
     height = max(one.drawing.height for one in told) + _HEAD
     with drawing():
@@ -69,11 +69,6 @@ def sketch_figure(title: str, sketch: Sketch) -> Figure:
             left += own.width + _GAP
         head(figure, title)
     return figure
-
-
-def sketch_words(sketch: Sketch) -> str:
-    """The same in words."""
-    return " ".join(one.words for one in drawings(sketch))
 
 
 def sketch_rows(sketch: Sketch) -> tuple[list[str], list[list[object]]]:

@@ -16,8 +16,9 @@ from geoswarm.solver.errors import BrokenForwardModelError, ProblemError, Unknow
 from geoswarm.solver.forward import registry
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.formula import FormulaSpec
-from geoswarm.solver.forward.registry import GROUP, find_spec, kinds, parse_spec
+from geoswarm.solver.forward.registry import GROUP, find_spec, kinds, parse_spec, sketches_of
 from geoswarm.solver.problem import parse_problem, problem_schema
+from geoswarm.solver.sketches.declared import Sketch
 
 BUILT_IN = (
     "formula",
@@ -59,6 +60,21 @@ class UnbuildableSpec(ForwardModelSpec):
         raise ValueError("the mesh has a hole")
 
 
+class BlotSpec(ForwardModelSpec):
+    """A line whose sketch is broken."""
+
+    kind: Literal["blot"] = "blot"
+    slope: float
+
+    def sketch(self) -> Sketch:
+        """Fails as anybody's code may."""
+        raise ZeroDivisionError("no height")
+
+    def build(self) -> ForwardModel:
+        """A line."""
+        return LineSpec(slope=self.slope).build()
+
+
 @pytest.fixture
 def installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     this = sys.modules[__name__]
@@ -66,6 +82,7 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     entries = [
         EntryPoint("line", "some_package:LineSpec", GROUP),
         EntryPoint("unbuildable", "some_package:UnbuildableSpec", GROUP),
+        EntryPoint("blot", "some_package:BlotSpec", GROUP),
         EntryPoint("formula", "some_package:LineSpec", GROUP),
         EntryPoint("absent", "no_such_package:Spec", GROUP),
         EntryPoint("nameless", "some_package:NoSuchSpec", GROUP),
@@ -101,7 +118,7 @@ def test_unknown_kind() -> None:
 
 @pytest.mark.usefixtures("installed")
 def test_models_of_other_packages() -> None:
-    assert kinds() == (*BUILT_IN, "absent", "line", "nameless", "unbuildable", "wrong")
+    assert kinds() == (*BUILT_IN, "absent", "blot", "line", "nameless", "unbuildable", "wrong")
     assert find_spec("line") is LineSpec
     assert find_spec("formula") is FormulaSpec
     spec = parse_spec({"kind": "line", "slope": 2})
@@ -152,3 +169,10 @@ def test_sections_are_validated_strictly() -> None:
     with pytest.raises(ValidationError) as caught:
         parse_spec(section)
     assert [error["loc"] for error in caught.value.errors()] == [("height",), ("initial_stress",)]
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_sketch_that_fails_is_left_out(caplog: pytest.LogCaptureFixture) -> None:
+    parts = {"line": {"kind": "blot", "slope": 2}, "oedometer": find_spec("oedometer").example()}
+    assert list(sketches_of(parse_spec({"kind": "combined", "parts": parts}))) == ["oedometer"]
+    assert "forward model 'blot' has no sketch: it raised ZeroDivisionError: no height" in caplog.text

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.forward.base import ForwardModelSpec
-from geoswarm.solver.forward.registry import find_spec, parse_spec
+from geoswarm.solver.forward.registry import find_spec, parse_spec, sketches_of
 from geoswarm.solver.sketches.drawing import Told, drawings
 from geoswarm.solver.sketches.shapes import Area, Dot, Drawing, Line, Text, text_width
 from geoswarm.solver.sketches.svg import svg_element
@@ -213,14 +213,14 @@ def test_what_is_not_led_is_dashed() -> None:
 def test_a_model_without_a_sketch_has_none() -> None:
     formula = parse_spec({"kind": "formula", "series": {"y": "a * x"}})
     assert formula.sketch() is None
-    assert formula.sketches() == {}
+    assert sketches_of(formula) == {}
 
 
 def test_a_combined_model_has_the_sketches_of_its_parts() -> None:
     parts = {name: find_spec(name).example() for name in ("oedometer", "column")}
     parts["line"] = {"kind": "formula", "series": {"y": "a * x"}}
-    found = parse_spec({"kind": "combined", "parts": parts}).sketches()
-    assert {name: one.test for name, one in found.items()} == {
+    found = sketches_of(parse_spec({"kind": "combined", "parts": parts}))
+    assert {name: one.sketch.test for name, one in found.items()} == {
         "oedometer": "Oedometer test",
         "column": "Layered ground",
     }
