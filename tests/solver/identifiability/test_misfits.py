@@ -12,8 +12,8 @@ END = " The parameters are those of the closest curve, and their intervals do no
 
 def test_one_series() -> None:
     assert sentence_of([Q]) == (
-        "The model does not describe q: it misses the readings by up to 21 kPa (calculated below measured, near 0.1 %), "
-        "root mean square 8.1 kPa; noise has such a pattern with a probability below 0.2%." + END
+        "The model does not describe q: it misses the readings by up to 21 kPa (calculated below measured, near 0.1 "
+        "%), root mean square 8.1 kPa; noise has such a pattern with a probability below 0.2%." + END
     )
 
 
@@ -28,8 +28,9 @@ def test_each_of_several_series_is_named() -> None:
     u = replace(Q, series="u", deviation=3.0, largest=9.0)
     found = sentence_of([Q, u, *(replace(Q, series=name) for name in ("v", "w"))])
     assert found.startswith(
-        "The model does not describe q, u, v and w. It misses q by up to 21 kPa (calculated below measured, near 0.1 %), "
-        "root mean square 8.1 kPa; u by up to 9 kPa (calculated above measured, near 0.1 %), root mean square 3 kPa; v by"
+        "The model does not describe q, u, v and w. It misses q by up to 21 kPa (calculated below measured, near 0.1 "
+        "%), root mean square 8.1 kPa; u by up to 9 kPa (calculated above measured, near 0.1 %), root mean square 3 "
+        "kPa; v by"
     )
     assert "; and 1 other; of each, noise has such a pattern with a probability below 0.2%." + END in found
     found = sentence_of([Q, replace(u, stage=5, reason="repeats")])
@@ -40,8 +41,8 @@ def test_each_of_several_series_is_named() -> None:
 def test_stated_errors_are_told_together() -> None:
     one = replace(Q, reason="stated_error", ratio=2.9)
     assert sentence_of([one]) == (
-        "The stated error is not met: the residuals of q (8.1 kPa) are 2.9 times as large, so intervals that rest on it "
-        "are about as many times too narrow."
+        "The stated error is not met: the residuals of q (8.1 kPa) are 2.9 times as large, so intervals that rest on "
+        "it are about as many times too narrow."
     )
     several = [replace(one, series=name) for name in ("q", "u", "v", "w", "x")]
     assert sentence_of(several) == (
