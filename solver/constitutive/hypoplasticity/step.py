@@ -27,6 +27,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hypoplasticity.clay import CLAY_CONSTANTS, clay_functions
 from geoswarm.solver.constitutive.hypoplasticity.intergranular_strain import LEAD, WAY, along_way, begin_way, end_of_way
 from geoswarm.solver.constitutive.hypoplasticity.sand import SAND_CONSTANTS, sand_functions
+from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["CLAY", "CONSTANTS", "FIRST", "SAND", "STATE", "hypoplastic_update"]
@@ -56,6 +57,8 @@ _LONGEST: Final = 1.0
 
 _STEADY: Final = 1.0e-3
 _ROOT: Final = math.sqrt(2.0)
+_MOST: Final = 44
+"""Numbers that are integrated, of six components: stress, tangent, q and its slope."""
 
 # Fehlberg's pair: nodes, weights of the stages, weights of order 5, and these less those of order 4.
 _NODES: Final = np.array([0.0, 1 / 4, 3 / 8, 12 / 13, 1.0, 1 / 2])
@@ -218,7 +221,7 @@ def _integrate(
     """Carry y from one fraction of the path to another by substeps; False where no stress was found."""
     whole = end - begin
     now, part, weight, scale = begin, whole, 0.0, 1.0
-    size = y.shape[0]
+    size = n + n * n + 2
     fresh = True
     for _ in range(_LARGEST_COUNT):
         room.way[8] = max(0.1 * part * room.way[2], 1.0e-30)
@@ -240,10 +243,11 @@ def _integrate(
         good = True
         for stage in range(1, 6):
             for i in range(size):
-                total = 0.0
-                for old in range(stage):
-                    total += _STAGES[stage, old] * rates[old, i]
-                trial[i] = y[i] + part * total
+                trial[i] = y[i]
+            for old in range(stage):
+                share = part * _STAGES[stage, old]
+                for i in range(size):
+                    trial[i] += share * rates[old, i]
             good = _rate(
                 trial, n, now + part * _NODES[stage], loading, length, volume, e, constants, room, rates[stage]
             )
@@ -265,11 +269,10 @@ def _integrate(
                 factor = min(5.0, max(0.2, 0.9 * (_TOLERANCE / max(error, 1.0e-20)) ** 0.2))
             good = error <= _TOLERANCE
         if good:
-            for i in range(size):
-                total = 0.0
-                for stage in range(6):
-                    total += _WEIGHTS[stage] * rates[stage, i]
-                y[i] += part * total
+            for stage in range(6):
+                share = part * _WEIGHTS[stage]
+                for i in range(size):
+                    y[i] += share * rates[stage, i]
             if last:
                 return True
             now += part
@@ -310,18 +313,26 @@ def hypoplastic_update(
     """
     n = old.shape[0]
     R, e = constants[2], state[0]
-    y, trial, rates = np.zeros(n + n * n + 2), np.empty(n + n * n + 2), np.empty((6, n + n * n + 2))
+    y, trial, rates = local_vector(_MOST), local_vector(_MOST), local_matrix(6, _MOST)
     room = Room(
-        np.zeros(6),
-        np.zeros(6),
-        np.zeros(6),
-        np.zeros(5),
-        np.zeros((5, 4)),
-        np.zeros((2, 6)),
-        np.zeros(WAY),
-        np.zeros(LEAD),
+        local_vector(6),
+        local_vector(6),
+        local_vector(6),
+        local_vector(5),
+        local_matrix(5, 4),
+        local_matrix(2, 6),
+        local_vector(WAY),
+        local_vector(LEAD),
     )
     units, lead, way = room.units, room.lead, room.way
+    for i in range(_MOST):
+        y[i] = 0.0
+    for i in range(6):
+        units[0, i], units[1, i] = 0.0, 0.0
+    for i in range(WAY):
+        way[i] = 0.0
+    for i in range(LEAD):
+        lead[i] = 0.0
     lead[0], lead[2], lead[3], lead[6], lead[7], lead[8] = 1.0, 1.0, 1.0, 1.0, 1.0, 1.0
     length, volume = 0.0, strain[0] + strain[1] + strain[2]
     along, across, total = 0.0, 0.0, 0.0
@@ -367,7 +378,7 @@ def hypoplastic_update(
         if turn < 1.0 and not _integrate(y, n, turn, 1.0, True, length, volume, e, constants, room, rates, trial):
             return -1
         along, across = end_of_way(y[n + n * n], constants, way) if R > 0.0 else (0.0, 0.0)
-    for i in range(y.shape[0]):
+    for i in range(n + n * n + 2):
         if not abs(y[i]) < math.inf:
             return -1
     _, j, k = _invariants(y, n, constants[1], room.t, room.s2)
