@@ -155,6 +155,8 @@ def hardening_soil_step(
     for i in range(3):
         first[i] = room.trial[i]
     active, edge, found = _violated(first, gamma, pressure, size, soil), 0, False
+    if active & SHEAR:  # mostly shear alone brings an elastic stress beyond the cut-off back; else it is found below
+        active &= ~TENSION
     if active and first[0] - first[2] > BEYOND * size:  # two equal trial stresses stay equal, as in triaxial tests
         edge = 1 if first[1] - first[2] <= BEYOND * size else (2 if first[0] - first[1] <= BEYOND * size else 0)
     # What the last try tells leads to the next one; so once more, with care; then all sets of surfaces and edges.
