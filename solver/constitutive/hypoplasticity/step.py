@@ -57,8 +57,8 @@ _LONGEST: Final = 1.0
 
 _STEADY: Final = 1.0e-3
 _ROOT: Final = math.sqrt(2.0)
-_MOST: Final = 44
-"""Numbers that are integrated, of six components: stress, tangent, q and its slope."""
+_MOST: Final = 45
+"""Numbers that are integrated, of six components: stress, tangent, q and its slope, shear stiffness across the axes."""
 
 # Fehlberg's pair: nodes, weights of the stages, weights of order 5, and these less those of order 4.
 _NODES: Final = np.array([0.0, 1 / 4, 3 / 8, 12 / 13, 1.0, 1 / 2])
@@ -130,25 +130,26 @@ def _rate(
     loading: bool,
     length: float,
     volume: float,
-    e: float,
+    log_v: float,
     constants: FloatArray,
     room: Room,
     rate: FloatArray,
 ) -> bool:
     """Fill the derivative by the fraction of the path of y: stress (n,), tangent (n, n), q and its slope.
 
-    ``length``, ``volume``, ``e``: norm of the strain of the whole path, its volume strain, the old void ratio. False
-    where the law is not defined.
+    The last of y is the tangent of shear where nothing is sheared; n is then 3. ``length``, ``volume``, ``log_v``:
+    norm of the strain of the whole path, its volume strain, ln(1 + e) at its beginning. False where the law is not
+    defined.
     """
     t, D, f, slopes, units, lead = room.t, room.D, room.f, room.slopes, room.units, room.lead
     trace, j, k = _invariants(y, n, constants[1], t, room.s2)
-    void = (1.0 + e) * math.exp(-fraction * volume) - 1.0
-    if not (trace > _LEAST_TRACE and void > 0.0):
+    log_now = log_v - fraction * volume
+    if not (trace > _LEAST_TRACE and log_now > 0.0):
         return False
     if constants[0] == CLAY:
-        known = clay_functions(trace, j, k, void, constants, FIRST, f, slopes)
+        known = clay_functions(trace, j, k, log_now, constants, FIRST, f, slopes)
     else:
-        known = sand_functions(trace, j, k, void, constants, FIRST, f, slopes)
+        known = sand_functions(trace, j, k, math.exp(log_now) - 1.0, constants, FIRST, f, slopes)
     if not known:
         return False
     if constants[2] > 0.0:
@@ -200,6 +201,7 @@ def _rate(
         rate[first + m] += A * same
     rate[n + n * n] = lead[10]
     rate[n + n * n + 1] = lead[11]
+    rate[n + n * n + 2] = w / trace * y[n + n * n + 2] + A * same
     return True
 
 
@@ -212,7 +214,7 @@ def _integrate(
     loading: bool,
     length: float,
     volume: float,
-    e: float,
+    log_v: float,
     constants: FloatArray,
     room: Room,
     rates: FloatArray,
@@ -221,12 +223,12 @@ def _integrate(
     """Carry y from one fraction of the path to another by substeps; False where no stress was found."""
     whole = end - begin
     now, part, weight, scale = begin, whole, 0.0, 1.0
-    size = n + n * n + 2
+    size = n + n * n + 3
     fresh = True
     for _ in range(_LARGEST_COUNT):
         room.way[8] = max(0.1 * part * room.way[2], 1.0e-30)
         if fresh:
-            if not _rate(y, n, now, loading, length, volume, e, constants, room, rates[0]):
+            if not _rate(y, n, now, loading, length, volume, log_v, constants, room, rates[0]):
                 return False
             weight, pace = room.lead[12], room.lead[10]
             square = 0.0
@@ -249,7 +251,7 @@ def _integrate(
                 for i in range(size):
                     trial[i] += share * rates[old, i]
             good = _rate(
-                trial, n, now + part * _NODES[stage], loading, length, volume, e, constants, room, rates[stage]
+                trial, n, now + part * _NODES[stage], loading, length, volume, log_v, constants, room, rates[stage]
             )
             if not good:
                 break
@@ -311,8 +313,14 @@ def hypoplastic_update(
     int
         0, or -1 where the law gives no stress.
     """
-    n = old.shape[0]
+    whole, n = old.shape[0], 3
     R, e = constants[2], state[0]
+    for i in range(3, whole):
+        if old[i] != 0.0 or strain[i] != 0.0 or (R > 0.0 and state[1 + i] != 0.0):
+            n = whole
+    if not e > -1.0:
+        return -1
+    log_v = math.log(1.0 + e)
     y, trial, rates = local_vector(_MOST), local_vector(_MOST), local_matrix(6, _MOST)
     room = Room(
         local_vector(6),
@@ -352,10 +360,10 @@ def hypoplastic_update(
         for i in range(n):
             units[0, i] = units[1, i] / total if total > 0.0 else 0.0
             units[1, i] = 0.0
-        if not _rate(y, n, 0.0, False, 0.0, 0.0, e, constants, room, trial):
+        if not _rate(y, n, 0.0, False, 0.0, 0.0, log_v, constants, room, trial):
             return -1
-        for i in range(n * n):
-            y[n + i] = trial[n + i]
+        for i in range(n, n + n * n + 3):
+            y[i] = trial[i]
     else:
         for i in range(n):
             units[0, i] /= length
@@ -373,12 +381,12 @@ def hypoplastic_update(
             excess = max(math.hypot(along, across), 1.0)  # beyond 1 by rounding or extrapolation
             y[n + n * n], y[n + n * n + 1] = begin_way(along / excess, across / excess, length / R, constants[5], way)
             turn = way[3]
-        if turn > 0.0 and not _integrate(y, n, 0.0, turn, False, length, volume, e, constants, room, rates, trial):
+        if turn > 0.0 and not _integrate(y, n, 0.0, turn, False, length, volume, log_v, constants, room, rates, trial):
             return -1
-        if turn < 1.0 and not _integrate(y, n, turn, 1.0, True, length, volume, e, constants, room, rates, trial):
+        if turn < 1.0 and not _integrate(y, n, turn, 1.0, True, length, volume, log_v, constants, room, rates, trial):
             return -1
         along, across = end_of_way(y[n + n * n], constants, way) if R > 0.0 else (0.0, 0.0)
-    for i in range(n + n * n + 2):
+    for i in range(n + n * n + 3):
         if not abs(y[i]) < math.inf:
             return -1
     _, j, k = _invariants(y, n, constants[1], room.t, room.s2)
@@ -393,9 +401,12 @@ def hypoplastic_update(
     # Matsuoka and Nakai: sin^2 of the friction angle of a triaxial state of the same I1 I2/I3.
     square = (j - 3.0 * k) / max(8.0 / 27.0 - (j + k) / 3.0, 1.0e-30)
     new_state[7] = math.degrees(math.asin(math.sqrt(min(max(square, 0.0), 1.0))))
-    for i in range(n):
-        new[i] = y[i] if i < 3 else y[i] / _ROOT
-        for m in range(n):
-            turned = 1.0 if i < 3 else 1.0 / _ROOT
-            tangent[i, m] = y[n + n * m + i] * (turned if m < 3 else turned / _ROOT)
+    for i in range(whole):
+        for m in range(whole):
+            if i < n and m < n:
+                turned = 1.0 if i < 3 else 1.0 / _ROOT
+                tangent[i, m] = y[n + n * m + i] * (turned if m < 3 else turned / _ROOT)
+            else:
+                tangent[i, m] = 0.5 * y[n + n * n + 2] if i == m else 0.0
+        new[i] = 0.0 if i >= n else (y[i] if i < 3 else y[i] / _ROOT)
     return 0
