@@ -35,13 +35,13 @@ def _in_frame(lengths: tuple[Any, ...]) -> Any:
         made = context.make_array(signature.return_type)(context, builder)
         context.populate_array(
             made,
-            data=cgutils.alloca_once(builder, number, size=whole(count)),
+            data=cgutils.alloca_once(builder, number, size=whole(count)),  # type: ignore[no-untyped-call]  # Numba has no types
             shape=[whole(one) for one in shape],
             strides=[whole(size * int(np.prod(shape[i + 1 :], dtype=int))) for i in range(len(shape))],
             itemsize=whole(size),
             meminfo=None,
         )
-        return made._getvalue()  # noqa: SLF001  Numba's way
+        return made._getvalue()
 
     return array(*lengths), generate
 

@@ -79,7 +79,7 @@ def _way(
         for i in range(n):
             if count == 1:
                 piece[i] = guess[0, i]
-            elif count == 2:  # noqa: PLR2004  substeps
+            elif count == 2:
                 piece[i] = expected_part(2, step, strains[0, i], strains[0, i], guess[1, i])
             else:
                 piece[i] = expected_part(4, step, strains[1, i], strains[2, i] - strains[1, i], 0.0)

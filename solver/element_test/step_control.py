@@ -34,12 +34,12 @@ def expected_part(count: int, step: int, early: float, late: float, bent: float)
     bent
         Of the way of two: expected difference of its strain increments.
     """
-    if count == 2:  # noqa: PLR2004  substeps
+    if count == 2:
         return 0.5 * early + (0.5 * bent if step == 1 else -0.5 * bent)
     if step == 0:
         return 0.625 * early - 0.125 * late
     if step == 1:
         return 0.375 * early + 0.125 * late
-    if step == 2:  # noqa: PLR2004  the third
+    if step == 2:
         return 0.125 * early + 0.375 * late
     return 0.625 * late - 0.125 * early

@@ -57,6 +57,7 @@ _LONGEST: Final = 1.0
 
 _STEADY: Final = 1.0e-3
 _ROOT: Final = math.sqrt(2.0)
+_HALF_ROOT: Final = math.sqrt(0.5)
 _MOST: Final = 45
 """Numbers that are integrated, of six components: stress, tangent, q and its slope, shear stiffness across the axes."""
 
@@ -80,16 +81,19 @@ _ERRORS: Final = np.array([1 / 360, 0.0, -128 / 4275, -2197 / 75240, 1 / 50, 2 /
 def _invariants(y: FloatArray, n: int, shift: float, t: FloatArray, s2: FloatArray) -> tuple[float, float, float]:
     """Fill t = sigma/tr(sigma) (6,) and s^2 (6,); return tr(sigma), s:s and tr(s^3), with p_t in the stress."""
     trace = y[0] + y[1] + y[2] + 3.0 * shift
-    for i in range(6):
-        t[i] = 0.0 if i >= n else (y[i] + shift if i < 3 else y[i]) / trace
+    inverse = 1.0 / trace
+    for i in range(3):
+        t[i] = (y[i] + shift) * inverse
+    for i in range(3, 6):
+        t[i] = y[i] * inverse if i < n else 0.0
     x, y_, z = t[0] - 1.0 / 3.0, t[1] - 1.0 / 3.0, t[2] - 1.0 / 3.0
     a, b, c = t[3], t[4], t[5]
     s2[0] = x * x + 0.5 * (a * a + c * c)
     s2[1] = y_ * y_ + 0.5 * (a * a + b * b)
     s2[2] = z * z + 0.5 * (b * b + c * c)
-    s2[3] = a * (x + y_) + b * c / _ROOT
-    s2[4] = b * (y_ + z) + a * c / _ROOT
-    s2[5] = c * (x + z) + a * b / _ROOT
+    s2[3] = a * (x + y_) + b * c * _HALF_ROOT
+    s2[4] = b * (y_ + z) + a * c * _HALF_ROOT
+    s2[5] = c * (x + z) + a * b * _HALF_ROOT
     j = s2[0] + s2[1] + s2[2]
     return trace, j, s2[0] * x + s2[1] * y_ + s2[2] * z + s2[3] * a + s2[4] * b + s2[5] * c
 
@@ -168,17 +172,18 @@ def _rate(
     for i in range(n):
         rate[i] = A * D[i] + w * t[i] + (B * D_trace - n0 * size if i < 3 else 0.0)
     # Column by column, the derivative by one strain: that of stress so far is in y.
-    same = lead[7]
+    same, inverse = lead[7], 1.0 / trace
+    flow = w * inverse
     for m in range(n):
         first = n + n * m
-        of_trace = (y[first] + y[first + 1] + y[first + 2]) / trace
+        of_trace = (y[first] + y[first + 1] + y[first + 2]) * inverse
         of_t, of_s2, of_D = 0.0, 0.0, 0.0
         for i in range(n):
             b = y[first + i]
             of_t += t[i] * b
             of_s2 += room.s2[i] * b
             of_D += D[i] * b
-        of_t, of_s2, of_D = of_t / trace, of_s2 / trace, of_D / trace
+        of_t, of_s2, of_D = of_t * inverse, of_s2 * inverse, of_D * inverse
         one = 1.0 if m < 3 else 0.0
         of_j = 2.0 * (of_t - (1.0 / 3.0 + j) * of_trace)
         of_k = 3.0 * (of_s2 - (k + j / 3.0) * of_trace)
@@ -193,15 +198,13 @@ def _rate(
         along -= w * of_trace
         u0, u1 = A * u0, A * u1
         for i in range(n):
-            rate[first + i] = (
-                w / trace * y[first + i] + t[i] * along + D[i] * f[0] + units[0, i] * u0 + units[1, i] * u1
-            )
+            rate[first + i] = flow * y[first + i] + t[i] * along + D[i] * f[0] + units[0, i] * u0 + units[1, i] * u1
         for i in range(3):
             rate[first + i] += everywhere
         rate[first + m] += A * same
     rate[n + n * n] = lead[10]
     rate[n + n * n + 1] = lead[11]
-    rate[n + n * n + 2] = w / trace * y[n + n * n + 2] + A * same
+    rate[n + n * n + 2] = flow * y[n + n * n + 2] + A * same
     return True
 
 
