@@ -19,7 +19,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.element_test.mixed_step import Room, mixed_step
-from geoswarm.solver.element_test.step_control import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED, expected_part
+from geoswarm.solver.element_test.step_control import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["advance"]
@@ -65,7 +65,7 @@ def _way(
     stress, strain, state
         At ``begin``; strain since the beginning of the leg.
     guess
-        (2, n): expected strain increment, of the first way only, and difference of those of both halves.
+        (n,): expected strain increment; of the first way only.
     points
         Filled with what is found after each substep, from row ``count - 1`` on: stress, strain since ``begin``, state,
         status of the law. Rows of the ways before serve as guesses.
@@ -78,11 +78,11 @@ def _way(
         fraction = begin + (end - begin) * (step + 1) / count
         for i in range(n):
             if count == 1:
-                piece[i] = guess[0, i]
-            elif count == 2:
-                piece[i] = expected_part(2, step, strains[0, i], strains[0, i], guess[1, i])
+                piece[i] = guess[i]
             else:
-                piece[i] = expected_part(4, step, strains[1, i], strains[2, i] - strains[1, i], 0.0)
+                half = count // 2 - 1 + step // 2  # the substep of the way before in which this one lies
+                before = strains[half - 1, i] if step > 1 else 0.0
+                piece[i] = 0.5 * (strains[half, i] - before)
         for i in range(n):
             target[i] = start[i] + (goal[i] - start[i]) * fraction
             for k in range(n):
@@ -196,8 +196,7 @@ def advance(
     stress, strain, state
         There, (n,), (n,) since the beginning of the leg, and (s,); become those of the last step.
     guess
-        (2, n): expected strain for each unit of length at the beginning, and for each square of it half of its change;
-        become those at the end of the last step.
+        (n,): expected strain for each unit of length; becomes that of the last step.
     weights
         For stress, strain and state, (n,), (n,), (s,): what turns their errors into strain over the tolerance; of flags
         and counters among the state :data:`geoswarm.solver.element_test.step_control.AS_FOUND`.
@@ -218,7 +217,7 @@ def advance(
     points = (np.empty((7, n)), np.empty((7, n)), np.empty((7, s)), np.zeros(7, dtype=np.int64))
     stresses, strains, states, statuses = points
     room = (np.empty(n), np.empty(n), np.empty((n, 1)), np.empty((n, n)), np.empty((n, n)))
-    target, piece, expected, nothing = np.empty(n), np.empty(n), np.empty((2, n)), np.zeros(n)
+    target, piece, expected, nothing = np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
     hold = log_theta == log_theta
     limit, tries, steps = -1, 0, 0
     while place < 1.0:
@@ -242,8 +241,7 @@ def advance(
         if not hold:
             log_time += math.log(size)
         for i in range(n):
-            bent = guess[1, i] * size * size
-            expected[0, i], expected[1, i] = guess[0, i] * size + bent, 0.5 * bent
+            expected[i] = guess[i] * size
         through = True
         for level in range(3):
             through = through and _way(
@@ -283,8 +281,7 @@ def advance(
         places[steps, 0], places[steps, 1], places[steps, 2], places[steps, 3] = place, end, log_theta, size
         for i in range(n):
             stress[i] = final[i]
-            bent = 0.0 if kink else 2.0 * (final[n + i] - 2.0 * middle[n + i])
-            guess[0, i], guess[1, i] = (final[n + i] + bent) / size, bent / (size * size)
+            guess[i] = final[n + i] / size
             middle[n + i] += strain[i]
             strain[i] += final[n + i]
             final[n + i] = strain[i]

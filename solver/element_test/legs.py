@@ -187,9 +187,7 @@ def follow_leg(
     goal = start if leg.hold else np.where(np.isnan(leg.goal), start, leg.goal)
     controls = (leg.stress_rows, leg.strain_rows, of_stress, start, goal)
     stress, strain, internal = state.stress.copy(), np.zeros(n), state.internal.copy()
-    guess = np.zeros((2, n))
-    if not leg.hold:
-        guess[0] = _elastic_guess(leg, goal - start, soil, state)
+    guess = np.zeros(n) if leg.hold else _elastic_guess(leg, goal - start, soil, state)
     now, length = 0.0, _FIRST_HOLD if leg.hold else _FIRST_MOVE
     log_duration = math.log(duration) if duration > 0.0 else -math.inf
     of_state, of_strain = law.state_weights(constants) / tolerance, np.full(n, 1.0 / tolerance)
