@@ -19,7 +19,8 @@ def _filled(first: float) -> float:
         vector[i] = first + i
         for j in range(matrix.shape[1]):
             matrix[i, j] = 10.0 * i + j
-    return vector[0] + vector[1] + vector[2] + 100.0 * matrix[2, 1]
+    total: float = vector[0] + vector[1] + vector[2] + 100.0 * matrix[2, 1]
+    return total
 
 
 @kernel
@@ -30,7 +31,8 @@ def nested(count: int) -> float:
         kept[i] = 1.0
     for i in range(count):
         total += _filled(float(i))
-    return total + kept[0] + kept[1] + kept[2] + kept[3]
+    whole: float = total + kept[0] + kept[1] + kept[2] + kept[3]
+    return whole
 
 
 @kernel
