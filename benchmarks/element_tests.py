@@ -76,6 +76,11 @@ def main(repeats: int = 1000) -> None:
         x = np.linspace(0.0, 0.2, 200) if name[:5] != "conso" else np.geomspace(1.0e-4, 3.0, 200)
         run = spec.build().prepare(dict.fromkeys(series, x))
         print(f"{name:48}{median_ms(partial(run, CLAY), max(1, repeats // 10)):8.4f} ms")
+    for kind in ("hardening_soil", "hypoplastic_sand", "hypoplastic_clay"):
+        for name, spec, series in shear_tests(kind):
+            run = spec.build().prepare(dict.fromkeys(series, np.linspace(0.0, 0.2, 200)))
+            elapsed = median_ms(partial(run, usual_values(find_law(kind))), max(1, repeats // 10))
+            print(f"{f'{name}, {kind}':48}{elapsed:8.4f} ms")
     for kind in ("elastic", "soft_soil", "soft_soil_creep", "modified_cam_clay", "hypoplastic_clay", "hardening_soil"):
         times = np.geomspace(1.0, 3650.0, 200)
         run = embankment(kind).build().prepare(dict.fromkeys(("settlement", "P1.excess_pore_pressure"), times))
@@ -88,17 +93,22 @@ GROUND = {"clay.k": 5.0e-5, "clay.C_k": 0.8, "crust.E": 5.0e3, "crust.nu": 0.3, 
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.2, "k": 1.0e-4, "C_k": 0.5}
 
 
-def readings() -> Iterator[tuple[str, Any, tuple[str, str]]]:
-    """Tests on modified Cam clay, each read 200 times in two series: name, section, series."""
-    clay = "modified_cam_clay"
+def shear_tests(material: str) -> Iterator[tuple[str, Any, tuple[str, str]]]:
+    """Triaxial and simple shear tests on a law, each read in two series: name, section, series."""
     for drainage, second in (("drained", "volumetric_strain"), ("undrained", "pore_pressure")):
-        yield f"triaxial, {drainage}", triaxial(clay, [{"axial_strain": 0.2}], drainage=drainage), ("q", second)
+        yield f"triaxial, {drainage}", triaxial(material, [{"axial_strain": 0.2}], drainage=drainage), ("q", second)
     for constant, second in (("normal_stress", "vertical_strain"), ("volume", "pore_pressure")):
-        spec = simple_shear(clay, [{"shear_strain": 0.2}], constant=constant)
+        spec = simple_shear(material, [{"shear_strain": 0.2}], constant=constant)
         yield f"simple shear, constant {constant}", spec, ("shear_stress", second)
+
+
+def readings() -> Iterator[tuple[str, Any, tuple[str, str]]]:
+    """Tests on modified Cam clay, each read in two series: name, section, series."""
+    clay = "modified_cam_clay"
+    yield from shear_tests(clay)
     stages = [{"axial_strain": strain, "rate": 0.24} for strain in (0.12, 0.11, 0.2)]
-    spec = crs_oedometer(clay, stages, initial_void_ratio=1.2)
-    yield "oedometer at constant rate, with a loop", spec, ("axial_stress", "pore_pressure")
+    crs = crs_oedometer(clay, stages, initial_void_ratio=1.2)
+    yield "oedometer at constant rate, with a loop", crs, ("axial_stress", "pore_pressure")
     spec = consolidation(clay, [(200.0, 1.0), (400.0, 1.0), (100.0, 1.0)], initial_void_ratio=1.2)
     yield "consolidation in three stages", spec, ("settlement", "pore_pressure")
 

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
-
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.tensors import rotation_matrix
+from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
+from geoswarm.solver.constitutive.tensors import fill_rotation_matrix
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["elastic_trial", "turned_back"]
@@ -61,26 +60,24 @@ def turned_back(
         Of the stresses: trial stresses closer than a small part of it are the same.
     """
     n = new.shape[0]
-    local = np.zeros((6, 6))
-    for i in range(3):
-        for j in range(3):
-            local[i, j] = D[i, j]
+    turning, Q, half = local_vector(3), local_matrix(6, 6), local_matrix(3, 6)
     for k in range(3):
         i, j = _PAIRS[k]
         gap = values[i] - values[j]
         if abs(gap) > _SAME * size:
-            local[3 + k, 3 + k] = shear * (returned[i] - returned[j]) / gap
+            turning[k] = shear * (returned[i] - returned[j]) / gap
         else:
-            local[3 + k, 3 + k] = 0.25 * (D[i, i] - D[i, j] + D[j, j] - D[j, i])
-    Q = rotation_matrix(axes)
+            turning[k] = 0.25 * (D[i, i] - D[i, j] + D[j, j] - D[j, i])
+    fill_rotation_matrix(axes, Q)
+    for k in range(3):
+        for j in range(n):
+            half[k, j] = D[k, 0] * Q[j, 0] + D[k, 1] * Q[j, 1] + D[k, 2] * Q[j, 2]
     for i in range(n):
         new[i] = 0.0
         for k in range(3):
             new[i] += Q[i, k] * returned[k]
         for j in range(n):
             total = 0.0
-            for k in range(6):
-                if Q[i, k] != 0.0:
-                    for m in range(6):
-                        total += Q[i, k] * local[k, m] * Q[j, m]
+            for k in range(3):
+                total += Q[i, k] * half[k, j] + Q[i, 3 + k] * turning[k] * Q[j, 3 + k]
             tangent[i, j] = total

@@ -11,9 +11,18 @@ import math
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.local_arrays import local_matrix
 from geoswarm.solver.kernels.jit import kernel
 
-__all__ = ["flip_sign", "principal_axes", "rotation_matrix", "solve_dense", "turned"]
+__all__ = [
+    "fill_principal_axes",
+    "fill_rotation_matrix",
+    "flip_sign",
+    "principal_axes",
+    "rotation_matrix",
+    "solve_dense",
+    "turned",
+]
 
 _FIRST = (0, 1, 2, 0, 1, 2)
 _SECOND = (0, 1, 2, 1, 2, 0)
@@ -34,13 +43,43 @@ def principal_axes(tensor: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     Cyclic Jacobi rotations: accurate to rounding for equal values too.
     """
-    a = np.empty((3, 3))
+    values, axes = np.empty(3), np.empty((3, 3))
+    fill_principal_axes(tensor, values, axes)
+    return values, axes
+
+
+@kernel
+def fill_principal_axes(tensor: FloatArray, values: FloatArray, axes: FloatArray) -> None:
+    """Fill what :func:`principal_axes` returns."""
+    for i in range(3):
+        values[i] = tensor[i]
+        for j in range(3):
+            axes[i, j] = 1.0 if i == j else 0.0
+    if tensor[4] != 0.0 or tensor[5] != 0.0:
+        _turn_until_diagonal(tensor, values, axes)
+    elif tensor[3] != 0.0:  # one rotation
+        ratio = 0.5 * (tensor[1] - tensor[0]) / tensor[3]
+        t = 1.0 / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+        if ratio < 0.0:
+            t = -t
+        cosine = 1.0 / math.sqrt(1.0 + t * t)
+        values[0], values[1] = tensor[0] - t * tensor[3], tensor[1] + t * tensor[3]
+        axes[0, 0], axes[0, 1], axes[1, 0], axes[1, 1] = cosine, t * cosine, -t * cosine, cosine
+    for i in range(2):
+        for j in range(2 - i):
+            if values[j] < values[j + 1]:
+                values[j], values[j + 1] = values[j + 1], values[j]
+                for m in range(3):
+                    axes[m, j], axes[m, j + 1] = axes[m, j + 1], axes[m, j]
+
+
+@kernel
+def _turn_until_diagonal(tensor: FloatArray, values: FloatArray, axes: FloatArray) -> None:
+    """Fill values and axes, which are those of no rotation, in the order in which rotations leave them."""
+    a = local_matrix(3, 3)
     for k in range(6):
         a[_FIRST[k], _SECOND[k]] = tensor[k]
         a[_SECOND[k], _FIRST[k]] = tensor[k]
-    axes = np.zeros((3, 3))  # np.eye takes 0.3 s to compile
-    for i in range(3):
-        axes[i, i] = 1.0
     size = 0.0
     for k in range(6):
         size = max(size, abs(tensor[k]))
@@ -67,16 +106,8 @@ def principal_axes(tensor: FloatArray) -> tuple[FloatArray, FloatArray]:
             for m in range(3):
                 left, right = axes[m, i], axes[m, j]
                 axes[m, i], axes[m, j] = cosine * left - sine * right, sine * left + cosine * right
-    values = np.zeros(3)
     for i in range(3):
         values[i] = a[i, i]
-    for i in range(2):
-        for j in range(2 - i):
-            if values[j] < values[j + 1]:
-                values[j], values[j + 1] = values[j + 1], values[j]
-                for m in range(3):
-                    axes[m, j], axes[m, j + 1] = axes[m, j + 1], axes[m, j]
-    return values, axes
 
 
 @kernel
@@ -86,6 +117,13 @@ def rotation_matrix(axes: FloatArray) -> FloatArray:
     Strains go the other way with the transpose: local = Q^T global. A local tangent D becomes Q D Q^T.
     """
     Q = np.empty((6, 6))
+    fill_rotation_matrix(axes, Q)
+    return Q
+
+
+@kernel
+def fill_rotation_matrix(axes: FloatArray, Q: FloatArray) -> None:
+    """Fill what :func:`rotation_matrix` returns."""
     for row in range(6):
         i, j = _FIRST[row], _SECOND[row]
         for column in range(6):
@@ -94,7 +132,6 @@ def rotation_matrix(axes: FloatArray) -> FloatArray:
                 Q[row, column] = axes[i, k] * axes[j, k]
             else:
                 Q[row, column] = axes[i, k] * axes[j, m] + axes[i, m] * axes[j, k]
-    return Q
 
 
 @kernel

@@ -11,8 +11,6 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-import numpy as np
-
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     HardeningSoil,
@@ -21,14 +19,20 @@ from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     largest_shear,
     mobilised_dilatancy,
 )
-from geoswarm.solver.constitutive.tensors import principal_axes, solve_dense
+from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
+from geoswarm.solver.constitutive.tensors import fill_principal_axes
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["BEYOND", "CAP", "SHEAR", "TENSION", "Room", "dot", "solve_on", "trial_stresses"]
 
 _ITERATIONS: Final = 40
 _HALVINGS: Final = 8
-_RESIDUAL: Final = 1.0e-12
+_RESIDUAL: Final = 1.0e-9
+"""What is left of an equation, over the size of the stresses, when the last correction takes it to rounding."""
+_RIGHT: Final = 6
+_WIDE: Final = 10
+"""First column of right-hand sides in a system, and the number of all columns."""
+
 _ROUNDS: Final = 8
 BEYOND: Final = 1.0e-10
 """What counts as outside a surface, over the size of the stresses."""
@@ -97,15 +101,12 @@ def dot(a: FloatArray, b: FloatArray) -> float:
 @kernel
 def trial_stresses(modulus: float, room: Room) -> None:
     """Fill principal trial stresses, axes and slopes."""
-    total = np.empty(6)
+    total, axes, d = local_vector(6), room.axes, room.unit
     for i in range(6):
-        total[i] = room.old[i] + modulus * room.unit[i]
-    values, axes = principal_axes(total)
-    d = room.unit
+        total[i] = room.old[i] + modulus * d[i]
+    fill_principal_axes(total, room.trial, axes)
     for k in range(3):
         x, y, z = axes[0, k], axes[1, k], axes[2, k]
-        room.axes[0, k], room.axes[1, k], room.axes[2, k] = x, y, z
-        room.trial[k] = values[k]
         room.slope[k] = d[0] * x * x + d[1] * y * y + d[2] * z * z + 2.0 * (d[3] * x * y + d[4] * y * z + d[5] * z * x)
 
 
@@ -139,13 +140,13 @@ def _system(
     fixed: float,
     soil: HardeningSoil,
     room: Room,
-    matrix: FloatArray,
-    right: FloatArray,
+    rows: FloatArray,
 ) -> float:
     """Fill the linearised equations for u (6,), principal stresses and the multipliers of shear, cap and tension.
 
-    Unknown are the stresses and the multipliers of active surfaces, n: ``matrix`` (n, n); ``right`` (n, 4), stress of
-    the unit principal strains and the residual. Returns the largest residual, kPa.
+    Unknown are the stresses and the multipliers of active surfaces, n: ``rows`` (n of 6, 10), with a matrix (n, n)
+    on the left and four right-hand sides from column 6 on, stress of the unit principal strains and the residual.
+    Returns the largest residual, kPa.
     """
     w, k, flows = room.mean, room.k, room.flows
     E, E_s = fixed, 0.0
@@ -166,46 +167,89 @@ def _system(
         flows[1, i] = (k[i] * along / square + X / 3.0) / P
         flows[2, i] = -w[2, i]
     volume = -sine * u[3] + X / P * u[4] - u[5]
+    worst = 0.0
     for i in range(3):
         relaxed = lame * volume + twice * (u[3] * flows[0, i] + u[4] * flows[1, i] + u[5] * flows[2, i])
-        right[i, 3] = room.trial[i] - u[i] - E * relaxed
+        rest = room.trial[i] - u[i] - E * relaxed
+        rows[i, _RIGHT + 3] = rest
+        worst = max(worst, abs(rest))
         for j in range(3):
             sine_j = sine_high * w[0, j] + sine_low * w[2, j]
             bend = (k[i] * k[j] / square + 1.0 / 9.0 - flows[1, i] * flows[1, j]) / P
             of_volume = (1.0 / 3.0 - X / P * flows[1, j]) / P
             change = -0.5 * u[3] * (w[0, i] + w[2, i]) * sine_j + u[4] * bend
-            matrix[i, j] = E * (lame * (-u[3] * sine_j + u[4] * of_volume) + twice * change)
-            matrix[i, j] += (relaxed - room.slope[i]) * E_s * room.least[j]
-            right[i, j] = E * (lame + twice * w[i, j])
-        matrix[i, i] += 1.0
+            rows[i, j] = E * (lame * (-u[3] * sine_j + u[4] * of_volume) + twice * change)
+            rows[i, j] += (relaxed - room.slope[i]) * E_s * room.least[j]
+            rows[i, _RIGHT + j] = E * (lame + twice * w[i, j])
+        rows[i, i] += 1.0
     at = 3
     for surface in range(3):
         if not active & (1 << surface):
             continue
         dilation = X / P if surface == 1 else (-sine if surface == 0 else -1.0)
+        rest = soil.tension + low
         for i in range(3):
-            matrix[i, at] = E * (twice * flows[surface, i] + lame * dilation)
-            matrix[at, i] = -w[2, i]
-            right[at, i] = 0.0
-        for i in range(3, matrix.shape[0]):
-            matrix[at, i] = 0.0
+            rows[i, at] = E * (twice * flows[surface, i] + lame * dilation)
+            rows[at, i] = -w[2, i]
+            rows[at, 3 + i] = 0.0
+            rows[at, _RIGHT + i] = 0.0
         if surface == 0:
             limit, limit_low, limit_gamma = largest_shear(gamma + u[3], low, soil)
-            matrix[at, at], right[at, 3] = -limit_gamma, limit - high + low
+            rows[at, at], rest = -limit_gamma, limit - high + low
             for i in range(3):
-                matrix[at, i] = w[0, i] - (1.0 + limit_low) * w[2, i]
+                rows[at, i] = w[0, i] - (1.0 + limit_low) * w[2, i]
         elif surface == 1:
             cap, cap_volume = cap_pressure(pressure, u[4] * X / P, soil)
-            matrix[at, at], right[at, 3] = -cap_volume * X / P, cap + soil.attraction - P
+            rows[at, at], rest = -cap_volume * X / P, cap + soil.attraction - P
             for i in range(3):
-                matrix[at, i] = flows[1, i] - cap_volume * u[4] * (1.0 / 3.0 - X / P * flows[1, i]) / P
-        else:
-            right[at, 3] = soil.tension + low
+                rows[at, i] = flows[1, i] - cap_volume * u[4] * (1.0 / 3.0 - X / P * flows[1, i]) / P
+        rows[at, _RIGHT + 3] = rest
+        worst = max(worst, abs(rest)) if rest == rest else math.inf
         at += 1
-    worst = 0.0
-    for i in range(matrix.shape[0]):
-        worst = max(worst, abs(right[i, 3]))
     return worst if worst == worst else math.inf
+
+
+@kernel
+def _solve(rows: FloatArray, n: int) -> bool:
+    """Put the solution of a system in the place of its right-hand sides; whether there is one.
+
+    Gaussian elimination as :func:`geoswarm.solver.constitutive.tensors.solve_dense` has it, in one piece of memory.
+    """
+    for i in range(n):
+        scale = 0.0
+        for j in range(n):
+            scale = max(scale, abs(rows[i, j]))
+        if not 0.0 < scale < math.inf:
+            return False
+        scale = 1.0 / scale
+        for j in range(_WIDE):
+            rows[i, j] *= scale
+    for i in range(n):
+        pivot = i
+        for k in range(i + 1, n):
+            if abs(rows[k, i]) > abs(rows[pivot, i]):
+                pivot = k
+        if not abs(rows[pivot, i]) > 1.0e-300:
+            return False
+        if pivot != i:
+            for j in range(_WIDE):
+                rows[i, j], rows[pivot, j] = rows[pivot, j], rows[i, j]
+        inverse = 1.0 / rows[i, i]
+        for j in range(_RIGHT, _WIDE):
+            rows[i, j] *= inverse
+        for j in range(i + 1, n):
+            rows[i, j] *= inverse
+        for k in range(i + 1, n):
+            factor = rows[k, i]
+            if factor != 0.0:
+                for j in range(i + 1, _WIDE):
+                    rows[k, j] -= factor * rows[i, j]
+    for i in range(n - 2, -1, -1):
+        for k in range(i + 1, n):
+            factor = rows[i, k]
+            for j in range(_RIGHT, _WIDE):
+                rows[i, j] -= factor * rows[k, j]
+    return True
 
 
 @kernel
@@ -222,31 +266,37 @@ def _newton(
     room: Room,
 ) -> bool:
     """Newton's method with line search from u; elastic modulus ``fixed`` unless that is 0. Whether u was found."""
-    places, n = np.zeros(6, dtype=np.int64), 3
-    for i in range(3):
-        places[i] = i
-        if active & (1 << i):
-            places[n] = 3 + i
-            n += 1
-    matrix, right, base, way = np.empty((n, n)), np.empty((n, 4)), np.empty(n), np.empty(n)
-    worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, matrix, right)
+    n = 3 + (active & 1) + (active >> 1 & 1) + (active >> 2 & 1)
+    rows, base, way = local_matrix(6, _WIDE), local_vector(6), local_vector(6)
+    for i in range(6):
+        way[i] = 0.0
+        for j in range(_WIDE):
+            rows[i, j] = 0.0
+    worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, rows)
     for _ in range(_ITERATIONS):
-        if not worst < math.inf or not solve_dense(matrix, right):
+        if not worst < math.inf or not _solve(rows, n):
             return False
+        at = 3
+        for i in range(6):
+            if i < 3:
+                way[i] = rows[i, _RIGHT + 3]
+            elif active & (1 << (i - 3)):
+                way[i] = rows[at, _RIGHT + 3]
+                at += 1
         if worst <= _RESIDUAL * size:
-            for i in range(n):  # a last correction: drivers ask for as little
-                u[places[i]] += right[i, 3]
+            for i in range(6):
+                u[i] += way[i]
             for i in range(3):
                 for j in range(3):
-                    room.D[i, j] = right[i, j]
+                    room.D[i, j] = rows[i, _RIGHT + j]
             return True
-        for i in range(n):
-            base[i], way[i] = u[places[i]], right[i, 3]
+        for i in range(6):
+            base[i] = u[i]
         step, before = 1.0, worst
         for _ in range(_HALVINGS):
-            for i in range(n):
-                u[places[i]] = base[i] + step * way[i]
-            worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, matrix, right)
+            for i in range(6):
+                u[i] = base[i] + step * way[i]
+            worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, rows)
             if worst < (1.0 - 1.0e-4 * step) * before or worst <= _RESIDUAL * size:
                 break
             step *= 0.5

@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from typing import Final
 
-import numpy as np
-
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hardening_soil.principal_stresses import (
     BEYOND,
@@ -30,8 +28,9 @@ from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     largest_shear,
     shear_strain,
 )
+from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
 from geoswarm.solver.constitutive.principal_return import turned_back
-from geoswarm.solver.constitutive.tensors import principal_axes, rotation_matrix
+from geoswarm.solver.constitutive.tensors import fill_principal_axes, fill_rotation_matrix
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["hardening_soil_step"]
@@ -119,24 +118,27 @@ def hardening_soil_step(
     """
     n = stress.shape[0]
     room = Room(
-        np.zeros(6),
-        np.zeros(6),
-        np.empty(3),
-        np.empty(3),
-        np.empty((3, 3)),
-        np.empty((3, 3)),
-        np.empty(3),
-        np.empty(3),
-        np.empty((3, 3)),
-        np.zeros((3, 3)),
+        local_vector(6),
+        local_vector(6),
+        local_vector(3),
+        local_vector(3),
+        local_matrix(3, 3),
+        local_matrix(3, 3),
+        local_vector(3),
+        local_vector(3),
+        local_matrix(3, 3),
+        local_matrix(3, 3),
     )
     lame = soil.poisson / ((1.0 + soil.poisson) * (1.0 - 2.0 * soil.poisson))
     twice = 1.0 / (1.0 + soil.poisson)
     volume = strain[0] + strain[1] + strain[2]
+    for i in range(6):
+        room.old[i], room.unit[i] = 0.0, 0.0
     for i in range(n):
         room.old[i] = stress[i]
         room.unit[i] = lame * volume + twice * strain[i] if i < 3 else 0.5 * twice * strain[i]
-    least_old = principal_axes(room.old)[0][2]
+    fill_principal_axes(room.old, room.trial, room.axes)
+    least_old = room.trial[2]
     E, size = elastic_modulus(least_old, least_old, soil)[0], 0.0
     most = _MOST * E
     for _ in range(_TRIES):
@@ -149,8 +151,12 @@ def hardening_soil_step(
             break
     if not size < math.inf:
         return gamma, pressure, -1
-    first, u = room.trial.copy(), np.zeros(6)
+    first, u = local_vector(3), local_vector(6)
+    for i in range(3):
+        first[i] = room.trial[i]
     active, edge, found = _violated(first, gamma, pressure, size, soil), 0, False
+    if active & SHEAR:  # mostly shear alone brings an elastic stress beyond the cut-off back; else it is found below
+        active &= ~TENSION
     if active and first[0] - first[2] > BEYOND * size:  # two equal trial stresses stay equal, as in triaxial tests
         edge = 1 if first[1] - first[2] <= BEYOND * size else (2 if first[0] - first[1] <= BEYOND * size else 0)
     # What the last try tells leads to the next one; so once more, with care; then all sets of surfaces and edges.
@@ -234,8 +240,9 @@ def _finish(
     """
     n = new.shape[0]
     E, E_s = elastic_modulus(least_old, dot(room.least, u), soil)
-    shear, by_strain = 0.5 * E / (1.0 + soil.poisson), np.zeros(3)
+    shear, by_strain, Q, d = 0.5 * E / (1.0 + soil.poisson), local_vector(3), local_matrix(6, 6), local_vector(3)
     for j in range(3):
+        by_strain[j] = 0.0
         for i in range(3):
             by_strain[j] += E_s * room.least[i] * room.D[i, j]
     # Nothing resists a difference of two strains on an edge. Where it is none yet, as in triaxial tests, elastic
@@ -246,8 +253,8 @@ def _finish(
         room.D[j, j] += shear
         room.D[i, j] -= shear
         room.D[j, i] -= shear
-    turned_back(room.trial, u[:3], room.D, room.axes, shear, size, new, tangent)
-    Q, d = rotation_matrix(room.axes), np.empty(3)
+    turned_back(room.trial, u, room.D, room.axes, shear, size, new, tangent)
+    fill_rotation_matrix(room.axes, Q)
     for k in range(3):
         i, j = _PAIRS[k]
         total = 0.0

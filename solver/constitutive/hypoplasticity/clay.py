@@ -26,8 +26,9 @@ from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["CLAY_CONSTANTS", "SHAPE", "clay_functions"]
 
-CLAY_CONSTANTS: Final = 8
-"""From place ``first`` on: f_s/tr(sigma), nu/(1 - 2 nu), lambda*, N, alpha, sin(phi_c), omega at phi_c, xi."""
+CLAY_CONSTANTS: Final = 9
+"""From place ``first`` on: f_s/tr(sigma), nu/(1 - 2 nu), lambda*, N, alpha, sin(phi_c), omega at phi_c, xi,
+sin^xi(phi_c)."""
 
 SHAPE: Final = 0.3
 """Change of omega with F_m."""
@@ -37,9 +38,9 @@ _LEAST_FRICTION: Final = 1.0e-20
 
 @kernel
 def clay_functions(
-    trace: float, j: float, k: float, e: float, constants: FloatArray, first: int, f: FloatArray, slopes: FloatArray
+    trace: float, j: float, k: float, log_v: float, constants: FloatArray, first: int, f: FloatArray, slopes: FloatArray
 ) -> bool:
-    """Fill the functions of the law and their derivatives, as :func:`sand_functions` does."""
+    """Fill the functions of the law and their derivatives, as :func:`sand_functions` does, from ln(1 + e)."""
     lateral, slope, alpha = constants[first + 1], constants[first + 2], constants[first + 4]
     sine, xi = constants[first + 5], constants[first + 7]
     below = 8.0 / 27.0 - (j + k) / 3.0
@@ -49,7 +50,7 @@ def clay_functions(
     if not F < 1.0:
         return False
     # zeta and F_m with their derivatives by j and k.
-    power = math.exp(xi * math.log(sine))
+    power = constants[first + 8]
     zeta, zeta_j, zeta_k, F_j, F_k = 2.0 / 3.0 * power / (1.0 - power), 0.0, 0.0, 0.0, 0.0
     if F > _LEAST_FRICTION:
         F_j, F_k = (1.0 + F / 3.0) / below, (F / 3.0 - 3.0) / below
@@ -67,7 +68,6 @@ def clay_functions(
     # f_d/f_dA over the norm of s + zeta 1, and the derivatives of its logarithm.
     omega, log_rest = constants[first + 6] + SHAPE * (F - sine * sine), math.log(1.0 - F)
     norm2 = j + 3.0 * zeta * zeta
-    log_v = math.log(1.0 + e)
     ratio = math.exp(alpha * (math.log(trace / 3.0) - (constants[first + 3] - log_v) / slope - log_rest / omega))
     ratio /= math.sqrt(norm2)
     of_F = alpha * (1.0 / ((1.0 - F) * omega) + log_rest * SHAPE / (omega * omega))

@@ -27,6 +27,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hypoplasticity.clay import CLAY_CONSTANTS, clay_functions
 from geoswarm.solver.constitutive.hypoplasticity.intergranular_strain import LEAD, WAY, along_way, begin_way, end_of_way
 from geoswarm.solver.constitutive.hypoplasticity.sand import SAND_CONSTANTS, sand_functions
+from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["CLAY", "CONSTANTS", "FIRST", "SAND", "STATE", "hypoplastic_update"]
@@ -56,6 +57,9 @@ _LONGEST: Final = 1.0
 
 _STEADY: Final = 1.0e-3
 _ROOT: Final = math.sqrt(2.0)
+_HALF_ROOT: Final = math.sqrt(0.5)
+_MOST: Final = 45
+"""Numbers that are integrated, of six components: stress, tangent, q and its slope, shear stiffness across the axes."""
 
 # Fehlberg's pair: nodes, weights of the stages, weights of order 5, and these less those of order 4.
 _NODES: Final = np.array([0.0, 1 / 4, 3 / 8, 12 / 13, 1.0, 1 / 2])
@@ -77,16 +81,19 @@ _ERRORS: Final = np.array([1 / 360, 0.0, -128 / 4275, -2197 / 75240, 1 / 50, 2 /
 def _invariants(y: FloatArray, n: int, shift: float, t: FloatArray, s2: FloatArray) -> tuple[float, float, float]:
     """Fill t = sigma/tr(sigma) (6,) and s^2 (6,); return tr(sigma), s:s and tr(s^3), with p_t in the stress."""
     trace = y[0] + y[1] + y[2] + 3.0 * shift
-    for i in range(6):
-        t[i] = 0.0 if i >= n else (y[i] + shift if i < 3 else y[i]) / trace
+    inverse = 1.0 / trace
+    for i in range(3):
+        t[i] = (y[i] + shift) * inverse
+    for i in range(3, 6):
+        t[i] = y[i] * inverse if i < n else 0.0
     x, y_, z = t[0] - 1.0 / 3.0, t[1] - 1.0 / 3.0, t[2] - 1.0 / 3.0
     a, b, c = t[3], t[4], t[5]
     s2[0] = x * x + 0.5 * (a * a + c * c)
     s2[1] = y_ * y_ + 0.5 * (a * a + b * b)
     s2[2] = z * z + 0.5 * (b * b + c * c)
-    s2[3] = a * (x + y_) + b * c / _ROOT
-    s2[4] = b * (y_ + z) + a * c / _ROOT
-    s2[5] = c * (x + z) + a * b / _ROOT
+    s2[3] = a * (x + y_) + b * c * _HALF_ROOT
+    s2[4] = b * (y_ + z) + a * c * _HALF_ROOT
+    s2[5] = c * (x + z) + a * b * _HALF_ROOT
     j = s2[0] + s2[1] + s2[2]
     return trace, j, s2[0] * x + s2[1] * y_ + s2[2] * z + s2[3] * a + s2[4] * b + s2[5] * c
 
@@ -127,25 +134,26 @@ def _rate(
     loading: bool,
     length: float,
     volume: float,
-    e: float,
+    log_v: float,
     constants: FloatArray,
     room: Room,
     rate: FloatArray,
 ) -> bool:
     """Fill the derivative by the fraction of the path of y: stress (n,), tangent (n, n), q and its slope.
 
-    ``length``, ``volume``, ``e``: norm of the strain of the whole path, its volume strain, the old void ratio. False
-    where the law is not defined.
+    The last of y is the tangent of shear where nothing is sheared; n is then 3. ``length``, ``volume``, ``log_v``:
+    norm of the strain of the whole path, its volume strain, ln(1 + e) at its beginning. False where the law is not
+    defined.
     """
     t, D, f, slopes, units, lead = room.t, room.D, room.f, room.slopes, room.units, room.lead
     trace, j, k = _invariants(y, n, constants[1], t, room.s2)
-    void = (1.0 + e) * math.exp(-fraction * volume) - 1.0
-    if not (trace > _LEAST_TRACE and void > 0.0):
+    log_now = log_v - fraction * volume
+    if not (trace > _LEAST_TRACE and log_now > 0.0):
         return False
     if constants[0] == CLAY:
-        known = clay_functions(trace, j, k, void, constants, FIRST, f, slopes)
+        known = clay_functions(trace, j, k, log_now, constants, FIRST, f, slopes)
     else:
-        known = sand_functions(trace, j, k, void, constants, FIRST, f, slopes)
+        known = sand_functions(trace, j, k, math.exp(log_now) - 1.0, constants, FIRST, f, slopes)
     if not known:
         return False
     if constants[2] > 0.0:
@@ -164,17 +172,18 @@ def _rate(
     for i in range(n):
         rate[i] = A * D[i] + w * t[i] + (B * D_trace - n0 * size if i < 3 else 0.0)
     # Column by column, the derivative by one strain: that of stress so far is in y.
-    same = lead[7]
+    same, inverse = lead[7], 1.0 / trace
+    flow = w * inverse
     for m in range(n):
         first = n + n * m
-        of_trace = (y[first] + y[first + 1] + y[first + 2]) / trace
+        of_trace = (y[first] + y[first + 1] + y[first + 2]) * inverse
         of_t, of_s2, of_D = 0.0, 0.0, 0.0
         for i in range(n):
             b = y[first + i]
             of_t += t[i] * b
             of_s2 += room.s2[i] * b
             of_D += D[i] * b
-        of_t, of_s2, of_D = of_t / trace, of_s2 / trace, of_D / trace
+        of_t, of_s2, of_D = of_t * inverse, of_s2 * inverse, of_D * inverse
         one = 1.0 if m < 3 else 0.0
         of_j = 2.0 * (of_t - (1.0 / 3.0 + j) * of_trace)
         of_k = 3.0 * (of_s2 - (k + j / 3.0) * of_trace)
@@ -189,14 +198,13 @@ def _rate(
         along -= w * of_trace
         u0, u1 = A * u0, A * u1
         for i in range(n):
-            rate[first + i] = (
-                w / trace * y[first + i] + t[i] * along + D[i] * f[0] + units[0, i] * u0 + units[1, i] * u1
-            )
+            rate[first + i] = flow * y[first + i] + t[i] * along + D[i] * f[0] + units[0, i] * u0 + units[1, i] * u1
         for i in range(3):
             rate[first + i] += everywhere
         rate[first + m] += A * same
     rate[n + n * n] = lead[10]
     rate[n + n * n + 1] = lead[11]
+    rate[n + n * n + 2] = flow * y[n + n * n + 2] + A * same
     return True
 
 
@@ -209,7 +217,7 @@ def _integrate(
     loading: bool,
     length: float,
     volume: float,
-    e: float,
+    log_v: float,
     constants: FloatArray,
     room: Room,
     rates: FloatArray,
@@ -218,12 +226,12 @@ def _integrate(
     """Carry y from one fraction of the path to another by substeps; False where no stress was found."""
     whole = end - begin
     now, part, weight, scale = begin, whole, 0.0, 1.0
-    size = y.shape[0]
+    size = n + n * n + 3
     fresh = True
     for _ in range(_LARGEST_COUNT):
         room.way[8] = max(0.1 * part * room.way[2], 1.0e-30)
         if fresh:
-            if not _rate(y, n, now, loading, length, volume, e, constants, room, rates[0]):
+            if not _rate(y, n, now, loading, length, volume, log_v, constants, room, rates[0]):
                 return False
             weight, pace = room.lead[12], room.lead[10]
             square = 0.0
@@ -240,12 +248,13 @@ def _integrate(
         good = True
         for stage in range(1, 6):
             for i in range(size):
-                total = 0.0
-                for old in range(stage):
-                    total += _STAGES[stage, old] * rates[old, i]
-                trial[i] = y[i] + part * total
+                trial[i] = y[i]
+            for old in range(stage):
+                share = part * _STAGES[stage, old]
+                for i in range(size):
+                    trial[i] += share * rates[old, i]
             good = _rate(
-                trial, n, now + part * _NODES[stage], loading, length, volume, e, constants, room, rates[stage]
+                trial, n, now + part * _NODES[stage], loading, length, volume, log_v, constants, room, rates[stage]
             )
             if not good:
                 break
@@ -265,11 +274,10 @@ def _integrate(
                 factor = min(5.0, max(0.2, 0.9 * (_TOLERANCE / max(error, 1.0e-20)) ** 0.2))
             good = error <= _TOLERANCE
         if good:
-            for i in range(size):
-                total = 0.0
-                for stage in range(6):
-                    total += _WEIGHTS[stage] * rates[stage, i]
-                y[i] += part * total
+            for stage in range(6):
+                share = part * _WEIGHTS[stage]
+                for i in range(size):
+                    y[i] += share * rates[stage, i]
             if last:
                 return True
             now += part
@@ -308,20 +316,34 @@ def hypoplastic_update(
     int
         0, or -1 where the law gives no stress.
     """
-    n = old.shape[0]
+    whole, n = old.shape[0], 3
     R, e = constants[2], state[0]
-    y, trial, rates = np.zeros(n + n * n + 2), np.empty(n + n * n + 2), np.empty((6, n + n * n + 2))
+    for i in range(3, whole):
+        if old[i] != 0.0 or strain[i] != 0.0 or (R > 0.0 and state[1 + i] != 0.0):
+            n = whole
+    if not e > -1.0:
+        return -1
+    log_v = math.log(1.0 + e)
+    y, trial, rates = local_vector(_MOST), local_vector(_MOST), local_matrix(6, _MOST)
     room = Room(
-        np.zeros(6),
-        np.zeros(6),
-        np.zeros(6),
-        np.zeros(5),
-        np.zeros((5, 4)),
-        np.zeros((2, 6)),
-        np.zeros(WAY),
-        np.zeros(LEAD),
+        local_vector(6),
+        local_vector(6),
+        local_vector(6),
+        local_vector(5),
+        local_matrix(5, 4),
+        local_matrix(2, 6),
+        local_vector(WAY),
+        local_vector(LEAD),
     )
     units, lead, way = room.units, room.lead, room.way
+    for i in range(_MOST):
+        y[i] = 0.0
+    for i in range(6):
+        units[0, i], units[1, i] = 0.0, 0.0
+    for i in range(WAY):
+        way[i] = 0.0
+    for i in range(LEAD):
+        lead[i] = 0.0
     lead[0], lead[2], lead[3], lead[6], lead[7], lead[8] = 1.0, 1.0, 1.0, 1.0, 1.0, 1.0
     length, volume = 0.0, strain[0] + strain[1] + strain[2]
     along, across, total = 0.0, 0.0, 0.0
@@ -341,10 +363,10 @@ def hypoplastic_update(
         for i in range(n):
             units[0, i] = units[1, i] / total if total > 0.0 else 0.0
             units[1, i] = 0.0
-        if not _rate(y, n, 0.0, False, 0.0, 0.0, e, constants, room, trial):
+        if not _rate(y, n, 0.0, False, 0.0, 0.0, log_v, constants, room, trial):
             return -1
-        for i in range(n * n):
-            y[n + i] = trial[n + i]
+        for i in range(n, n + n * n + 3):
+            y[i] = trial[i]
     else:
         for i in range(n):
             units[0, i] /= length
@@ -362,12 +384,12 @@ def hypoplastic_update(
             excess = max(math.hypot(along, across), 1.0)  # beyond 1 by rounding or extrapolation
             y[n + n * n], y[n + n * n + 1] = begin_way(along / excess, across / excess, length / R, constants[5], way)
             turn = way[3]
-        if turn > 0.0 and not _integrate(y, n, 0.0, turn, False, length, volume, e, constants, room, rates, trial):
+        if turn > 0.0 and not _integrate(y, n, 0.0, turn, False, length, volume, log_v, constants, room, rates, trial):
             return -1
-        if turn < 1.0 and not _integrate(y, n, turn, 1.0, True, length, volume, e, constants, room, rates, trial):
+        if turn < 1.0 and not _integrate(y, n, turn, 1.0, True, length, volume, log_v, constants, room, rates, trial):
             return -1
         along, across = end_of_way(y[n + n * n], constants, way) if R > 0.0 else (0.0, 0.0)
-    for i in range(y.shape[0]):
+    for i in range(n + n * n + 3):
         if not abs(y[i]) < math.inf:
             return -1
     _, j, k = _invariants(y, n, constants[1], room.t, room.s2)
@@ -382,9 +404,12 @@ def hypoplastic_update(
     # Matsuoka and Nakai: sin^2 of the friction angle of a triaxial state of the same I1 I2/I3.
     square = (j - 3.0 * k) / max(8.0 / 27.0 - (j + k) / 3.0, 1.0e-30)
     new_state[7] = math.degrees(math.asin(math.sqrt(min(max(square, 0.0), 1.0))))
-    for i in range(n):
-        new[i] = y[i] if i < 3 else y[i] / _ROOT
-        for m in range(n):
-            turned = 1.0 if i < 3 else 1.0 / _ROOT
-            tangent[i, m] = y[n + n * m + i] * (turned if m < 3 else turned / _ROOT)
+    for i in range(whole):
+        for m in range(whole):
+            if i < n and m < n:
+                turned = 1.0 if i < 3 else 1.0 / _ROOT
+                tangent[i, m] = y[n + n * m + i] * (turned if m < 3 else turned / _ROOT)
+            else:
+                tangent[i, m] = 0.5 * y[n + n * n + 2] if i == m else 0.0
+        new[i] = 0.0 if i >= n else (y[i] if i < 3 else y[i] / _ROOT)
     return 0

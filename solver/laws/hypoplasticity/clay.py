@@ -33,7 +33,7 @@ from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["HypoplasticClay"]
 
-_E0, _OCR = FIRST + 8, FIRST + 9
+_E0, _OCR = FIRST + 9, FIRST + 10
 """Where the constants hold the initial void ratio and OCR, after those of the kernels."""
 
 _PARAMETERS = (
@@ -103,7 +103,7 @@ class HypoplasticClay(Law):
     """Hypoplasticity for clay.
 
     Constants: those that hypoplastic laws share, f_s/tr(sigma), nu/(1 - 2 nu), lambda*, N, alpha, sin(phi_c), omega at
-    phi_c, xi, e0 (0: derived) and OCR.
+    phi_c, xi, sin^xi(phi_c), e0 (0: derived) and OCR.
 
     Examples
     --------
@@ -146,13 +146,13 @@ class HypoplasticClay(Law):
             sine,
             -math.log2(1.0 - sine * sine),
             1.7 + 3.9 * sine * sine,
+            sine ** (1.7 + 3.9 * sine * sine),
         ]
         return np.array([*shared_constants(CLAY, given), *own, given["e0"], given["OCR"]])
 
     def K0(self, constants: FloatArray) -> float:
         """That of normal one-dimensional compression: where s + zeta 1 has no lateral component."""
-        sine, xi = float(constants[FIRST + 5]), float(constants[FIRST + 7])
-        power = sine**xi
+        sine, xi, power = constants[[FIRST + 5, FIRST + 7, FIRST + 8]].tolist()
         low, high = 0.0, sine
         for _ in range(60):
             mobilised = 0.5 * (low + high)
