@@ -47,6 +47,10 @@ class Consolidation:
         Readings at the beginning and the end of primary consolidation, in the unit of the readings.
     secondary
         Increase of the reading in a decade of time at the end; None by the root of time.
+    lines
+        The two lines of the construction: slope and reading at x = 0. By the root of time x is that root, in root of
+        days: the first part, and the one with abscissas 1.155 times as large. By the logarithm x is log10(time/day):
+        the steepest tangent, and the line through the end.
     """
 
     c_v: float
@@ -54,6 +58,7 @@ class Consolidation:
     start: float
     end: float
     secondary: float | None
+    lines: tuple[tuple[float, float], tuple[float, float]]
 
 
 def root_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consolidation:
@@ -94,7 +99,7 @@ def root_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Conso
         if (new == part).all():
             break
         part = new
-    return Consolidation(T_90 * path**2 / at**2, at**2, start, end, None)
+    return Consolidation(T_90 * path**2 / at**2, at**2, start, end, None, ((slope, start), (slope / _FACTOR, start)))
 
 
 def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consolidation:
@@ -121,11 +126,13 @@ def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consol
     steepest = float(slopes[steep])
     if not (steepest > 0.0 and secondary <= _FLAT * steepest and fine[steep] < x[-1] - _FINAL):
         raise NoEvaluationError("the curve does not become flat at the end: primary consolidation is not over")
-    meet = (offset - float(curve(fine[steep])) + steepest * float(fine[steep])) / (steepest - secondary)
+    tangent = float(curve(fine[steep])) - steepest * float(fine[steep])
+    meet = (offset - tangent) / (steepest - secondary)
     end = offset + secondary * meet
     start = _parabola(x, d, curve, end)
     t_50 = 10.0 ** _crossing(fine, 0.5 * (start + end) - curve(fine))
-    return Consolidation(T_50 * path**2 / t_50, t_50, start, end, secondary)
+    lines = ((steepest, tangent), (secondary, offset))
+    return Consolidation(T_50 * path**2 / t_50, t_50, start, end, secondary, lines)
 
 
 def _parabola(x: FloatArray, d: FloatArray, curve: PchipInterpolator, end: float) -> float:

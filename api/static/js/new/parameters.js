@@ -42,7 +42,7 @@ export function parametersSection(context, place) {
       draw();
     });
     const unit = info?.unit;
-    const range = info?.typical ? `Usual: ${number(info.typical[0])} to ${number(info.typical[1])}${unit ? ` ${unit}` : ""}.` : "";
+    const range = info?.typical ? `Usual: ${number(info.typical[0])} to ${number(info.typical[1])}${unit ? ` ${unit}` : ""}${info.source ? `, ${info.source}` : ""}.` : "";
     return element("div", { class: `item parameter ${mode ?? "absent"}` },
       element("div", { class: "parameter-name" },
         element("h3", {}, symbol(name), unit ? element("small", {}, ` [${unit}]`) : null, symbol(name) === name ? null : element("small", {}, ` ${name}`)),
