@@ -24,8 +24,8 @@ _FACTOR = math.sqrt(T_90) / (0.9 * math.sqrt(0.25 * math.pi))
 """Abscissa of the curve at 90 % over that of its first straight part, 1.155; Taylor rounds it to 1.15."""
 _STRAIGHT = 0.55
 """Degree of consolidation up to which U is straight over the root of time."""
-_FINAL = 0.5
-"""Decades of time before the last reading that are taken for secondary compression."""
+_FINAL, _FINAL_READINGS = 0.5, 2
+"""Decades of time before the last reading that are taken for secondary compression, and readings at least."""
 _FLAT = 0.5
 """Largest share of the steepest slope that the final one may have: else primary consolidation is not over."""
 _LEAST = 8
@@ -106,7 +106,7 @@ def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consol
     """Evaluate over the logarithm of time (Casagrande & Fadum 1940, Harvard Soil Mechanics Series 8).
 
     The beginning follows from the parabola, ``d_0 = 2 d(t_1) - d(4 t_1)``; the end is where the steepest tangent meets
-    the line through the last half decade. ``c_v = 0.197 path^2/t_50``.
+    the line through the last half decade, at least the last two readings. ``c_v = 0.197 path^2/t_50``.
 
     Parameters and errors are those of :func:`root_time`; a reading at time 0 is not looked at.
     """
@@ -116,15 +116,13 @@ def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consol
     if x[-1] - x[0] < 2.0:
         raise NoEvaluationError(f"readings over {x[-1] - x[0]:.2g} decades of time; at least 2 are needed")
     curve = PchipInterpolator(x, d)
-    last = x >= x[-1] - _FINAL - 1e-9
-    if last.sum() < 3:
-        raise NoEvaluationError(f"{int(last.sum())} readings in the last half decade of time; at least 3 are needed")
+    last = x >= min(x[-1] - _FINAL - 1e-9, x[-_FINAL_READINGS])
     secondary, offset, _ = straight_line(x[last], d[last])
     fine = np.linspace(x[0], x[-1], _FINE)
     slopes = curve(fine, 1)
     steep = int(np.argmax(slopes))
     steepest = float(slopes[steep])
-    if not (steepest > 0.0 and secondary <= _FLAT * steepest and fine[steep] < x[-1] - _FINAL):
+    if not (steepest > 0.0 and secondary <= _FLAT * steepest and fine[steep] < x[last][0]):
         raise NoEvaluationError("the curve does not become flat at the end: primary consolidation is not over")
     tangent = float(curve(fine[steep])) - steepest * float(fine[steep])
     meet = (offset - tangent) / (steepest - secondary)

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geoswarm.solver.estimates.classical import classical_values
+from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report.classical import ClassicalValue, classical_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document, laboratory_table
 from geoswarm.solver.report.laboratory import laboratory_values
 from tests.solver.ags.synthetic import CC, CS, E0, START, STRESSES, void_ratio
