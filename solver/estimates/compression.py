@@ -157,6 +157,7 @@ def _casagrande(read: CompressionReadings, stress: str, quantity: str) -> Constr
         tuple(cut),
         marks,
         log=True,
+        joined=True,
     )
 
 
@@ -185,4 +186,5 @@ def _log_log(read: CompressionReadings, stress: str) -> Construction:
         lines,
         (mark,),
         log=True,
+        joined=True,
     )

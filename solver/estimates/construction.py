@@ -57,6 +57,8 @@ class Construction:
         Readings, shape (n,); empty where there are none, as of Mohr circles.
     lines, marks, arcs
         What was drawn.
+    joined
+        Whether readings are joined in their order, as those of loading and unloading.
     log, downwards
         Whether x is on a log scale, and y grows downwards.
     first_loading
@@ -76,6 +78,7 @@ class Construction:
     lines: tuple[Line, ...]
     marks: tuple[Mark, ...] = ()
     arcs: tuple[Arc, ...] = ()
+    joined: bool = False
     log: bool = False
     downwards: bool = False
     first_loading: bool = True

@@ -144,8 +144,10 @@ def stage_values(read: StageReadings) -> Iterator[ClassicalValue]:
     symbol = "Cα" if e is not None else "Cα/(1 + e₀)"
     if isinstance(told, str):
         yield ClassicalValue(read.part, symbol, "log time", None, told, "", read.stage)
+    elif not told.secondary or told.secondary < 0.0:
+        why = "the settlement does not grow at the end"
+        yield ClassicalValue(read.part, symbol, "log time", None, why, "", read.stage)
     else:
-        assert told.secondary is not None
         value = told.secondary * (1.0 if e is None else 1.0 + e)
         yield ClassicalValue(read.part, symbol, "log time", value, "", "", read.stage)
 
@@ -168,6 +170,10 @@ def stage_constructions(read: StageReadings) -> Iterator[Construction]:
     yield _log(read, found, minutes[inside], y[inside], at)
 
 
+def _told(symbol: str, found: Consolidation) -> str:
+    return f"{symbol} = {found.time * _MINUTES:.3g} min,\nc_v = {found.c_v:.3g} m²/day"
+
+
 def _root(read: StageReadings, found: Consolidation, x: FloatArray, y: FloatArray, at: str) -> Construction:
     root_day = math.sqrt(_MINUTES)
     t_90 = math.sqrt(found.time) * root_day
@@ -178,17 +184,17 @@ def _root(read: StageReadings, found: Consolidation, x: FloatArray, y: FloatArra
         lines.append(Line(label, ends, 100.0 * (start + slope * ends / root_day), "main" if not lines else "helper"))
     d_90 = found.start + 0.9 * (found.end - found.start)
     marks = (
-        Mark(f"t₉₀ = {found.time * _MINUTES:.3g} min", t_90, 100.0 * d_90),
         Mark("d₀", 0.0, 100.0 * found.start),
+        Mark(_told("t₉₀", found), t_90, 100.0 * d_90),
     )
     shown = x <= 4.0 * t_90
     return Construction(
         f"root_time_{read.stage}",
         read.part,
-        f"Root of time, {at}: c_v = {found.c_v:.3g} m²/day",
+        f"Root of time, {at}",
         _ROOT,
         "root of time",
-        "min^½",
+        "√min",
         "strain",
         "%",
         x[shown],
@@ -212,11 +218,11 @@ def _log(read: StageReadings, found: Consolidation, x: FloatArray, y: FloatArray
         Line("d₀ by the parabola", x[[0, -1]], np.full(2, 100.0 * found.start)),
         Line("d₁₀₀", x[[0, -1]], np.full(2, 100.0 * found.end)),
     )
-    mark = Mark(f"t₅₀ = {found.time * _MINUTES:.3g} min", found.time * _MINUTES, 50.0 * (found.start + found.end))
+    mark = Mark(_told("t₅₀", found), found.time * _MINUTES, 50.0 * (found.start + found.end))
     return Construction(
         f"log_time_{read.stage}",
         read.part,
-        f"Logarithm of time, {at}: c_v = {found.c_v:.3g} m²/day",
+        f"Logarithm of time, {at}",
         _LOG,
         "time",
         "min",

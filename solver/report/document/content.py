@@ -45,6 +45,16 @@ class Content:
     problem: str
     figures: FigureSet
 
+    @property
+    def classical(self) -> tuple[Table, ...]:
+        """Tables that stand beside the constructions of the classical evaluation."""
+        return tuple(table for table in self.tables if table.classical)
+
+    @property
+    def others(self) -> tuple[Table, ...]:
+        """All other tables."""
+        return tuple(table for table in self.tables if not table.classical)
+
 
 def report_content(
     problem: Problem,

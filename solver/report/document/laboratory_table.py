@@ -62,7 +62,7 @@ def laboratory_table(values: Sequence[LaboratoryValue], doubt: str, beside: Besi
     Parameters
     ----------
     doubt
-        Follows every interval where the model does not describe the data.
+        What the note says of intervals where the model does not describe the data.
     beside
         Evaluation of the readings and index properties, which stand beside where there are any.
     """
@@ -74,21 +74,24 @@ def laboratory_table(values: Sequence[LaboratoryValue], doubt: str, beside: Besi
         own = [one for one in known if one.symbol == value.symbol and value.part in ("", one.part)]
         shown.update(map(id, own))
         low, high = value.interval or (None, None)
-        cells = [value.symbol, f"{value.part}: {value.name}" if value.part and several else value.name]
+        name = f"{value.part}: {value.name}" if value.part and several else value.name
+        cells = [value.symbol, f"{name}; {value.relation}" if value.relation else name]
         cells.append(number(value.value))
-        cells.append("–" if low is None else f"{number(low, 3)} … {number(high, 3)}{doubt}")
+        cells.append("–" if low is None else f"{number(low, 3)} … {number(high, 3)}{' *' if doubt else ''}")
         cells += _ruler(own, beside.calculated, bool(value.part)) if with_ruler else []
         cells += [_expected(value, beside.index)] if with_index else []
-        rows.append((*cells, value.unit or "-", value.relation))
+        rows.append((*cells, value.unit or "-"))
+    left: dict[tuple[str, str], list[ClassicalValue]] = {}
     for one in known:
         if id(one) not in shown:
-            name = NAMES.get(one.symbol.partition("/(")[0], "")
-            cells = [one.symbol, f"{one.part}: {name}" if one.part else name, "–", "–"]
-            cells += _ruler([one], beside.calculated, True)
-            rows.append((*cells, *(["–"] if with_index else []), one.unit or "-", ""))
+            left.setdefault((one.part, one.symbol), []).append(one)
+    for (part, symbol), own in left.items():
+        name = NAMES.get(symbol.partition("/(")[0], "")
+        cells = [symbol, f"{part}: {name}" if part else name, "–", "–", *_ruler(own, beside.calculated, True)]
+        rows.append((*cells, *(["–"] if with_index else []), own[0].unit or "-"))
     ruler = ("from the readings", "from the calculated curve") if with_ruler else ()
     index = ("by index properties",) if with_index else ()
-    columns = ("symbol", "quantity", "identified", "95 % interval", *ruler, *index, "unit", "from")
+    columns = ("symbol", "quantity", "identified", "95 % interval", *ruler, *index, "unit")
     note = _NOTE.format(
         swelling=_SWELLING if any("about" in value.relation for value in values) else "",
         missing=_MISSING if any("(1 + e₀)" not in v.relation for v in values if v.symbol.startswith("Cc/")) else "",
@@ -96,7 +99,8 @@ def laboratory_table(values: Sequence[LaboratoryValue], doubt: str, beside: Besi
     if with_ruler:
         note += _CLASSICAL
     note += _without(beside.readings, several) if with_ruler else ""
-    return Table("Classical evaluation and back-analysis", columns, tuple(rows), (2,), note)
+    note += f" *{doubt}." if doubt else ""
+    return Table("In the laboratory's terms", columns, tuple(rows), (2,), note, classical=True)
 
 
 NAMES = {
@@ -134,9 +138,9 @@ def _ruler(own: Sequence[ClassicalValue], calculated: Sequence[ClassicalValue], 
     """What the readings and the calculated curve give."""
 
     def told(one: ClassicalValue, value: float) -> str:
-        stage = "" if one.stage is None else f", stage {one.stage}"
+        method = one.method if one.stage is None else f"{one.method.partition(',')[0]}, stage {one.stage}"
         part = f"{one.part}: " if one.part and not of_part else ""
-        return f"{part}{number(value, 3)} ({one.method}{stage})"
+        return f"{part}{number(value, 3)} ({method})"
 
     by_place = {(one.part, one.symbol, one.method, one.stage): one.value for one in calculated}
     again = [by_place.get((one.part, one.symbol, one.method, one.stage)) for one in own]
@@ -186,7 +190,7 @@ def stage_table(readings: Sequence[ClassicalValue], calculated: Sequence[Classic
         rows.append((*((one.part,) if several else ()), *cells, one.unit or "-"))
     columns = (*(("test",) if several else ()), "stage", "symbol", "method", "readings", "calculated curve", "unit")
     at = 3 + several
-    return Table("Single stages", columns, tuple(rows), (at, at + 1))
+    return Table("Single stages", columns, tuple(rows), (at, at + 1), classical=True)
 
 
 def index_table(estimates: Sequence[ParameterEstimate], problem: Problem) -> Table | None:
@@ -210,7 +214,7 @@ def index_table(estimates: Sequence[ParameterEstimate], problem: Problem) -> Tab
         "Limits, plasticity and water content are in per cent. In brackets: published scatter. Correlations hold for "
         "the soils of their source; one that is used beyond its range says so."
     )
-    return Table("What the index properties let expect", columns, tuple(rows), (1,), note)
+    return Table("What the index properties let expect", columns, tuple(rows), (1,), note, classical=True)
 
 
 def laboratory_document(values: Sequence[LaboratoryValue] | Sequence[ClassicalValue]) -> list[dict[str, Any]]:

@@ -15,6 +15,7 @@ from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.style import (
     BLUE,
     GREEN,
+    GRID,
     INK,
     MUTED,
     ORANGE,
@@ -80,19 +81,29 @@ def _panel(axes: Axes, one: Construction) -> None:
     for arc in one.arcs:
         centre, radius = 0.5 * (arc.largest + arc.smallest), 0.5 * (arc.largest - arc.smallest)
         axes.plot(centre + radius * np.cos(angle), radius * np.sin(angle), color=INK, linewidth=0.9, zorder=2)
+    if one.joined:
+        axes.plot(one.x, one.y, color=GRID, linewidth=0.9, zorder=1)
     if one.x.size:
         plot_measured(axes, one.x, one.y)
-    for mark in one.marks:
+    for index, mark in enumerate(one.marks):
+        last = index == len(one.marks) - 1  # what was looked for
         axes.plot(
-            [mark.x], [mark.y], linestyle="none", marker="D", markersize=5.0, color=ORANGE, label=mark.label, zorder=5
+            [mark.x],
+            [mark.y],
+            linestyle="none",
+            marker="D" if last else "s",
+            markersize=5.0 if last else 4.0,
+            color=ORANGE if last else INK,
+            label=mark.label,
+            zorder=6 if last else 5,
         )
     x, y = _extent(one)
     set_limits(axes, "x", float(x.min()), float(x.max()), log=one.log, margin=0.04)
-    set_limits(axes, "y", float(y.min()), float(y.max()), margin=0.05)
+    set_limits(axes, "y", float(y.min()), float(y.max()), margin=0.0 if one.arcs else 0.05)
     plain_ticks(axes, "x", log=one.log, most=6)
     plain_ticks(axes, "y", log=False, most=6)
     if one.arcs:
-        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_aspect("equal", adjustable="box")
     if one.downwards:
         axes.invert_yaxis()
     axes.set_xlabel(with_unit(one.x_quantity, one.x_unit))
