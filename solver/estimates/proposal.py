@@ -57,7 +57,7 @@ def with_parameters(document: dict[str, Any]) -> dict[str, Any]:
     A stopping criterion comes to a document without one: nothing is calibrated with it.
     """
     document = {**document}
-    document.setdefault("stopping", {"max_evaluations": 1})
+    document.setdefault("stopping", {"max_seconds": 60})
     if document.get("parameters"):
         return document
     spec = parse_spec(document.get("forward_model"))
