@@ -1,7 +1,7 @@
-"""Writes the tables of usual ranges into the pages of the soil laws, and those of correlations into index-properties.md.
+"""Writes usual ranges into the pages of the soil laws, and correlations into index-properties.md.
 
-Run ``python docs/generate_ranges.py`` after a change of a law's parameters or of a correlation; a test compares the pages
-with what laws and correlations declare. What stands outside the marks is written by hand.
+Run ``python docs/generate_ranges.py`` after a change of a law's parameters or of a correlation; a test compares the
+pages with what laws and correlations declare. What stands outside the marks is written by hand.
 """
 
 from __future__ import annotations

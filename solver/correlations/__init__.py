@@ -2,6 +2,7 @@
 
 ====================  ==========================================================================
 ``properties``        index properties of a soil
+``section``           the same as a section of a problem
 ``correlation``       one correlation: equation, source, range of validity, scatter
 ``compressibility``   Cc, Cs, C_alpha and C_k
 ``strength``          friction angle, K0 and undrained strength

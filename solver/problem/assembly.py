@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverError
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
@@ -21,7 +22,6 @@ from geoswarm.solver.methods.registry import UnknownMethodError, find_method, ki
 from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.problem.checks.feasibility import estimates_in_conflict, infeasibility
 from geoswarm.solver.problem.checks.sizes import point_issues, size_issues
-from geoswarm.solver.problem.index_section import IndexSection
 from geoswarm.solver.problem.issues import describe, issues_of, validated
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.observations import Observation, build_observations

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, Union
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
+from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.forward.registry import AnyForwardModelSpec
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from geoswarm.solver.methods.registry import built_in_methods
-from geoswarm.solver.problem.index_section import IndexSection
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.running import Failures, Limits
 from geoswarm.solver.problem.weighting import Weighting

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydantic import Field, model_validator
 
 from geoswarm.solver.correlations.properties import IndexProperties, SoilClass
-from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.section import Section
 
 __all__ = ["IndexSection"]
@@ -14,28 +15,33 @@ _LEAST = 2.0
 _LIMITS = ("liquid_limit", "plastic_limit", "plasticity_index", "water_content")
 
 
+def _per_cent(lowest: float, highest: float) -> dict[str, Any]:
+    """What forms are told of a field."""
+    return {"x-unit": "%", "x-typical": [lowest, highest]}
+
+
 class IndexSection(Section):
     """Index properties of the soil, as laboratories report them: per cent, not fractions."""
 
-    liquid_limit: float | None = Field(None, description="w_L, per cent", json_schema_extra=in_unit("%", 20, 150))
-    plastic_limit: float | None = Field(None, description="w_P, per cent", json_schema_extra=in_unit("%", 10, 60))
+    liquid_limit: float | None = Field(None, description="w_L, per cent", json_schema_extra=_per_cent(20, 150))
+    plastic_limit: float | None = Field(None, description="w_P, per cent", json_schema_extra=_per_cent(10, 60))
     plasticity_index: float | None = Field(
-        None, description="I_P, per cent; w_L - w_P unless given", json_schema_extra=in_unit("%", 5, 100)
+        None, description="I_P, per cent; w_L - w_P unless given", json_schema_extra=_per_cent(5, 100)
     )
-    water_content: float | None = Field(None, description="w_n, per cent", json_schema_extra=in_unit("%", 10, 150))
+    water_content: float | None = Field(None, description="w_n, per cent", json_schema_extra=_per_cent(10, 150))
     void_ratio: float | None = Field(
         None, gt=0.0, le=30.0, description="e_0 in the ground; that of the saturated soil, w_n G_s, unless given"
     )
     specific_gravity: float = Field(2.7, ge=1.0, le=6.0, description="G_s, density of the solids over that of water")
     relative_density: float | None = Field(
-        None, ge=0.0, le=100.0, description="of sand, per cent", json_schema_extra=in_unit("%", 0, 100)
+        None, ge=0.0, le=100.0, description="of sand, per cent", json_schema_extra=_per_cent(0, 100)
     )
     soil_class: SoilClass | None = Field(
         None, description="granular, shale, inorganic_clay (and silt), organic_clay (and silt) or peat"
     )
 
     @model_validator(mode="after")
-    def _per_cent(self) -> IndexSection:
+    def _plausible(self) -> IndexSection:
         for name in _LIMITS:
             value = getattr(self, name)
             if value is not None and not _LEAST <= value <= 3000.0:
