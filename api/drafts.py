@@ -6,8 +6,9 @@ import re
 from functools import cache
 from typing import Any
 
-from geoswarm.api.schemas.drafts import DraftIssue, DraftObservation, DraftSketch, Example, ProblemDraft
+from geoswarm.api.schemas.drafts import DraftEstimate, DraftIssue, DraftObservation, DraftSketch, Example, ProblemDraft
 from geoswarm.api.schemas.jobs import Parameter, Series
+from geoswarm.solver.estimates.draft import estimates_of_draft
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.problem import Draft, Problem, load_problem
@@ -31,6 +32,7 @@ def describe_draft(draft: Draft) -> ProblemDraft:
         series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
         open_parameters=model is not None and model.open_parameters,
         sketches=_sketches(draft),
+        estimates=[DraftEstimate.model_validate(one) for one in estimates_of_draft(draft)],
         observations=[] if problem is None else _observations(problem),
         free_parameters=[] if problem is None else list(problem.free_names),
         planned_evaluations=None if problem is None else problem.planned_evaluations,

@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from geoswarm.solver.correlations.correlation import Correlation
+from geoswarm.solver.correlations.properties import SoilClass
 
 __all__ = ["COMPRESSIBILITY"]
 
 _MESRI = "Mesri & Castro (1987), J. Geotech. Eng. 113, 230-247; Terzaghi, Peck & Mesri (1996), table 16.1"
+
+_CLASSES: tuple[tuple[SoilClass, str, float], ...] = (
+    ("granular", "granular soils, rockfill included", 0.02),
+    ("shale", "shale and mudstone", 0.03),
+    ("inorganic_clay", "inorganic clays and silts", 0.04),
+    ("organic_clay", "organic clays and silts", 0.05),
+    ("peat", "peat and muskeg", 0.06),
+)
 
 COMPRESSIBILITY = (
     Correlation(
@@ -134,13 +143,7 @@ COMPRESSIBILITY = (
             False,
             (name,),
         )
-        for name, words, ratio in (
-            ("granular", "granular soils, rockfill included", 0.02),
-            ("shale", "shale and mudstone", 0.03),
-            ("inorganic_clay", "inorganic clays and silts", 0.04),
-            ("organic_clay", "organic clays and silts", 0.05),
-            ("peat", "peat and muskeg", 0.06),
-        )
+        for name, words, ratio in _CLASSES
     ),
     Correlation(
         "Cα/(1 + e₀)",

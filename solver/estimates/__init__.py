@@ -11,6 +11,8 @@
 ``simple_shear``      friction angle and undrained strength of simple shear tests
 ``classical``         all of these for a problem, for its readings or a calculated curve
 ``index``             what index properties let expect of the parameters of a problem
+``usual``             parameters in their usual ranges, and what laws want between them
 ``proposal``          parameters of a problem with bounds and estimates from both
+``draft``             the same values for a problem that may still have mistakes
 ====================  =====================================================================
 """

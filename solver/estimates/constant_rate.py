@@ -49,13 +49,12 @@ def rate_compression(problem: Problem, part: ModelPart) -> CompressionReadings |
 def rate_values(problem: Problem, part: ModelPart) -> Iterator[ClassicalValue]:
     """c_v and k of the steady state."""
     assert isinstance(part.spec, CrsOedometerSpec)
-    read = _readings(problem, part)
+    strain, stress, base = _readings(problem, part) or (None, None, None)
     method = "Wissa et al. (1971), median of the upper half of the stresses"
-    if read is None or read[2] is None:
+    if strain is None or stress is None or base is None:
         why = "axial_stress and pore_pressure over the axial strain of the first stage are needed"
         yield ClassicalValue(part.name, "c_v", method, None, why, "m²/day")
         return
-    strain, stress, base = read
     first = part.spec.stages[0]
     assert isinstance(first, CrsMovement)
     rate = first.rate or first.axial_strain / (first.duration or 1.0)

@@ -177,7 +177,7 @@ def _told(symbol: str, found: Consolidation) -> str:
 def _root(read: StageReadings, found: Consolidation, x: FloatArray, y: FloatArray, at: str) -> Construction:
     root_day = math.sqrt(_MINUTES)
     t_90 = math.sqrt(found.time) * root_day
-    lines = []
+    lines: list[Line] = []
     for label, (slope, start) in zip(("first part", "abscissas × 1.155"), found.lines, strict=True):
         reach = min(1.15 * t_90, 1.1 * (found.end - start) / slope * root_day)
         ends = np.array([0.0, reach])

@@ -8,14 +8,21 @@ from statistics import median
 from typing import Any
 
 from geoswarm.solver.estimates.classical import classical_values
-from geoswarm.solver.estimates.index import TestOfLaw, full_name, index_estimates, soils_of, term_known
+from geoswarm.solver.estimates.index import (
+    ParameterEstimate,
+    TestOfLaw,
+    full_name,
+    index_estimates,
+    soils_of,
+    term_known,
+)
 from geoswarm.solver.estimates.usual import is_wide, usual_section, wanted
 from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem
 
-__all__ = ["Candidate", "Proposed", "proposed", "with_parameters"]
+__all__ = ["Candidate", "Proposed", "candidates_of", "of_correlation", "proposed", "with_parameters"]
 
 _FACTOR = 2.0
 """Bounds of indices, moduli and permeabilities: this factor beyond the smallest and the largest candidate."""
@@ -79,28 +86,40 @@ def proposed(problem: Problem) -> tuple[Proposed, ...]:
     An estimate (``initial``) is the median of what was read, else of what the index properties let expect. Bounds lie
     a factor of 2, or 5 degrees, beyond all candidates, within what is admissible.
     """
-    fixed = {name: p.value for name, p in problem.parameters.items() if isinstance(p, FixedParameter)}
-    soil = None if problem.index_properties is None else problem.index_properties.properties()
-    read = [one for one in classical_values(problem) if one.value is not None]
     infos = {info.name: info for info in problem.model.parameters}
-    found: dict[str, list[Candidate]] = {}
-    for test in soils_of(problem.forward_model, problem.model):
-        own = fixed | {name.removeprefix(f"{test.part}."): value for name, value in fixed.items()}
-        known = term_known(test, own, soil)
-        for name, candidate in (*_read(test, read, known), *_past(test, read)):
-            found.setdefault(full_name(problem, test, name), []).append(candidate)
-        for one in () if soil is None else index_estimates(test, own, soil):
-            if not one.told.outside:
-                source = f"{one.told.correlation.equation}, {one.told.correlation.source.partition(',')[0]}"
-                candidate = Candidate(one.value, one.ends or (one.value, one.value), source, False)
-                full = full_name(problem, test, one.parameter)
-                if candidate not in found.setdefault(full, []):
-                    found[full].append(candidate)
+    found = candidates_of(problem)
     free = [name for name, p in problem.parameters.items() if isinstance(p, FreeParameter)]
     more = [name for name in found if name.rpartition(".")[2] in _PAST and name not in problem.parameters]
     given = {name.rpartition(".")[2] for name in problem.parameters}
     more = [] if given & set(_PAST) else [name for name in more if name.endswith("POP")]  # one of both
     return tuple(_proposed(problem, infos[name], found.get(name, ())) for name in (*free, *more) if name in infos)
+
+
+def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
+    """What readings and index properties tell of each parameter, under the names that the problem uses."""
+    fixed = {name: p.value for name, p in problem.parameters.items() if isinstance(p, FixedParameter)}
+    soil = None if problem.index_properties is None else problem.index_properties.properties()
+    read = [one for one in classical_values(problem) if one.value is not None]
+    found: dict[str, list[Candidate]] = {}
+    for test in soils_of(problem.forward_model, problem.model):
+        own = fixed | {name.removeprefix(f"{test.part}."): value for name, value in fixed.items()}
+        known = term_known(test, own, soil)
+        told = [*_read(test, read, known), *_past(test, read)]
+        if soil is not None:
+            told += [
+                (one.parameter, of_correlation(one)) for one in index_estimates(test, own, soil) if not one.told.outside
+            ]
+        for name, candidate in told:
+            candidates = found.setdefault(full_name(problem, test, name), [])
+            if candidate not in candidates:
+                candidates.append(candidate)
+    return found
+
+
+def of_correlation(one: ParameterEstimate) -> Candidate:
+    """An estimate by index properties as a candidate."""
+    source = f"{one.quantity}: {one.told.correlation.equation}, {one.told.correlation.source.partition(',')[0]}"
+    return Candidate(one.value, one.ends or (one.value, one.value), source, False)
 
 
 def _proposed(problem: Problem, info: ParameterInfo, candidates: Sequence[Candidate]) -> Proposed:

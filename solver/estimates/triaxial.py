@@ -221,8 +221,12 @@ def _undrained(
         if name in observed:
             x, u = _sorted(observed[name])
             excess = np.interp(strain, x, u) - back_pressure
-            total = {"radial_stress": radial, "mean_stress": (axial + 2.0 * radial) / 3.0 - q / 3.0}
-            return np.asarray(total.get(constant, axial - q) - excess)
+            total = {
+                "radial_stress": np.full(q.size, radial),
+                "mean_stress": (axial + 2.0 * radial) / 3.0 - q / 3.0,
+                "axial_stress": axial - q,
+            }
+            return np.asarray(total[constant] - excess)
     raise NoEvaluationError("an undrained test without p or pore_pressure tells no effective stress")
 
 

@@ -67,9 +67,10 @@ def laboratory_table(values: Sequence[LaboratoryValue], doubt: str, beside: Besi
         Evaluation of the readings and index properties, which stand beside where there are any.
     """
     known = [one for one in chosen(beside.readings) if one.value is not None]
-    several = any(value.part for value in (*values, *known))
+    several = any(value.part for value in values) or any(one.part for one in known)
     with_ruler, with_index = bool(known), bool(beside.index)
-    rows, shown = [], set()
+    rows: list[tuple[str, ...]] = []
+    shown: set[int] = set()
     for value in values:
         own = [one for one in known if one.symbol == value.symbol and value.part in ("", one.part)]
         shown.update(map(id, own))
