@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
+from pydantic import ValidationError
+
+from geoswarm.solver.errors import SolverError
 from geoswarm.solver.estimates.classical import classical_values
 from geoswarm.solver.estimates.index import (
     ParameterEstimate,
@@ -61,14 +64,18 @@ class Proposed:
 def with_parameters(document: dict[str, Any]) -> dict[str, Any]:
     """Give a document without parameters those that its forward model needs, in their usual ranges.
 
-    A stopping criterion comes to a document without one: nothing is calibrated with it.
+    A stopping criterion comes to a document without one: nothing is calibrated with it. A document whose forward model has
+    mistakes stays as it is.
     """
     document = {**document}
     document.setdefault("stopping", {"max_seconds": 60})
     if document.get("parameters"):
         return document
-    spec = parse_spec(document.get("forward_model"))
-    model = built(spec)
+    try:
+        spec = parse_spec(document.get("forward_model"))
+        model = built(spec)
+    except (ValidationError, SolverError, ValueError):
+        return document  # who reads it tells what is wrong
     infos = {info.name: info for info in model.parameters}
     found: dict[str, dict[str, Any]] = {}
     for test in soils_of(spec, model):
