@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -58,6 +59,12 @@ class Correlation:
         if self.scatter is None:
             return ""
         return f"± {100.0 * self.scatter:.0f} %" if self.relative else f"± {self.scatter:g} {self.unit}".rstrip()
+
+    @property
+    def authors(self) -> str:
+        """Authors and year of its source."""
+        found = re.match(r".*?\(\d{4}\)", self.source)
+        return found[0] if found else self.source.partition(",")[0]
 
     def told(self, soil: IndexProperties) -> Correlated | None:
         """What it says about a soil; None where a property is missing, or the class is another."""

@@ -23,21 +23,30 @@ def _per_cent(lowest: float, highest: float) -> dict[str, Any]:
 class IndexSection(Section):
     """Index properties of the soil, as laboratories report them: per cent, not fractions."""
 
-    liquid_limit: float | None = Field(None, description="w_L, per cent", json_schema_extra=_per_cent(20, 150))
-    plastic_limit: float | None = Field(None, description="w_P, per cent", json_schema_extra=_per_cent(10, 60))
+    liquid_limit: float | None = Field(
+        None, description="liquid limit w_L, per cent", json_schema_extra=_per_cent(20, 150)
+    )
+    plastic_limit: float | None = Field(
+        None, description="plastic limit w_P, per cent", json_schema_extra=_per_cent(10, 60)
+    )
     plasticity_index: float | None = Field(
-        None, description="I_P, per cent; w_L - w_P unless given", json_schema_extra=_per_cent(5, 100)
+        None, description="plasticity index I_P, per cent; w_L - w_P unless given", json_schema_extra=_per_cent(5, 100)
     )
-    water_content: float | None = Field(None, description="w_n, per cent", json_schema_extra=_per_cent(10, 150))
+    water_content: float | None = Field(
+        None, description="natural water content w_n, per cent", json_schema_extra=_per_cent(10, 150)
+    )
     void_ratio: float | None = Field(
-        None, gt=0.0, le=30.0, description="e_0 in the ground; that of the saturated soil, w_n G_s, unless given"
+        None,
+        gt=0.0,
+        le=30.0,
+        description="void ratio e_0 in the ground; that of the saturated soil, w_n G_s, unless given",
     )
-    specific_gravity: float = Field(2.7, ge=1.0, le=6.0, description="G_s, density of the solids over that of water")
+    specific_gravity: float = Field(2.7, ge=1.0, le=6.0, description="density of the solids over that of water, G_s")
     relative_density: float | None = Field(
-        None, ge=0.0, le=100.0, description="of sand, per cent", json_schema_extra=_per_cent(0, 100)
+        None, ge=0.0, le=100.0, description="relative density of sand, per cent", json_schema_extra=_per_cent(0, 100)
     )
     soil_class: SoilClass | None = Field(
-        None, description="granular, shale, inorganic_clay (and silt), organic_clay (and silt) or peat"
+        None, description="class by which creep is estimated; clay stands for silt, too"
     )
 
     @model_validator(mode="after")

@@ -64,8 +64,8 @@ class Proposed:
 def with_parameters(document: dict[str, Any]) -> dict[str, Any]:
     """Give a document without parameters those that its forward model needs, in their usual ranges.
 
-    A stopping criterion comes to a document without one: nothing is calibrated with it. A document whose forward model has
-    mistakes stays as it is.
+    A stopping criterion comes to a document without one: nothing is calibrated with it. A document whose forward
+    model has mistakes stays as it is.
     """
     document = {**document}
     document.setdefault("stopping", {"max_seconds": 60})
@@ -125,7 +125,7 @@ def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
 
 def of_correlation(one: ParameterEstimate) -> Candidate:
     """An estimate by index properties as a candidate."""
-    source = f"{one.quantity}: {one.told.correlation.equation}, {one.told.correlation.source.partition(',')[0]}"
+    source = f"{one.quantity}: {one.told.correlation.equation}, {one.told.correlation.authors}"
     return Candidate(one.value, one.ends or (one.value, one.value), source, False)
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
-from geoswarm.solver.estimates.index import ParameterEstimate, estimates_of
 from geoswarm.solver.plausibility.units import with_unit
 from geoswarm.solver.problem import FreeParameter, Problem
+
+if TYPE_CHECKING:
+    from geoswarm.solver.estimates.index import ParameterEstimate
 
 __all__ = ["unexpected_bounds"]
 
@@ -23,6 +25,8 @@ def unexpected_bounds(problem: Problem) -> Iterator[str]:
     """
     if problem.index_properties is None:
         return
+    from geoswarm.solver.estimates.index import estimates_of  # with Numba, for which a formula should not wait
+
     by_name: dict[str, list[ParameterEstimate]] = {}
     for one in estimates_of(problem):
         if not one.told.outside:
@@ -40,14 +44,8 @@ def _sentence(name: str, parameter: FreeParameter, estimates: list[ParameterEsti
         return
     end, bound = ("upper", parameter.upper) if low > parameter.upper else ("lower", parameter.lower)
     expected = f"{float(f'{low:.2g}'):g} to {with_unit(float(f'{high:.2g}'), estimates[0].unit)}"
-    sources = "; ".join(dict.fromkeys(_authors(one.told.correlation.source) for one in estimates))
+    sources = "; ".join(dict.fromkeys(one.told.correlation.authors for one in estimates))
     yield (
         f"parameters.{name}.{end} = {with_unit(bound, estimates[0].unit)}: by the index properties {expected} is "
         f"expected ({sources}); widen the bounds or check index_properties"
     )
-
-
-def _authors(source: str) -> str:
-    """Authors and year."""
-    found = re.match(r".*?\(\d{4}\)", source)
-    return found[0] if found else source.partition(",")[0]

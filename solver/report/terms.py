@@ -28,8 +28,8 @@ def values_in_terms(
     values, linearisation
         Value of every parameter, and what gives the intervals.
     beside
-        Symbols that something stands beside. They are told of fixed parameters, too; others only of those that are not
-        fixed.
+        Symbols that something stands beside. They are told in any case; others where the parameter is not fixed and has
+        another name in the laboratory.
     """
     found = list(laboratory_values(problem, values, linearisation))
     seen = {(one.part, one.symbol) for one in found}
@@ -59,7 +59,8 @@ def _value(
     name = full_name(problem, test, term.parameter)
     parameter = problem.parameters.get(name)
     fixed = parameter is None or isinstance(parameter, FixedParameter)
-    if fixed and term.quantity not in beside:
+    plain = term.relation == term.quantity  # the table of parameters has it
+    if (fixed or plain) and term.quantity not in beside:
         return None
     soil = None if problem.index_properties is None else problem.index_properties.properties()
 
