@@ -40,7 +40,10 @@ HERLE = "after Herle & Gudehus (1999), Mech. Cohesive-Frict. Materials 4, 461-48
 HOLTZ = "Holtz, Jamiolkowski, Lancellotta & Pedroni (1991), Prefabricated Vertical Drains, CIRIA"
 JAKY = "Jaky (1944), 1 - sin(phi); Mayne & Kulhawy (1982), J. Geotech. Eng. Div. 108, 851-872"
 KULHAWY = "Kulhawy & Mayne (1990), EPRI EL-6800 (drained Poisson's ratios by soil type)"
-MASIN = "after the clays in Mašín (2005), Int. J. Numerical Anal. Methods Geomech. 29, 311-336; (2013), Acta Geotech. 8, 481-495"
+MASIN = (
+    "after the clays in Mašín (2005), Int. J. Numerical Anal. Methods Geomech. 29, 311-336; "
+    "(2013), Acta Geotech. 8, 481-495"
+)
 MESRI_COHESION = (
     "after Mesri & Abdel-Ghaffar (1993), J. Geotech. Eng. 119, 1229-1249: some per cent of the preconsolidation stress"
 )
