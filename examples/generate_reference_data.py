@@ -77,6 +77,9 @@ SHEARED = tuple(round(0.001 * strain, 4) for strain in (0, 0.5, 1, 2, 3, 4, 6, 8
 TURNED = tuple(round(0.001 * strain, 4) for strain in (0, 1, 2, 4, 6, 8, 10, 15, *range(20, 201, 10)))
 """Shear strains at which a simple shear test is read."""
 
+PRESSED = tuple(round(0.001 * strain, 4) for strain in (1, 2, 4, *range(6, 121, 6), *range(130, 201, 10)))
+"""Axial strains at which an oedometer test at constant rate of strain is read."""
+
 DAYS = (
     0.0,
     *(float(day) for day in (3, 7, 14, 21, 28, 42, 60, 67, 74, 88, 102, 130, 160, 180, 183, 190, 210, 240, 300, 365)),
@@ -148,6 +151,19 @@ EXAMPLES = (
         seed=1580,
         decimals=3,
         source="chosen for this example",
+    ),
+    Example(
+        "crs_oedometer",
+        {"lambda_star": 0.11, "kappa_star": 0.018, "POP": 50.0, "k": 3.0e-5, "C_k": 0.7},
+        noise={"axial_stress": 2.0, "pore_pressure": 0.5, "branch_2.axial_stress": 2.0},
+        seed=1582,
+        decimals=2,
+        source="chosen for this example",
+        points={
+            "axial_stress": PRESSED,
+            "pore_pressure": PRESSED,
+            "branch_2.axial_stress": (0.12, 0.1175, 0.115, 0.1125, 0.11, 0.1075, 0.105, 0.1025),
+        },
     ),
     Example(
         "column",

@@ -91,38 +91,62 @@ def sentence_of(misfits: Sequence[Misfit]) -> str:
     parts = []
     if patterns:
         series = list(dict.fromkeys(m.series for m in patterns))
-        parts.append(
-            f"The model does not describe {_listed(series)}: "
-            + "; ".join(_how_far([m for m in patterns if m.series == name]) for name in series[:_MOST_NAMED])
-            + ". The parameters are those of the closest curve, and their intervals do not hold."
-        )
-    for misfit in exceeded[:_MOST_NAMED]:
-        factor = f"{misfit.ratio or 0.0:.2g}"
-        parts.append(
-            f"The stated error of {misfit.series} is not met: the residuals ({_amount(misfit.deviation, misfit.unit)}) "
-            f"are {factor} times as large, so intervals that rest on it are about {factor} times too narrow."
-        )
+        parts.append(f"The model does not describe {_listed(series)}{_of_each(patterns, series)}")
+        parts.append("The parameters are those of the closest curve, and their intervals do not hold.")
+    if exceeded:
+        parts.append(_too_small(exceeded))
     return " ".join(parts)
 
 
-def _how_far(misfits: Sequence[Misfit]) -> str:
-    """One series: its stages, the largest smoothed residual and its place, and the probability of the pattern."""
+def _of_each(patterns: Sequence[Misfit], series: Sequence[str]) -> str:
+    """How far the first series are missed, and how likely noise is to do the same."""
+    named = {name: [m for m in patterns if m.series == name] for name in series[:_MOST_NAMED]}
+    reasons = {name: _reason(misfits) for name, misfits in named.items()}
+    if len(series) == 1:
+        return f": it misses {_how_far(named[series[0]], '')}; {reasons[series[0]]}."
+    once = len(set(reasons.values())) == 1
+    each = [f"{_how_far(misfits, name)}{'' if once else f'; {reasons[name]}'}" for name, misfits in named.items()]
+    left = len(series) - len(named)
+    others = f"; and {left} {'others' if left > 1 else 'other'}" if left else ""
+    end = f"; of each, {reasons[series[0]]}" if once else ""
+    return f". It misses {'; '.join(each)}{others}{end}."
+
+
+def _how_far(misfits: Sequence[Misfit], name: str) -> str:
+    """One series (without a name the only one): its stages, the largest smoothed residual and its place."""
     whole = next((m for m in misfits if m.stage is None), None)
     worst = max(misfits, key=lambda m: abs(m.largest))
     stages = sorted(m.stage for m in misfits if m.stage is not None)
-    places = f"stage{'s' if len(stages) > 1 else ''} {_listed(_spans(stages))} " if stages else ""
+    places = name or "the readings"
+    if stages:
+        staged = f"stage{'s' if len(stages) > 1 else ''} {_listed(_spans(stages))}"
+        places = f"{name} in {staged}" if name else staged
     side = "above" if worst.largest > 0 else "below"
-    least = min(m.probability for m in misfits)
-    chance = "below 0.2%" if least <= 0.002 else f"of {least:.1%}"
-    if all(m.reason == "repeats" for m in misfits):
-        reason = "more than the scatter of repeats explains"
-    else:
-        reason = f"noise has such a pattern with a probability {chance}"
     rest = "" if whole is None else f", root mean square {_amount(whole.deviation, whole.unit)}"
     at = f"{worst.x:.4g} {worst.x_unit}".strip()
+    return f"{places} by up to {_amount(abs(worst.largest), worst.unit)} (calculated {side} measured, near {at}){rest}"
+
+
+def _reason(misfits: Sequence[Misfit]) -> str:
+    """Why this is no noise."""
+    if all(m.reason == "repeats" for m in misfits):
+        return "more than the scatter of repeats explains"
+    least = min(m.probability for m in misfits)
+    return f"noise has such a pattern with a probability {'below 0.2%' if least <= 0.002 else f'of {least:.1%}'}"
+
+
+def _too_small(exceeded: Sequence[Misfit]) -> str:
+    """Stated errors that the residuals exceed."""
+    each = [
+        f"of {m.series} ({_amount(m.deviation, m.unit)}) {'' if number else 'are '}{m.ratio or 0.0:.2g} times"
+        for number, m in enumerate(exceeded[:_MOST_NAMED])
+    ]
+    several = len(exceeded) > 1
+    left = len(exceeded) - len(each)
+    others = f" ({left} more: see the table)" if left else ""
     return (
-        f"it misses {places or 'the readings '}by up to {_amount(abs(worst.largest), worst.unit)} (calculated {side} "
-        f"measured, near {at}){rest}; {reason}"
+        f"{'Stated errors are' if several else 'The stated error is'} not met: the residuals {_listed(each)} as large"
+        f"{others}, so intervals that rest on {'them' if several else 'it'} are about as many times too narrow."
     )
 
 

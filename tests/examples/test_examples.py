@@ -31,6 +31,13 @@ BANDS = {  # around the true values, for the seed in the problem file; the oedom
         "k": (3.9e-5, 4.1e-5),
         "C_k": (0.56, 0.64),
     },
+    "crs_oedometer": {
+        "lambda_star": (0.107, 0.114),
+        "kappa_star": (0.0172, 0.0188),
+        "POP": (47.0, 53.0),
+        "k": (2.85e-5, 3.15e-5),
+        "C_k": (0.65, 0.75),
+    },
     "column": {"clay.lambda_star": (0.115, 0.125), "clay.k": (5.5e-5, 6.5e-5), "clay.POP": (13.0, 17.0)},
 }
 OBJECTIVES = {  # two-sided: below the noise would be as wrong as far above it
@@ -41,6 +48,7 @@ OBJECTIVES = {  # two-sided: below the noise would be as wrong as far above it
     "triaxial": (5.0e-7, 7.0e-7),
     "direct_simple_shear": (3.5e-5, 4.3e-5),
     "consolidation": (3.9e-11, 4.9e-11),
+    "crs_oedometer": (0.40, 0.60),
     "column": (4.7e-5, 5.9e-5),
 }
 

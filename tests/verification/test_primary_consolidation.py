@@ -104,6 +104,6 @@ def test_a_stated_error_that_is_not_met_is_said_everywhere() -> None:
     assert statistics is not None
     assert statistics.fit.wrong
     assert any(misfit.reason == "stated_error" for misfit in statistics.fit.misfits)
-    assert "stated error of settlement is not met" in statistics.fit.sentence
+    assert "stated error is not met: the residuals of settlement" in statistics.fit.sentence
     assert statistics.linearisation is not None
     assert statistics.linearisation.to_json()["fit"]["kind"] == statistics.fit.kind

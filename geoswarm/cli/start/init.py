@@ -28,9 +28,9 @@ __all__ = ["init_command", "inline_command"]
 def init_command(kind: str, output: Path) -> None:
     """Write a commented problem to begin with, and its data.
 
-    KIND is oedometer (unless given), isotropic_compression, triaxial, direct_simple_shear, consolidation, column,
-    formula, combined or section. The data are synthetic, to be replaced by yours. A file that is there is never
-    overwritten.
+    KIND is oedometer (unless given), isotropic_compression, triaxial, direct_simple_shear, consolidation,
+    crs_oedometer, column, formula, combined or section. The data are synthetic, to be replaced by yours. A file that is
+    there is never overwritten.
     """
     files = _files(STARTERS[kind])
     there = [str(output / name) for name in files if (output / name).exists()]

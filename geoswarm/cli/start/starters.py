@@ -115,6 +115,7 @@ STARTERS: dict[str, Starter] = {
     "triaxial": Starter("triaxial"),
     "direct_simple_shear": Starter("direct_simple_shear"),
     "consolidation": Starter("consolidation"),
+    "crs_oedometer": Starter("crs_oedometer"),
     "column": Starter("column"),
     "formula": Starter("formula", _FORMULA, {"settlement.csv": "time [day],settlement [cm]"}),
     "combined": Starter("combined"),

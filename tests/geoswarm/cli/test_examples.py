@@ -11,7 +11,16 @@ from geoswarm.cli import main
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 NAMES = [
-    *("calculix", "column", "combined", "consolidation", "direct_simple_shear", "formula", "fortran_pest"),
+    *(
+        "calculix",
+        "column",
+        "combined",
+        "consolidation",
+        "crs_oedometer",
+        "direct_simple_shear",
+        "formula",
+        "fortran_pest",
+    ),
     *("isotropic_compression", "kratos"),
     *("oedometer", "opengeosys", "opengeosys_slope", "plaxis", "python_spreadsheet", "slope", "triaxial", "umat"),
 ]

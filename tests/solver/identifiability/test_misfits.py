@@ -1,0 +1,52 @@
+"""What is said of series that a model does not describe."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from geoswarm.solver.identifiability.misfits import Misfit, sentence_of
+
+Q = Misfit("q", None, "pattern", 0.001, 8.1, -21.0, 0.1, None, "kPa", "%")
+END = " The parameters are those of the closest curve, and their intervals do not hold."
+
+
+def test_one_series() -> None:
+    assert sentence_of([Q]) == (
+        "The model does not describe q: it misses the readings by up to 21 kPa (calculated below measured, near 0.1 "
+        "%), root mean square 8.1 kPa; noise has such a pattern with a probability below 0.2%." + END
+    )
+
+
+def test_stages_of_one_series() -> None:
+    stages = [replace(Q, stage=number, largest=float(number)) for number in (2, 3, 4, 7)]
+    assert "it misses stages 2 to 4 and 7 by up to 7 kPa (calculated above measured, near 0.1 %); noise" in sentence_of(
+        stages
+    )
+
+
+def test_each_of_several_series_is_named() -> None:
+    u = replace(Q, series="u", deviation=3.0, largest=9.0)
+    found = sentence_of([Q, u, *(replace(Q, series=name) for name in ("v", "w"))])
+    assert found.startswith(
+        "The model does not describe q, u, v and w. It misses q by up to 21 kPa (calculated below measured, near 0.1 "
+        "%), root mean square 8.1 kPa; u by up to 9 kPa (calculated above measured, near 0.1 %), root mean square 3 "
+        "kPa; v by"
+    )
+    assert "; and 1 other; of each, noise has such a pattern with a probability below 0.2%." + END in found
+    found = sentence_of([Q, replace(u, stage=5, reason="repeats")])
+    assert "probability below 0.2%; u in stage 5 by up to 9 kPa" in found
+    assert "near 0.1 %); more than the scatter of repeats explains." in found
+
+
+def test_stated_errors_are_told_together() -> None:
+    one = replace(Q, reason="stated_error", ratio=2.9)
+    assert sentence_of([one]) == (
+        "The stated error is not met: the residuals of q (8.1 kPa) are 2.9 times as large, so intervals that rest on "
+        "it are about as many times too narrow."
+    )
+    several = [replace(one, series=name) for name in ("q", "u", "v", "w", "x")]
+    assert sentence_of(several) == (
+        "Stated errors are not met: the residuals of q (8.1 kPa) are 2.9 times, of u (8.1 kPa) 2.9 times and of v "
+        "(8.1 kPa) 2.9 times as large (2 more: see the table), so intervals that rest on them are about as many times "
+        "too narrow."
+    )
