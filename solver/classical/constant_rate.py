@@ -27,12 +27,15 @@ class ConstantRate:
         Mean vertical effective stress at the readings, kPa, shape (n,).
     stress
         The same in the middle between two readings that allow an evaluation, kPa, shape (m,).
+    strain
+        Settlement over the initial height there, shape (m,).
     c_v, k
         Coefficient of consolidation, m^2/day, and permeability, m/day, there, shape (m,).
     """
 
     effective: FloatArray
     stress: FloatArray
+    strain: FloatArray
     c_v: FloatArray
     k: FloatArray
 
@@ -80,4 +83,4 @@ def constant_rate(
     c_v = path**2 * np.diff(sigma) / rate / (2.0 * np.where(seen, middle_u, 1.0))
     k = _WATER * path * height * np.diff(eps) / rate / (2.0 * np.where(seen, middle_u, 1.0))
     between = 0.5 * (effective[1:] + effective[:-1])
-    return ConstantRate(effective, between[seen], c_v[seen], k[seen])
+    return ConstantRate(effective, between[seen], 0.5 * (eps[1:] + eps[:-1])[seen], c_v[seen], k[seen])

@@ -9,6 +9,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.constant_rate import constant_rate
 from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.straight import straight_line
 from geoswarm.solver.estimates.compression import CompressionReadings
 from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.forward.combined import ModelPart
@@ -21,6 +22,9 @@ _IN_DECADE = 8
 """Points for each decade of stress that readings are gathered to: slopes between close readings are noise."""
 _VIRGIN = 0.5
 """c_v is the median of the readings above this part of the largest effective stress."""
+_STEADY, _LEAST = 0.2, 8
+"""The line of log k over the void ratio begins at this part of the largest strain, where the state is steady, and needs
+so many readings."""
 
 
 def rate_compression(problem: Problem, part: ModelPart) -> CompressionReadings | None:
@@ -47,7 +51,7 @@ def rate_compression(problem: Problem, part: ModelPart) -> CompressionReadings |
 
 
 def rate_values(problem: Problem, part: ModelPart) -> Iterator[ClassicalValue]:
-    """c_v and k of the steady state."""
+    """c_v and k of the steady state; with e_0 also k there and its change C_k."""
     assert isinstance(part.spec, CrsOedometerSpec)
     strain, stress, base = _readings(problem, part) or (None, None, None)
     method = "Wissa et al. (1971), median of the upper half of the stresses"
@@ -66,6 +70,15 @@ def rate_values(problem: Problem, part: ModelPart) -> Iterator[ClassicalValue]:
     upper = found.stress >= _VIRGIN * found.stress.max()
     yield ClassicalValue(part.name, "c_v", method, float(np.median(found.c_v[upper])), unit="m²/day")
     yield ClassicalValue(part.name, "k", method, float(np.median(found.k[upper])), unit="m/day")
+    e = part.spec.initial_void_ratio
+    late = found.strain >= _STEADY * found.strain.max()
+    if e is None or late.sum() < _LEAST:
+        return
+    slope, offset, _ = straight_line((1.0 + e) * found.strain[late], np.log10(found.k[late]))
+    how = "line of log k over e (Tavenas et al. 1983)"
+    yield ClassicalValue(part.name, "k", f"{how}, at e₀", 10.0**offset, unit="m/day")
+    if slope < 0.0:
+        yield ClassicalValue(part.name, "C_k", how, -1.0 / slope)
 
 
 def _readings(problem: Problem, part: ModelPart) -> tuple[FloatArray, FloatArray, FloatArray | None] | None:

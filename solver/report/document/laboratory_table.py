@@ -111,6 +111,7 @@ NAMES = {
     "σ′p": "preconsolidation stress",
     "c_v": "coefficient of consolidation",
     "k": "permeability",
+    "C_k": "change of the void ratio for a tenfold permeability",
     "φ": "friction angle",
     "φ_cs": "friction angle of the critical state",
     "c": "cohesion",

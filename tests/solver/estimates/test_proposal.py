@@ -57,6 +57,7 @@ def test_readings_become_bounds_and_estimates_by_the_terms_of_the_law() -> None:
     [
         ("triaxial", {"E": 1.8e4, "c": 8.0, "phi": 31.0, "psi": 4.0}),  # what its readings were made with, see its data
         ("consolidation", {"kappa_star": 0.015, "k": 4.0e-5}),
+        ("crs_oedometer", {"lambda_star": 0.11, "POP": 50.0, "k": 3.0e-5, "C_k": 0.7}),
     ],
 )
 def test_proposed_bounds_enclose_what_readings_were_made_with(example: str, truth: dict[str, float]) -> None:
