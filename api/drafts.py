@@ -6,7 +6,7 @@ import re
 from functools import cache
 from typing import Any
 
-from geoswarm.api.schemas.drafts import DraftIssue, DraftObservation, DraftSketch, Example, ProblemDraft
+from geoswarm.api.schemas.drafts import DraftEstimate, DraftIssue, DraftObservation, DraftSketch, Example, ProblemDraft
 from geoswarm.api.schemas.jobs import Parameter, Series
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.forward.registry import sketches_of
@@ -31,6 +31,7 @@ def describe_draft(draft: Draft) -> ProblemDraft:
         series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
         open_parameters=model is not None and model.open_parameters,
         sketches=_sketches(draft),
+        estimates=_estimates(draft),
         observations=[] if problem is None else _observations(problem),
         free_parameters=[] if problem is None else list(problem.free_names),
         planned_evaluations=None if problem is None else problem.planned_evaluations,
@@ -45,6 +46,12 @@ def _sketches(draft: Draft) -> list[DraftSketch] | None:
         for part, sketch in sketches_of(draft.spec).items()
         for one in sketch.drawings
     ]
+
+
+def _estimates(draft: Draft) -> list[DraftEstimate]:
+    from geoswarm.solver.estimates.draft import estimates_of_draft  # with Numba, for which a formula should not wait
+
+    return [DraftEstimate.model_validate(one) for one in estimates_of_draft(draft)]
 
 
 def _observations(problem: Problem) -> list[DraftObservation]:

@@ -25,6 +25,7 @@ class DeclaredParameter(BaseModel):
     lower: float | None = None
     upper: float | None = None
     typical: tuple[float, float] | None = None
+    source: str = Field("", max_length=300)
 
     @model_validator(mode="after")
     def _ordered(self) -> DeclaredParameter:
@@ -45,4 +46,5 @@ class DeclaredParameter(BaseModel):
             lower=self.lower,
             upper=self.upper,
             typical=self.typical,
+            source=self.source,
         )

@@ -14,7 +14,8 @@ class ParameterInfo:
     """One parameter that a forward model knows.
 
     ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) limit what is
-    physically admissible; ``typical`` is a usual range offered to users. ``lower_open``: ``lower`` itself is refused.
+    physically admissible; ``typical`` is a usual range offered to users, ``source`` where it comes from.
+    ``lower_open``: ``lower`` itself is refused.
     ``any_case``: capitals are the same as small letters in its name, as in templates of PEST.
     """
 
@@ -29,6 +30,7 @@ class ParameterInfo:
     upper_open: bool = False
     typical: tuple[float, float] | None = None
     any_case: bool = False
+    source: str = ""
 
     def is_among(self, names: Collection[str]) -> bool:
         """Whether one of some names is its."""

@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 from geoswarm.api.schemas.jobs import Model, Number, Parameter, Series
 
 __all__ = [
+    "DraftEstimate",
     "DraftIssue",
     "DraftObservation",
     "DraftSketch",
@@ -51,6 +52,18 @@ class DraftSketch(BaseModel):
     svg: str = Field(description="an svg element whose classes the page gives their colours")
 
 
+class DraftEstimate(Model):
+    """What a parameter may be, by its readings or by index properties of the soil."""
+
+    parameter: str
+    unit: str
+    lower: float = Field(description="value less the published scatter; the value where none is published")
+    value: float
+    upper: float
+    source: str = Field(description="method of the evaluation, or equation and source of the correlation")
+    measured: bool = Field(description="whether it was read of the test's curve")
+
+
 class ProblemDraft(BaseModel):
     """A problem that may still have mistakes; the forward model's parameters and series are told meanwhile."""
 
@@ -65,6 +78,7 @@ class ProblemDraft(BaseModel):
         description="of laboratory tests and layered ground, of at most 12 parts; null while the section has mistakes"
     )
     observations: list[DraftObservation] = Field(description="empty while there are mistakes")
+    estimates: list[DraftEstimate] = Field(description="of readings only without mistakes; of index properties before")
     free_parameters: list[str]
     planned_evaluations: int | None = Field(description="null with mistakes, or when no number limits the search")
 

@@ -155,6 +155,7 @@ class Parameter(Model):
     lower_open: bool = Field(description="the lower limit itself is refused")
     upper_open: bool
     typical: tuple[float, float] | None
+    source: str = Field(description="where the typical range comes from; empty: not told")
 
 
 class Series(Model):

@@ -39,6 +39,9 @@ COMMANDS: dict[str, CommandEntry] = {
         "Write a problem as JSON with its data inside, as the body of POST /api/v1/jobs.",
     ),
     "check": CommandEntry("local.check", _PROBLEM, "Validate a problem, run it once and estimate its cost."),
+    "estimate": CommandEntry(
+        "local.estimate", _PROBLEM, "Estimate parameters from the readings and index properties; no forward run."
+    ),
     "evaluate": CommandEntry("local.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
     "run": CommandEntry("local.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
     "model": CommandEntry("model.group", _PROBLEM, "Make a forward model of a program of your own, and try it."),

@@ -118,6 +118,7 @@ class Parameter:
     lower_open: bool
     upper_open: bool
     typical: tuple[float, float] | None
+    source: str = ""
 
 
 @dataclass(frozen=True, slots=True)

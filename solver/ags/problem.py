@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 from geoswarm.solver.ags.contents import Contents, strength_in_words
 from geoswarm.solver.ags.monitoring import csv_of
 from geoswarm.solver.ags.oedometer import oedometer_part
-from geoswarm.solver.ags.parameters import middle, ordered, parameter_sections, rounded_up
+from geoswarm.solver.ags.parameters import middle, parameter_sections, rounded_up
 from geoswarm.solver.ags.parts import Part
 from geoswarm.solver.ags.shear_strength import ShearTest
 from geoswarm.solver.ags.tables import AgsError
 from geoswarm.solver.ags.triaxial import least_modulus, triaxial_parts
+from geoswarm.solver.estimates.usual import ordered
 from geoswarm.solver.external.copies import Copies
 from geoswarm.solver.external.pest_control.names import new_name, word
 from geoswarm.solver.laws.registry import UnknownLawError, find_law

@@ -6,6 +6,7 @@
 ``compression``       Cc and Cs: slopes of the void ratio over the logarithm of stress
 ``preconsolidation``  preconsolidation stress after Casagrande, and in ln(1 + e)
 ``consolidation``     c_v by the root and the logarithm of time, and C_alpha
+``constant_rate``     c_v and k from a test at constant rate of strain
 ``mohr_circles``      cohesion and friction angle from stresses at failure
 ====================  =================================================================
 """

@@ -24,8 +24,8 @@ _FACTOR = math.sqrt(T_90) / (0.9 * math.sqrt(0.25 * math.pi))
 """Abscissa of the curve at 90 % over that of its first straight part, 1.155; Taylor rounds it to 1.15."""
 _STRAIGHT = 0.55
 """Degree of consolidation up to which U is straight over the root of time."""
-_FINAL = 0.5
-"""Decades of time before the last reading that are taken for secondary compression."""
+_FINAL, _FINAL_READINGS = 0.5, 2
+"""Decades of time before the last reading that are taken for secondary compression, and readings at least."""
 _FLAT = 0.5
 """Largest share of the steepest slope that the final one may have: else primary consolidation is not over."""
 _LEAST = 8
@@ -47,6 +47,10 @@ class Consolidation:
         Readings at the beginning and the end of primary consolidation, in the unit of the readings.
     secondary
         Increase of the reading in a decade of time at the end; None by the root of time.
+    lines
+        The two lines of the construction: slope and reading at x = 0. By the root of time x is that root, in root of
+        days: the first part, and the one with abscissas 1.155 times as large. By the logarithm x is log10(time/day):
+        the steepest tangent, and the line through the end.
     """
 
     c_v: float
@@ -54,6 +58,7 @@ class Consolidation:
     start: float
     end: float
     secondary: float | None
+    lines: tuple[tuple[float, float], tuple[float, float]]
 
 
 def root_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consolidation:
@@ -94,14 +99,14 @@ def root_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Conso
         if (new == part).all():
             break
         part = new
-    return Consolidation(T_90 * path**2 / at**2, at**2, start, end, None)
+    return Consolidation(T_90 * path**2 / at**2, at**2, start, end, None, ((slope, start), (slope / _FACTOR, start)))
 
 
 def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consolidation:
     """Evaluate over the logarithm of time (Casagrande & Fadum 1940, Harvard Soil Mechanics Series 8).
 
     The beginning follows from the parabola, ``d_0 = 2 d(t_1) - d(4 t_1)``; the end is where the steepest tangent meets
-    the line through the last half decade. ``c_v = 0.197 path^2/t_50``.
+    the line through the last half decade, at least the last two readings. ``c_v = 0.197 path^2/t_50``.
 
     Parameters and errors are those of :func:`root_time`; a reading at time 0 is not looked at.
     """
@@ -111,21 +116,21 @@ def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consol
     if x[-1] - x[0] < 2.0:
         raise NoEvaluationError(f"readings over {x[-1] - x[0]:.2g} decades of time; at least 2 are needed")
     curve = PchipInterpolator(x, d)
-    last = x >= x[-1] - _FINAL - 1e-9
-    if last.sum() < 3:
-        raise NoEvaluationError(f"{int(last.sum())} readings in the last half decade of time; at least 3 are needed")
+    last = x >= min(x[-1] - _FINAL - 1e-9, x[-_FINAL_READINGS])
     secondary, offset, _ = straight_line(x[last], d[last])
     fine = np.linspace(x[0], x[-1], _FINE)
     slopes = curve(fine, 1)
     steep = int(np.argmax(slopes))
     steepest = float(slopes[steep])
-    if not (steepest > 0.0 and secondary <= _FLAT * steepest and fine[steep] < x[-1] - _FINAL):
+    if not (steepest > 0.0 and secondary <= _FLAT * steepest and fine[steep] < x[last][0]):
         raise NoEvaluationError("the curve does not become flat at the end: primary consolidation is not over")
-    meet = (offset - float(curve(fine[steep])) + steepest * float(fine[steep])) / (steepest - secondary)
+    tangent = float(curve(fine[steep])) - steepest * float(fine[steep])
+    meet = (offset - tangent) / (steepest - secondary)
     end = offset + secondary * meet
     start = _parabola(x, d, curve, end)
     t_50 = 10.0 ** _crossing(fine, 0.5 * (start + end) - curve(fine))
-    return Consolidation(T_50 * path**2 / t_50, t_50, start, end, secondary)
+    lines = ((steepest, tangent), (secondary, offset))
+    return Consolidation(T_50 * path**2 / t_50, t_50, start, end, secondary, lines)
 
 
 def _parabola(x: FloatArray, d: FloatArray, curve: PchipInterpolator, end: float) -> float:

@@ -3,20 +3,54 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.compression import first_loading, virgin_line
+from geoswarm.solver.classical.compression import VirginLine, first_loading, virgin_line
 from geoswarm.solver.classical.errors import NoEvaluationError
 from geoswarm.solver.classical.straight import straight_line
 
-__all__ = ["casagrande", "log_log"]
+__all__ = ["Casagrande", "LogLog", "casagrande", "casagrande_construction", "log_log", "log_log_lines"]
 
 _LEAST = 5
 _FINE = 4001
+
+
+@dataclass(frozen=True, slots=True)
+class Casagrande:
+    """Casagrande's construction over log10(stress/kPa).
+
+    Parameters
+    ----------
+    stress
+        Preconsolidation stress, kPa.
+    place, void_ratio
+        Where the curvature is largest: log10 of the stress, and the void ratio there.
+    tangent, bisector
+        Slopes of the lines through that point, void ratio over a decade, negative.
+    line
+        The virgin line.
+    """
+
+    stress: float
+    place: float
+    void_ratio: float
+    tangent: float
+    bisector: float
+    line: VirginLine
+
+
+@dataclass(frozen=True, slots=True)
+class LogLog:
+    """Preconsolidation stress, kPa, and the two lines: slope and value at 1 kPa of ln(1 + e) over log10(stress/kPa)."""
+
+    stress: float
+    before: tuple[float, float]
+    after: tuple[float, float]
 
 
 def casagrande(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
@@ -36,6 +70,11 @@ def casagrande(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
     NoEvaluationError
         There are fewer than five points of first loading, no bend, or the lines do not meet within the test.
     """
+    return casagrande_construction(stress, void_ratio).stress
+
+
+def casagrande_construction(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> Casagrande:
+    """The construction behind :func:`casagrande`; parameters and errors are the same."""
     x, e = first_loading(stress, void_ratio)
     if x.size < _LEAST:
         raise NoEvaluationError(f"{x.size} points of first loading; at least {_LEAST} are needed")
@@ -51,7 +90,8 @@ def casagrande(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
     if not slope > -line.index:
         raise NoEvaluationError("the tangent at the largest curvature is as steep as the virgin line")
     place, height = float(fine[at]), float(spline(fine[at]))
-    return _within((line.start - height + slope * place) / (line.index + slope), x)
+    found = _within((line.start - height + slope * place) / (line.index + slope), x)
+    return Casagrande(found, place, height, float(first[at]), slope, line)
 
 
 def log_log(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
@@ -71,13 +111,18 @@ def log_log(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
         There are fewer than five points of first loading, the second line is not steeper, or they do not meet within
         the test.
     """
+    return log_log_lines(stress, void_ratio).stress
+
+
+def log_log_lines(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> LogLog:
+    """The lines behind :func:`log_log`; parameters and errors are the same."""
     x, e = first_loading(stress, void_ratio)
     if x.size < _LEAST:
         raise NoEvaluationError(f"{x.size} points of first loading; at least {_LEAST} are needed")
     if not (e > -1.0).all():
         raise NoEvaluationError("void ratios must be above -1; strains are not accepted")
     y = np.log1p(e)
-    best: tuple[float, float] | None = None
+    best: tuple[float, float, tuple[float, float], tuple[float, float]] | None = None
     for split in range(2, x.size - 1):
         slope_before, start_before, left_before = straight_line(x[:split], y[:split])
         slope_after, start_after, left_after = straight_line(x[split:], y[split:])
@@ -86,10 +131,10 @@ def log_log(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
         squares = left_before + left_after
         meet = (start_after - start_before) / (slope_before - slope_after)
         if best is None or squares < best[0]:
-            best = squares, meet
+            best = squares, meet, (slope_before, start_before), (slope_after, start_after)
     if best is None:
         raise NoEvaluationError("the curve does not become steeper")
-    return _within(best[1], x)
+    return LogLog(_within(best[1], x), best[2], best[3])
 
 
 def _within(found: float, x: FloatArray) -> float:

@@ -25,6 +25,7 @@ from geoswarm.solver.laboratory.record import no_voids
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault, permeability_of
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.laws.sources import HANSBO, HOLTZ, TERZAGHI
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
@@ -47,6 +48,7 @@ _RATIO = ParameterInfo(
     lower=0.0,
     lower_open=True,
     typical=(1.0, 5.0),
+    source=f"{TERZAGHI}, article 14: 1 to 1.5 for most soft clays, more where they are layered",
 )
 
 
@@ -82,7 +84,15 @@ class ColumnModel:
             text = "Permeability of undisturbed over that of disturbed soil about drains."
             found.append(
                 ParameterInfo(
-                    "smear_ratio", "k_h/k_s", "", text, drains.smear_ratio, 0.0, lower_open=True, typical=(1, 5)
+                    "smear_ratio",
+                    "k_h/k_s",
+                    "",
+                    text,
+                    drains.smear_ratio,
+                    0.0,
+                    lower_open=True,
+                    typical=(1, 5),
+                    source=HANSBO,
                 )
             )
         if drains is not None and drains.discharge_capacity is not None:
@@ -90,7 +100,15 @@ class ColumnModel:
             given = drains.discharge_capacity
             found.append(
                 ParameterInfo(
-                    "discharge_capacity", "q_w", "m**3/day", text, given, 0.0, lower_open=True, typical=(0.1, 3.0)
+                    "discharge_capacity",
+                    "q_w",
+                    "m**3/day",
+                    text,
+                    given,
+                    0.0,
+                    lower_open=True,
+                    typical=(0.1, 3.0),
+                    source=HOLTZ,
                 )
             )
         return tuple(found)

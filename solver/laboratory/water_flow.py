@@ -9,6 +9,7 @@ from typing import Final
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laws.base import Law
+from geoswarm.solver.laws.sources import TAVENAS, TERZAGHI
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 
 __all__ = [
@@ -43,6 +44,7 @@ FLOW = (
         lower=0.0,
         lower_open=True,
         typical=(1.0e-7, 1.0e-2),
+        source=f"{TERZAGHI}, article 14 (silts and clays)",
     ),
     ParameterInfo(
         "C_k",
@@ -52,6 +54,7 @@ FLOW = (
         default=0.0,
         lower=0.0,
         typical=(0.2, 2.0),
+        source=TAVENAS,
     ),
 )
 

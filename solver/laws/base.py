@@ -12,6 +12,7 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.binary import StressUpdate
+from geoswarm.solver.laws.terms import Term
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 
 __all__ = ["Law", "Setting", "Soil", "StateVariable", "StrengthPlaces"]
@@ -65,6 +66,9 @@ class Law(ABC):
     parameters: ClassVar[tuple[ParameterInfo, ...]]
     derived: ClassVar[frozenset[str]] = frozenset()
     """Parameters that follow from others unless they are given; their default 0 stands for that."""
+
+    terms: ClassVar[tuple[Term, ...]] = ()
+    """What parameters are in the terms of laboratories."""
 
     settings: ClassVar[tuple[Setting, ...]] = ()
     state: ClassVar[tuple[StateVariable, ...]] = ()

@@ -11,13 +11,26 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
+from geoswarm.solver.laws.sources import BOWLES, KULHAWY
+from geoswarm.solver.laws.terms import Term, same
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["MODULI", "Elastic", "moduli_contradiction", "moduli_incomplete", "young_of"]
+__all__ = ["MODULI", "YOUNG", "Elastic", "moduli_contradiction", "moduli_incomplete", "young_of"]
 
 MODULI = (
-    ParameterInfo("E", "E", "kPa", "Young's modulus; or give G.", default=0.0, lower=0.0, typical=(1.0e3, 1.0e6)),
-    ParameterInfo("G", "G", "kPa", "Shear modulus; or give E.", default=0.0, lower=0.0, typical=(4.0e2, 4.0e5)),
+    ParameterInfo(
+        "E", "E", "kPa", "Young's modulus; or give G.", default=0.0, lower=0.0, typical=(1.0e3, 1.0e6), source=BOWLES
+    ),
+    ParameterInfo(
+        "G",
+        "G",
+        "kPa",
+        "Shear modulus; or give E.",
+        default=0.0,
+        lower=0.0,
+        typical=(4.0e2, 4.0e5),
+        source=f"E/(2 (1 + nu)); {BOWLES}",
+    ),
     ParameterInfo(
         "nu",
         "ν",
@@ -28,9 +41,13 @@ MODULI = (
         upper=0.5,
         upper_open=True,
         typical=(0.15, 0.4),
+        source=KULHAWY,
     ),
 )
 """Parameters of an isotropic elastic law: one of E and G, and nu."""
+
+YOUNG = same("E₅₀", "kPa", "secant modulus at half the strength, drained", "E")
+"""Below the strength such a law is elastic, so the secant is Young's modulus."""
 
 
 def moduli_contradiction(values: Mapping[str, float]) -> str | None:
@@ -79,6 +96,7 @@ class Elastic(Law):
     kind: ClassVar[str] = "elastic"
     title: ClassVar[str] = "linear elasticity"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = MODULI
+    terms: ClassVar[tuple[Term, ...]] = (YOUNG,)
     derived: ClassVar[frozenset[str]] = frozenset({"E", "G"})
     update: ClassVar[NumbaUpdate] = _update
 

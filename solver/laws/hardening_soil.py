@@ -20,7 +20,10 @@ from geoswarm.solver.constitutive.tensors import principal_axes
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
+from geoswarm.solver.laws.hardening_soil_terms import HARDENING_SOIL_TERMS
 from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
+from geoswarm.solver.laws.sources import BJERRUM, BOLTON, BRINKGREVE_SAND, DUNCAN, PLAXIS, TERZAGHI, VON_SOOS
+from geoswarm.solver.laws.terms import Term
 from geoswarm.solver.laws.usual_parameters import (
     cohesion,
     normal_K0,
@@ -40,7 +43,9 @@ _TENSION, _ALPHA, _HARDENING, _K0, _OCR, _POP = 10, 12, 13, 14, 15, 16
 
 
 def _modulus(name: str, symbol: str, meaning: str, typical: tuple[float, float]) -> ParameterInfo:
-    return ParameterInfo(name, symbol, "kPa", meaning, lower=0.0, lower_open=True, typical=typical)
+    return ParameterInfo(
+        name, symbol, "kPa", meaning, lower=0.0, lower_open=True, typical=typical, source=BRINKGREVE_SAND
+    )
 
 
 _PARAMETERS = (
@@ -70,6 +75,7 @@ _PARAMETERS = (
         lower=0.0,
         upper=1.0,
         typical=(0.4, 1.0),
+        source=VON_SOOS,
     ),
     unloading_poisson(0.2, 0.1, 0.3),
     ParameterInfo(
@@ -81,6 +87,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(50.0, 200.0),
+        source=f"{PLAXIS}: 100 kPa",
     ),
     cohesion(30.0),
     ParameterInfo(
@@ -93,6 +100,7 @@ _PARAMETERS = (
         lower_open=True,
         upper_open=True,
         typical=(20.0, 42.0),
+        source=f"{TERZAGHI}, article 19 (clays to dense sands)",
     ),
     ParameterInfo(
         "psi",
@@ -103,6 +111,8 @@ _PARAMETERS = (
         lower=0.0,
         upper=90.0,
         upper_open=True,
+        typical=(0.0, 15.0),
+        source=BOLTON,
     ),
     ParameterInfo(
         "R_f",
@@ -115,6 +125,7 @@ _PARAMETERS = (
         lower_open=True,
         upper_open=True,
         typical=(0.75, 0.95),
+        source=DUNCAN,
     ),
     normal_K0(0.35, 0.7),
     ParameterInfo(
@@ -125,6 +136,7 @@ _PARAMETERS = (
         default=1.0,
         lower=1.0,
         typical=(1.0, 4.0),
+        source=BJERRUM,
     ),
     pre_overburden(100.0),
 )
@@ -154,6 +166,7 @@ class HardeningSoilLaw(Law):
     kind: ClassVar[str] = "hardening_soil"
     title: ClassVar[str] = "hardening soil"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
+    terms: ClassVar[tuple[Term, ...]] = HARDENING_SOIL_TERMS
     derived: ClassVar[frozenset[str]] = frozenset({"K0nc"})
     settings: ClassVar[tuple[Setting, ...]] = (
         Setting(

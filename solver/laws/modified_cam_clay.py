@@ -13,6 +13,8 @@ from geoswarm.solver.constitutive.cam_clay import cam_clay_step
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
+from geoswarm.solver.laws.sources import BJERRUM, BOWLES, KULHAWY, SCHOFIELD, TERZAGHI, WOOD
+from geoswarm.solver.laws.terms import LN10, Term, oedometric, same
 from geoswarm.solver.laws.usual_parameters import pre_overburden
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.stress_measures import mean_and_squared_q
@@ -26,6 +28,38 @@ _EITHER = (("M", "phi_cs"), ("nu", "G"), ("e0", "N"))
 _LEAST_PRESSURE = 1.0e-3
 """kPa: below it stiffness is only asked for to judge errors."""
 
+_TERMS = (
+    Term(
+        "Cc",
+        "",
+        "compression index",
+        "lambda",
+        "2.303 λ",
+        lambda known: LN10 * known["lambda"],
+        lambda value, _known: value / LN10,
+    ),
+    Term(
+        "Cs",
+        "",
+        "swelling index",
+        "kappa",
+        "2.303 κ (1 + ν)/(3 (1 − ν)), about",
+        lambda known: LN10 * known["kappa"] * oedometric(known.get("nu") or 0.25),
+        lambda value, known: value / (LN10 * oedometric(known.get("nu") or 0.25)),
+    ),
+    Term(
+        "φ_cs",
+        "degree",
+        "friction angle of the critical state",
+        "M",
+        "sin φ = 3 M/(6 + M)",
+        lambda known: math.degrees(math.asin(min(3.0 * known["M"] / (6.0 + known["M"]), 1.0))),
+        lambda value, _known: 6.0 * math.sin(math.radians(value)) / (3.0 - math.sin(math.radians(value))),
+    ),
+    same("φ_cs", "degree", "friction angle of the critical state", "phi_cs"),
+    same("e₀", "", "void ratio before the test", "e0"),
+)
+
 _PARAMETERS = (
     ParameterInfo(
         "M",
@@ -35,6 +69,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(0.7, 1.6),
+        source=f"{WOOD}: 6 sin(phi)/(3 - sin(phi))",
     ),
     ParameterInfo(
         "phi_cs",
@@ -46,6 +81,7 @@ _PARAMETERS = (
         upper=90.0,
         upper_open=True,
         typical=(18.0, 40.0),
+        source=WOOD,
     ),
     ParameterInfo(
         "lambda",
@@ -55,6 +91,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.05, 0.5),
+        source=SCHOFIELD,
     ),
     ParameterInfo(
         "kappa",
@@ -64,6 +101,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.005, 0.1),
+        source=SCHOFIELD,
     ),
     ParameterInfo(
         "nu",
@@ -75,6 +113,7 @@ _PARAMETERS = (
         upper=0.5,
         upper_open=True,
         typical=(0.15, 0.35),
+        source=KULHAWY,
     ),
     ParameterInfo(
         "G",
@@ -84,6 +123,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(1.0e3, 3.0e4),
+        source=f"E/(2 (1 + nu)) of soft to hard clay; {BOWLES}",
     ),
     ParameterInfo(
         "e0",
@@ -93,6 +133,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(0.4, 2.5),
+        source=f"{TERZAGHI}, table 6.3",
     ),
     ParameterInfo(
         "N",
@@ -102,6 +143,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(1.5, 5.0),
+        source=SCHOFIELD,
     ),
     ParameterInfo(
         "OCR",
@@ -111,6 +153,7 @@ _PARAMETERS = (
         default=1.0,
         lower=1.0,
         typical=(1.0, 4.0),
+        source=BJERRUM,
     ),
     pre_overburden(100.0),
     ParameterInfo(
@@ -121,6 +164,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(20.0, 1000.0),
+        source="no published range: soft clay at the surface to stiff clay",
     ),
 )
 
@@ -146,6 +190,7 @@ class ModifiedCamClay(Law):
     kind: ClassVar[str] = "modified_cam_clay"
     title: ClassVar[str] = "modified Cam clay"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
+    terms: ClassVar[tuple[Term, ...]] = _TERMS
     derived: ClassVar[frozenset[str]] = frozenset({"M", "phi_cs", "nu", "G", "e0", "N", "p_c"})
     settings: ClassVar[tuple[Setting, ...]] = (
         Setting(

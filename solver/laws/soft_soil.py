@@ -7,7 +7,8 @@ from typing import ClassVar
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.soft_soil_creep.physics import Formulation, SoftSoilCreep, soft_soil
-from geoswarm.solver.laws.soft_soil_creep import PARAMETERS, SoftSoilCreepLaw
+from geoswarm.solver.laws.soft_soil_creep import PARAMETERS, SOFT_SOIL_TERMS, SoftSoilCreepLaw
+from geoswarm.solver.laws.terms import Term
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["SoftSoilLaw"]
@@ -19,6 +20,7 @@ class SoftSoilLaw(SoftSoilCreepLaw):
     kind: ClassVar[str] = "soft_soil"
     title: ClassVar[str] = "soft soil"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = tuple(info for info in PARAMETERS if info.name != "mu_star")
+    terms: ClassVar[tuple[Term, ...]] = SOFT_SOIL_TERMS
 
     def kernel_constants(
         self, given: Mapping[str, float], formulation: Formulation, tension_cutoff: float | None

@@ -20,6 +20,8 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
+from geoswarm.solver.laws.sources import BJERRUM, BRINKGREVE, MESRI_CREEP, PLAXIS, TERZAGHI
+from geoswarm.solver.laws.terms import COHESION, FRICTION, LN10, Term, oedometric, same
 from geoswarm.solver.laws.usual_parameters import (
     DILATANCY,
     cohesion,
@@ -32,10 +34,42 @@ from geoswarm.solver.laws.usual_parameters import (
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.stress_measures import mean_and_squared_q
 
-__all__ = ["PARAMETERS", "SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
+__all__ = ["PARAMETERS", "SOFT_SOIL_TERMS", "SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
 
 _OCR, _POP = 16, 17
 """Where the constants hold the initial preconsolidation, after those of the kernels."""
+
+_CC = Term(
+    "Cc",
+    "",
+    "compression index",
+    "lambda_star",
+    "2.303 λ* (1 + e₀)",
+    lambda known: LN10 * known["lambda_star"] * (1.0 + known["e_0"]),
+    lambda value, known: value / (LN10 * (1.0 + known["e_0"])),
+    voids=True,
+)
+_CS = Term(
+    "Cs",
+    "",
+    "swelling index",
+    "kappa_star",
+    "2.303 κ* (1 + e₀) (1 + ν)/(3 (1 − ν)), about",
+    lambda known: LN10 * known["kappa_star"] * (1.0 + known["e_0"]) * oedometric(known.get("nu_ur", 0.15)),
+    lambda value, known: value / (LN10 * (1.0 + known["e_0"]) * oedometric(known.get("nu_ur", 0.15))),
+    voids=True,
+)
+_CALPHA = Term(
+    "Cα",
+    "",
+    "creep index",
+    "mu_star",
+    "2.303 μ* (1 + e₀)",
+    lambda known: LN10 * known["mu_star"] * (1.0 + known["e_0"]),
+    lambda value, known: value / (LN10 * (1.0 + known["e_0"])),
+    voids=True,
+)
+SOFT_SOIL_TERMS = (_CC, _CS, FRICTION, COHESION, same("K₀", "", "stress ratio at rest", "K0nc"))
 
 PARAMETERS = (
     ParameterInfo(
@@ -46,6 +80,7 @@ PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.01, 0.3),
+        source=f"{PLAXIS}: I_P/500, I_P from 5 to 150 %",
     ),
     ParameterInfo(
         "kappa_star",
@@ -55,6 +90,7 @@ PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.002, 0.1),
+        source=f"{PLAXIS}: lambda_star/kappa_star from 2.5 to 7",
     ),
     ParameterInfo(
         "mu_star",
@@ -64,6 +100,7 @@ PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(1.0e-4, 0.02),
+        source=MESRI_CREEP,
     ),
     cohesion(50.0),
     ParameterInfo(
@@ -76,6 +113,7 @@ PARAMETERS = (
         lower_open=True,
         upper_open=True,
         typical=(15.0, 35.0),
+        source=f"{TERZAGHI}, article 19 (clays)",
     ),
     DILATANCY,
     unloading_poisson(0.15, 0.1, 0.2),
@@ -88,6 +126,7 @@ PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(0.8, 1.8),
+        source=BRINKGREVE,
     ),
     ParameterInfo(
         "OCR",
@@ -99,6 +138,7 @@ PARAMETERS = (
         default=1.0,
         lower=1.0,
         typical=(1.0, 4.0),
+        source=BJERRUM,
     ),
     pre_overburden(50.0),
 )
@@ -125,6 +165,7 @@ class SoftSoilCreepLaw(Law):
     kind: ClassVar[str] = "soft_soil_creep"
     title: ClassVar[str] = "soft soil creep"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = PARAMETERS
+    terms: ClassVar[tuple[Term, ...]] = (*SOFT_SOIL_TERMS, _CALPHA)
     derived: ClassVar[frozenset[str]] = frozenset({"K0nc", "M"})
     settings: ClassVar[tuple[Setting, ...]] = (
         Setting(

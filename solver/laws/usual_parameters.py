@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from geoswarm.solver.laws.sources import BOLTON, JAKY, MESRI_COHESION, OVERBURDEN, PLAXIS
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = [
@@ -17,13 +18,24 @@ __all__ = [
 
 
 DILATANCY = ParameterInfo(
-    "psi", "ψ", "degree", "Dilatancy angle, at most phi.", default=0.0, lower=0.0, upper=90.0, upper_open=True
+    "psi",
+    "ψ",
+    "degree",
+    "Dilatancy angle, at most phi.",
+    default=0.0,
+    lower=0.0,
+    upper=90.0,
+    upper_open=True,
+    typical=(0.0, 15.0),
+    source=BOLTON,
 )
 
 
 def cohesion(highest: float) -> ParameterInfo:
     """c, usual up to a stress, kPa."""
-    return ParameterInfo("c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, highest))
+    return ParameterInfo(
+        "c", "c", "kPa", "Effective cohesion.", lower=0.0, typical=(0.0, highest), source=MESRI_COHESION
+    )
 
 
 def unloading_poisson(default: float, lowest: float, highest: float) -> ParameterInfo:
@@ -38,6 +50,7 @@ def unloading_poisson(default: float, lowest: float, highest: float) -> Paramete
         upper=0.5,
         upper_open=True,
         typical=(lowest, highest),
+        source=f"{PLAXIS}: 0.15 for soft soil, 0.2 for hardening soil",
     )
 
 
@@ -53,6 +66,7 @@ def normal_K0(lowest: float, highest: float) -> ParameterInfo:
         upper=1.0,
         upper_open=True,
         typical=(lowest, highest),
+        source=JAKY,
     )
 
 
@@ -66,11 +80,12 @@ def pre_overburden(highest: float) -> ParameterInfo:
         default=0.0,
         lower=0.0,
         typical=(0.0, highest),
+        source=OVERBURDEN,
     )
 
 
-def critical_friction(lowest: float, highest: float) -> ParameterInfo:
-    """phi_c, usual between two angles, degree."""
+def critical_friction(lowest: float, highest: float, source: str) -> ParameterInfo:
+    """phi_c, usual between two angles, degree, by a source."""
     return ParameterInfo(
         "phi_c",
         "φ_c",
@@ -81,6 +96,7 @@ def critical_friction(lowest: float, highest: float) -> ParameterInfo:
         lower_open=True,
         upper_open=True,
         typical=(lowest, highest),
+        source=source,
     )
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import copyreg
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverError
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
@@ -79,10 +80,10 @@ def parse_problem(document: Mapping[str, Any], *, programs: bool = False) -> Pro
     return _Assembly(plain_document(document), None, programs).problem()
 
 
-def load_problem(path: str | Path) -> Problem:
+def load_problem(path: str | Path, completed: Callable[[dict[str, Any]], dict[str, Any]] | None = None) -> Problem:
     """Read a YAML or JSON problem file, and the CSV files beside it that its observations name.
 
-    A problem without a name is named after its file.
+    A problem without a name is named after its file. ``completed`` adds to the document as it was read what is missing.
 
     Raises
     ------
@@ -91,6 +92,7 @@ def load_problem(path: str | Path) -> Problem:
     """
     path = Path(path)
     document = read_problem_file(path)
+    document = document if completed is None else completed(document)
     problem = _Assembly({"name": path.stem, **document}, path.parent, programs=True).problem()
     if extreme := extreme_issues(problem):
         raise ProblemError(extreme)
@@ -133,6 +135,8 @@ class _Assembly:
         self._check_stopping(method, stopping)
         limits = self._validated(Limits, self.document.get("limits", {}), "limits")
         failures = self._validated(Failures, self.document.get("failures", {}), "failures")
+        index = self.document.get("index_properties")
+        known = None if index is None else self._validated(IndexSection, index, "index_properties")
         warm_start = self._warm_start(method)
         if self.issues or not (settings and spec and model and method and stopping and limits and failures):
             raise ProblemError(self._sorted_issues())
@@ -151,6 +155,7 @@ class _Assembly:
             failures=failures,
             warm_start=warm_start,
             priority=settings.priority,
+            index_properties=known,
         )
         unsatisfiable = (
             size_issues(problem)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ParameterInfo
 from geoswarm.solver.methods.base import Method
@@ -55,6 +56,8 @@ class Problem:
         Ids of earlier jobs whose runs are offered to the search.
     limits, failures, priority
         What one evaluation may use, what its failure means, and the job's rank among others.
+    index_properties
+        Of the soil, where they are known; they take no part in the calibration.
     """
 
     name: str
@@ -71,6 +74,7 @@ class Problem:
     failures: Failures = field(default_factory=Failures)
     warm_start: tuple[str, ...] = ()
     priority: int = 0
+    index_properties: IndexSection | None = None
     free: tuple[FreeParameter, ...] = field(init=False)
     free_names: tuple[str, ...] = field(init=False)
     _template: dict[str, float] = field(init=False, repr=False)
@@ -153,6 +157,8 @@ class Problem:
         }
         if self.warm_start:
             document["warm_start"] = {"jobs": list(self.warm_start)}
+        if self.index_properties is not None:
+            document["index_properties"] = self.index_properties.model_dump(mode="json", exclude_defaults=True)
         if self.weighting is not None:
             document["weighting"] = self.weighting
         if self.seed is not None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, Union
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
+from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.forward.registry import AnyForwardModelSpec
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
@@ -142,4 +143,7 @@ class ProblemFile(Settings):
     stopping: Stopping = Field(default=Stopping(), description="when to stop; a particle swarm needs one criterion")
     limits: Limits = Field(default=Limits(), description="what one evaluation may use")
     failures: Failures = Field(default=Failures(), description="what happens when an evaluation fails")
+    index_properties: IndexSection | None = Field(
+        None, description="of the soil: correlations then tell what to expect of the parameters"
+    )
     warm_start: WarmStart | None = Field(None, description="earlier runs that an accelerated swarm learns from")

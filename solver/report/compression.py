@@ -2,39 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
-from geoswarm.solver.forward.combined import parts_of
+from geoswarm.solver.estimates.stage_ends import LoadTest, load_tests, measured_strain
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.problem.stages import stage_of, stage_times
-from geoswarm.solver.report.laboratory import StagedTest, laboratory_values
+from geoswarm.solver.report.laboratory import laboratory_values
 
-__all__ = ["CompressionCurve", "compression_curves", "measured_strain"]
-
-_LATE = 0.5
-"""A reading stands for the end of a stage when it was made in the last half of it."""
-
-
-@dataclass(frozen=True, slots=True)
-class _LoadTest:
-    """A test in stages: name of its part, forward model, and parameters of the part."""
-
-    part: str
-    model: Any
-    values: Callable[[Mapping[str, float]], Mapping[str, float]]
-
-    @property
-    def confined(self) -> bool:
-        """Whether a ring holds the side."""
-        return any(info.name == "stage_axial_strain" for info in self.model.series)
+__all__ = ["CompressionCurve", "compression_curves"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +64,7 @@ def compression_curves(
     """Return the compression curve of every laboratory test; none of one that cannot be calculated."""
     found = {v.part: v for v in laboratory_values(problem, values, linearisation) if v.symbol == "σ′p"}
     curves = []
-    for test in _load_tests(problem):
+    for test in load_tests(problem):
         own = found.get(test.part)
         ends = (None, None) if own is None else (own.value, own.interval)
         try:
@@ -96,7 +76,7 @@ def compression_curves(
 
 def _curve(
     problem: Problem,
-    test: _LoadTest,
+    test: LoadTest,
     values: Mapping[str, float],
     preconsolidation: float | None,
     interval: tuple[float, float] | None,
@@ -127,72 +107,9 @@ def _curve(
     )
 
 
-def _load_tests(problem: Problem) -> Iterator[_LoadTest]:
-    """The tests of a problem with loads in stages, and strains at their ends, of any law."""
-    if problem.forward_model.runs_outside:
-        return
-    for part in parts_of(problem.forward_model, problem.model):
-        if _is_load_test(part.spec, part.model):
-            yield _LoadTest(part.name, part.model, part.values)
-
-
-def _is_load_test(spec: ForwardModelSpec, model: ForwardModel) -> bool:
-    stages: Any = getattr(spec, "stages", ())
-    names = {info.name for info in model.series}
-    whole = bool(stages) and hasattr(stages[0], "stress") and hasattr(spec, "initial_stress")
-    return whole and bool(names & {"stage_axial_strain", "stage_volumetric_strain"})
-
-
-def _strain_before(test: _LoadTest, values: Mapping[str, float], strain: FloatArray) -> float:
+def _strain_before(test: LoadTest, values: Mapping[str, float], strain: FloatArray) -> float:
     """Calculated strain from the beginning of the test to the zero of its readings."""
     whole = type(test.model)(test.model.spec.model_copy(update={"zero_at_stage": 1}))
     series = "stage_axial_strain" if test.confined else "stage_volumetric_strain"
     first = whole.prepare({series: np.array([1.0])})(test.values(values))[series]
     return float(first[0] - strain[0])
-
-
-def measured_strain(problem: Problem, test: StagedTest | _LoadTest) -> tuple[IntArray, FloatArray]:
-    """Stages that were read, from 1, and the strain since the zero of the readings."""
-    spec = test.model.spec
-    prefix = f"{test.part}." if test.part else ""
-    ends = {
-        o.series.removeprefix(prefix): _ends(problem, test, o.series, o.x, o.y)
-        for o in problem.observations
-        if o.series.startswith(prefix)
-    }
-    for name in ("axial_strain", "settlement") if test.confined else ("volumetric_strain",):
-        for series in (f"stage_{name}", name):
-            if ends.get(series):
-                scale = spec.height if name == "settlement" else 1.0
-                return _sorted({stage: y / scale for stage, y in ends[series].items()})
-    e = spec.initial_void_ratio
-    if ends.get("stage_void_ratio") and e is not None and spec.zero_at_stage == 1:
-        return _sorted({stage: (e - y) / (1.0 + e) for stage, y in ends["stage_void_ratio"].items()})
-    for form in ("stage_", ""):
-        axial, radial = ends.get(f"{form}axial_displacement", {}), ends.get(f"{form}radial_displacement", {})
-        both = {
-            stage: 1.0 - (1.0 - axial[stage] / spec.height) * (1.0 - radial[stage] / spec.radius) ** 2
-            for stage in axial
-            if stage in radial
-        }
-        if both:
-            return _sorted(both)
-    return _sorted({})
-
-
-def _sorted(ends: Mapping[int, float]) -> tuple[IntArray, FloatArray]:
-    stages = sorted(ends)
-    return np.array(stages, dtype=np.int64), np.array([ends[stage] for stage in stages], dtype=np.float64)
-
-
-def _ends(
-    problem: Problem, test: StagedTest | _LoadTest, series: str, x: FloatArray, y: FloatArray
-) -> dict[int, float]:
-    """Reading at the end of each stage, by its number."""
-    starts = stage_times(problem.forward_model, series)
-    if starts.size == 0:
-        return dict(zip(np.round(x).astype(int).tolist(), y.tolist(), strict=True))
-    durations = np.array([stage.duration for stage in test.model.spec.stages])
-    stages = stage_of(x, starts)
-    late = x - starts[stages - 1] >= _LATE * durations[stages - 1]
-    return {int(stage): float(value) for stage, value in zip(stages[late], y[late], strict=True)}

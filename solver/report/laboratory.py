@@ -32,7 +32,7 @@ from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
 from geoswarm.solver.problem import Problem
 
-__all__ = ["LaboratoryValue", "StagedTest", "laboratory_values", "staged_tests"]
+__all__ = ["LaboratoryValue", "StagedTest", "interval_of", "laboratory_values", "staged_tests"]
 
 _STEP = 1e-5
 """Of the differences, in search coordinates: on a log scale relative."""
@@ -112,7 +112,7 @@ def laboratory_values(
             def of_all(given: Mapping[str, float], test: StagedTest = test, quantity: Quantity = quantity) -> float:
                 return quantity(test.values(given))
 
-            interval = None if linearisation is None else _interval(problem, of_all, linearisation)
+            interval = None if linearisation is None else interval_of(problem, of_all, linearisation)
             found.append(LaboratoryValue(test.part, symbol, name, unit, of_all(values), interval, relation))
     return tuple(found)
 
@@ -167,7 +167,7 @@ def _log_equivalent(stress: float, ratio: float, soil: SoftSoilCreep) -> float:
     return math.log(equivalent_axial_pressure(stress, ratio * stress, soil))
 
 
-def _interval(
+def interval_of(
     problem: Problem, quantity: Callable[[Mapping[str, float]], float], found: Linearisation
 ) -> tuple[float, float] | None:
     """Interval of a positive quantity from those of the free parameters that it follows from."""

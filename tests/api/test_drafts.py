@@ -147,3 +147,24 @@ def test_a_request_that_is_given_up_is_no_failure_of_the_service(app: App, caplo
     asyncio.run(app.app(scope, receive, send))
     assert statuses[0] == 400
     assert [record for record in caplog.records if record.levelname == "ERROR"] == []
+
+
+def test_a_draft_tells_what_index_properties_let_expect_before_it_is_sound(app: App) -> None:
+    """I_P = 40 %: lambda* = I_P/500 by the manual of PLAXIS; what has mistakes is evaluated by its readings later."""
+    model = app.get(f"{API}/forward-models/oedometer").json()["example"] | {"initial_void_ratio": 1.5}
+    draft = {"forward_model": model, "index_properties": {"plasticity_index": 40}}
+    found = app.post(f"{API}/problems/read", json=draft).json()
+    assert found["valid"] is False
+    values = {one["source"]: one for one in found["estimates"] if one["parameter"] == "lambda_star"}
+    manual = values["Cc: 2.303 (1 + e_0) I_P/500, PLAXIS Material Models Manual"]
+    assert manual["value"] == pytest.approx(0.08)
+    assert manual["measured"] is False
+    wrong = draft | {"index_properties": {"plasticity_index": 0.4}}
+    answer = app.post(f"{API}/problems/read", json=wrong).json()
+    assert answer["estimates"] == []
+    assert any("in per cent this would be 40" in issue["message"] for issue in answer["issues"])
+
+
+def test_parameters_of_a_forward_model_have_the_source_of_their_range(app: App) -> None:
+    parameters = app.get(f"{API}/forward-models/oedometer").json()["parameters"]
+    assert {one["name"]: one["source"] for one in parameters}["lambda_star"].startswith("PLAXIS Material Models Manual")

@@ -19,7 +19,7 @@ from geoswarm.solver.laboratory.shear_stages import ShearStage
 from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
 from geoswarm.solver.sketches.stages import movement_panels
 
-__all__ = ["CrsOedometerSpec"]
+__all__ = ["CrsMovement", "CrsOedometerSpec"]
 
 
 class CrsMovement(Part):

@@ -28,6 +28,8 @@ from geoswarm.solver.laws.hypoplasticity.shared import (
     shared_constants,
     strength_ratio,
 )
+from geoswarm.solver.laws.sources import BJERRUM, MASIN, TERZAGHI
+from geoswarm.solver.laws.terms import CRITICAL_FRICTION, LN10, Term
 from geoswarm.solver.laws.usual_parameters import critical_friction
 from geoswarm.solver.parameter_info import ParameterInfo
 
@@ -36,8 +38,19 @@ __all__ = ["HypoplasticClay"]
 _E0, _OCR = FIRST + 9, FIRST + 10
 """Where the constants hold the initial void ratio and OCR, after those of the kernels."""
 
+_CC = Term(
+    "Cc",
+    "",
+    "compression index",
+    "lambda_star",
+    "2.303 λ* (1 + e₀), about: λ* is of ln(1 + e)",
+    lambda known: LN10 * known["lambda_star"] * (1.0 + known["e_0"]),
+    lambda value, known: value / (LN10 * (1.0 + known["e_0"])),
+    voids=True,
+)
+
 _PARAMETERS = (
-    critical_friction(18.0, 35.0),
+    critical_friction(18.0, 35.0, MASIN),
     ParameterInfo(
         "lambda_star",
         "λ*",
@@ -46,6 +59,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.03, 0.15),
+        source=MASIN,
     ),
     ParameterInfo(
         "kappa_star",
@@ -55,6 +69,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.004, 0.03),
+        source=MASIN,
     ),
     ParameterInfo(
         "N",
@@ -64,6 +79,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.6, 2.0),
+        source=MASIN,
     ),
     ParameterInfo(
         "nu",
@@ -74,6 +90,7 @@ _PARAMETERS = (
         upper=0.5,
         upper_open=True,
         typical=(0.1, 0.4),
+        source=MASIN,
     ),
     ParameterInfo(
         "OCR",
@@ -84,6 +101,7 @@ _PARAMETERS = (
         default=1.0,
         lower=1.0,
         typical=(1.0, 8.0),
+        source=BJERRUM,
     ),
     ParameterInfo(
         "e0",
@@ -93,6 +111,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(0.4, 3.0),
+        source=f"{TERZAGHI}, table 6.3",
     ),
     SHIFT,
     *INTERGRANULAR,
@@ -114,6 +133,7 @@ class HypoplasticClay(Law):
     kind: ClassVar[str] = "hypoplastic_clay"
     title: ClassVar[str] = "hypoplasticity of clay"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
+    terms: ClassVar[tuple[Term, ...]] = (_CC, CRITICAL_FRICTION)
     derived: ClassVar[frozenset[str]] = frozenset({"e0"})
     state: ClassVar[tuple[StateVariable, ...]] = HYPOPLASTIC_STATE
     update: ClassVar[NumbaUpdate] = hypoplastic_step

@@ -27,6 +27,8 @@ from geoswarm.solver.laws.hypoplasticity.shared import (
     shared_constants,
     strength_ratio,
 )
+from geoswarm.solver.laws.sources import HERLE, TERZAGHI
+from geoswarm.solver.laws.terms import CRITICAL_FRICTION, Term
 from geoswarm.solver.laws.usual_parameters import critical_friction
 from geoswarm.solver.parameter_info import ParameterInfo
 
@@ -36,8 +38,10 @@ _E0, _E00 = FIRST + 9, FIRST + 10
 """Where the constants hold the initial void ratio, after those of the kernels."""
 
 _PARAMETERS = (
-    critical_friction(28.0, 38.0),
-    ParameterInfo("h_s", "h_s", "kPa", "Granular hardness.", lower=0.0, lower_open=True, typical=(1.0e5, 4.0e7)),
+    critical_friction(28.0, 38.0, HERLE),
+    ParameterInfo(
+        "h_s", "h_s", "kPa", "Granular hardness.", lower=0.0, lower_open=True, typical=(1.0e5, 4.0e7), source=HERLE
+    ),
     ParameterInfo(
         "n",
         "n",
@@ -48,6 +52,7 @@ _PARAMETERS = (
         lower_open=True,
         upper_open=True,
         typical=(0.15, 0.5),
+        source=HERLE,
     ),
     ParameterInfo(
         "e_d0",
@@ -57,6 +62,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.25, 0.8),
+        source=HERLE,
     ),
     ParameterInfo(
         "e_c0",
@@ -66,9 +72,17 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(0.4, 1.3),
+        source=HERLE,
     ),
     ParameterInfo(
-        "e_i0", "e_i0", "", "Largest void ratio at zero mean stress.", lower=0.0, lower_open=True, typical=(0.5, 1.5)
+        "e_i0",
+        "e_i0",
+        "",
+        "Largest void ratio at zero mean stress.",
+        lower=0.0,
+        lower_open=True,
+        typical=(0.5, 1.5),
+        source=HERLE,
     ),
     ParameterInfo(
         "alpha",
@@ -79,6 +93,7 @@ _PARAMETERS = (
         upper=5.0,
         lower_open=True,
         typical=(0.05, 0.5),
+        source=HERLE,
     ),
     ParameterInfo(
         "beta",
@@ -88,6 +103,7 @@ _PARAMETERS = (
         lower=0.0,
         upper=20.0,
         typical=(0.8, 3.0),
+        source=HERLE,
     ),
     ParameterInfo(
         "e0",
@@ -97,6 +113,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(0.4, 1.0),
+        source=f"{TERZAGHI}, table 6.3",
     ),
     ParameterInfo(
         "e00",
@@ -107,6 +124,7 @@ _PARAMETERS = (
         default=0.0,
         lower=0.0,
         typical=(0.4, 1.0),
+        source=f"{TERZAGHI}, table 6.3",
     ),
     SHIFT,
     *INTERGRANULAR,
@@ -128,6 +146,7 @@ class HypoplasticSand(Law):
     kind: ClassVar[str] = "hypoplastic_sand"
     title: ClassVar[str] = "hypoplasticity of sand"
     parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
+    terms: ClassVar[tuple[Term, ...]] = (CRITICAL_FRICTION,)
     derived: ClassVar[frozenset[str]] = frozenset({"e0", "e00"})
     state: ClassVar[tuple[StateVariable, ...]] = HYPOPLASTIC_STATE
     update: ClassVar[NumbaUpdate] = hypoplastic_step

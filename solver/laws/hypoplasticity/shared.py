@@ -12,6 +12,7 @@ from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.constitutive.hypoplasticity.step import CONSTANTS, STATE, hypoplastic_update
 from geoswarm.solver.laws.base import StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
+from geoswarm.solver.laws.sources import NIEMUNIS
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = [
@@ -41,6 +42,7 @@ SHIFT: Final = ParameterInfo(
     default=0.0,
     lower=0.0,
     typical=(0.0, 5.0),
+    source="no published range: a shift of some kPa for calculations near the surface",
 )
 
 INTERGRANULAR: Final = (
@@ -53,6 +55,7 @@ INTERGRANULAR: Final = (
         lower=0.0,
         upper=0.1,
         typical=(2.0e-5, 2.0e-4),
+        source=NIEMUNIS,
     ),
     ParameterInfo(
         "m_R",
@@ -62,6 +65,7 @@ INTERGRANULAR: Final = (
         default=5.0,
         lower=1.0,
         typical=(2.0, 20.0),
+        source=NIEMUNIS,
     ),
     ParameterInfo(
         "m_T",
@@ -71,6 +75,7 @@ INTERGRANULAR: Final = (
         default=2.0,
         lower=1.0,
         typical=(1.0, 10.0),
+        source=NIEMUNIS,
     ),
     ParameterInfo(
         "beta_r",
@@ -81,6 +86,7 @@ INTERGRANULAR: Final = (
         lower=0.05,
         upper=5.0,
         typical=(0.05, 1.0),
+        source=NIEMUNIS,
     ),
     ParameterInfo(
         "chi",
@@ -91,6 +97,7 @@ INTERGRANULAR: Final = (
         lower=0.1,
         upper=50.0,
         typical=(0.5, 10.0),
+        source=NIEMUNIS,
     ),
 )
 """Of Niemunis & Herle (1997); the defaults but R are theirs for Hochstetten sand."""

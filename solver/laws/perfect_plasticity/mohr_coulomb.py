@@ -13,7 +13,9 @@ from geoswarm.solver.constitutive.mohr_coulomb.general import general_mohr_coulo
 from geoswarm.solver.constitutive.mohr_coulomb.planar import planar_mohr_coulomb
 from geoswarm.solver.laws.base import Law, Setting, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.elastic import MODULI, moduli_contradiction, moduli_incomplete, young_of
+from geoswarm.solver.laws.elastic import MODULI, YOUNG, moduli_contradiction, moduli_incomplete, young_of
+from geoswarm.solver.laws.sources import TERZAGHI
+from geoswarm.solver.laws.terms import COHESION, DILATANCY_ANGLE, FRICTION, Term
 from geoswarm.solver.laws.usual_parameters import DILATANCY, cohesion, too_dilatant
 from geoswarm.solver.parameter_info import ParameterInfo
 
@@ -49,9 +51,11 @@ class MohrCoulomb(Law):
             upper=90.0,
             upper_open=True,
             typical=(15.0, 35.0),
+            source=f"{TERZAGHI}, article 19",
         ),
         DILATANCY,
     )
+    terms: ClassVar[tuple[Term, ...]] = (YOUNG, FRICTION, COHESION, DILATANCY_ANGLE)
     derived: ClassVar[frozenset[str]] = frozenset({"E", "G"})
     settings: ClassVar[tuple[Setting, ...]] = (TENSION_CUTOFF,)
     update: ClassVar[NumbaUpdate] = _update

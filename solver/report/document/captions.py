@@ -46,6 +46,12 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
         "it holds.",
         False,
     ),
+    "classical": (
+        "Classical evaluation",
+        "What a ruler finds on the readings, without the model: its lines and points. Root and logarithm of time "
+        "belong to the largest load that allows them; strains are those of the initial height.",
+        True,
+    ),
     "convergence": ("Convergence", "Lowest objective found over the number of evaluations.", False),
     "traces": (
         "Parameters during the search",

@@ -12,18 +12,16 @@ from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
-from geoswarm.solver.report.classical import classical_values
 from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.document.captions import CAPTIONS
-from geoswarm.solver.report.document.laboratory_table import laboratory_table
+from geoswarm.solver.report.document.laboratory import laboratory_tables
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
 from geoswarm.solver.report.document.scope import not_modelled
 from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
-from geoswarm.solver.report.laboratory import laboratory_values
-from geoswarm.solver.report.record import Optimum, RunRecord, method_in_words
+from geoswarm.solver.report.record import BestFit, Optimum, RunRecord, method_in_words
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset, verdict_in_words
 
@@ -46,6 +44,16 @@ class Content:
     provenance: tuple[tuple[str, str], ...]
     problem: str
     figures: FigureSet
+
+    @property
+    def classical(self) -> tuple[Table, ...]:
+        """Tables that stand beside the constructions of the classical evaluation."""
+        return tuple(table for table in self.tables if table.classical)
+
+    @property
+    def others(self) -> tuple[Table, ...]:
+        """All other tables."""
+        return tuple(table for table in self.tables if not table.classical)
 
 
 def report_content(
@@ -197,7 +205,7 @@ def _tables(
     best = record.best
     if best is not None:
         tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum, uncertainty))
-        tables += _laboratory_tables(problem, best.parameters, statistics, _polished(optimum, uncertainty))
+        tables += _laboratory_tables(problem, best, statistics, _polished(optimum, uncertainty))
         unit = objective_unit(problem)
         rows = [
             (
@@ -270,12 +278,14 @@ def _doubt(statistics: Statistics | None) -> str:
 
 
 def _laboratory_tables(
-    problem: Problem, best: Mapping[str, float], statistics: Statistics | None, polished: Mapping[str, float] | None
+    problem: Problem, best: BestFit, statistics: Statistics | None, polished: Mapping[str, float] | None
 ) -> list[Table]:
     """The parameters of laboratory tests as laboratories know them: polished where somebody went there."""
-    values = best if polished is None else problem.values([polished[name] for name in problem.free_names])
-    found = laboratory_values(problem, values, None if statistics is None else statistics.linearisation)
-    return [laboratory_table(found, _doubt(statistics), classical_values(problem))] if found else []
+    responses = best.responses if polished is None else None
+    values = best.parameters if polished is None else problem.values([polished[name] for name in problem.free_names])
+    return laboratory_tables(
+        problem, values, None if statistics is None else statistics.linearisation, responses, _doubt(statistics)
+    )
 
 
 def _correlation_table(statistics: Statistics, labels: dict[str, ParameterLabel]) -> Table:

@@ -46,10 +46,15 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """One table; ``numeric`` are the indices of the columns to align to the right."""
+    """One table.
+
+    ``numeric`` are the indices of the columns to align to the right; ``classical``: it stands in the section of the
+    classical evaluation, not among the others.
+    """
 
     heading: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     numeric: tuple[int, ...] = ()
     note: str = ""
+    classical: bool = False

@@ -62,11 +62,16 @@ def pdf_report(content: Content) -> bytes:
         story.append(PageBreak())
         story.append(_text("Figures", "heading"))
         for picture in content.pictures:
-            story.append(_picture(picture, content, width, document.height))
-    if content.tables:
+            if picture.name != "classical" or not content.classical:
+                story.append(_picture(picture, content, width, document.height))
+    if content.classical:
+        story.append(PageBreak())
+        story.append(_text("Classical evaluation and back-analysis", "heading"))
+        story += _classical(content, width, document.height)
+    if content.others:
         story.append(PageBreak())
         story.append(_text("Tables", "heading"))
-        for table in content.tables:
+        for table in content.others:
             story += _table(table, width)
     story.append(_text("Provenance", "heading"))
     story.append(_facts(content.provenance, width, columns=1))
@@ -185,6 +190,13 @@ def _picture(picture: Picture, content: Content, width: float, height: float) ->
     scale = min(width / (72.0 * inches[0]), 0.82 * height / (72.0 * inches[1]), 1.3 if picture.wide else 1.0)
     image = Image(io.BytesIO(png_of(figure, dpi=_DPI)), width=72.0 * inches[0] * scale, height=72.0 * inches[1] * scale)
     return KeepTogether([_text(picture.heading, "subheading"), image, _text(picture.caption, "small")])
+
+
+def _classical(content: Content, width: float, height: float) -> list[Any]:
+    """First table, constructions, then the others."""
+    first, *rest = content.classical
+    drawn = [_picture(one, content, width, 0.5 * height) for one in content.pictures if one.name == "classical"]
+    return [*_table(first, width), *drawn, *(part for table in rest for part in _table(table, width))]
 
 
 def _table(table: Table, width: float) -> list[Any]:

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from geoswarm.solver.estimates.classical import classical_evaluation
+from geoswarm.solver.estimates.construction import Construction
 from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.identifiability import Samples, Statistics
 from geoswarm.solver.identifiability.stored.findings import follow_up_of
@@ -16,6 +18,11 @@ from geoswarm.solver.report.compression import CompressionCurve, compression_cur
 from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
 from geoswarm.solver.report.diagrams import DiagramCurve, diagram_curves
 from geoswarm.solver.report.figures.compression_plot import compression_figure, compression_rows
+from geoswarm.solver.report.figures.construction_plot import (
+    chosen_constructions,
+    construction_figure,
+    construction_rows,
+)
 from geoswarm.solver.report.figures.diagram_plot import diagram_figure, diagram_rows
 from geoswarm.solver.report.figures.fit_plot import (
     MOST_BELOW_EACH_OTHER,
@@ -56,7 +63,7 @@ class FigureSet:
     ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity,
     sketch (of a test; sketch.PART of each of several), fit, stages.SERIES (one a series that was measured during
     several loads), compression (of a laboratory test; compression.PART of each of several), those that a test
-    declares (stress_path, compression_line), convergence, traces. A
+    declares (stress_path, compression_line), classical (constructions on the readings), convergence, traces. A
     follow-up has neither matrix nor the progress of a search.
 
     Parameters
@@ -150,6 +157,12 @@ class FigureSet:
                 makers[name] = _compression(title, compressed)
             for name, declared in self._diagrams.items():
                 makers[name] = _diagram(title, declared)
+        if self._constructions:
+            drawn = self._constructions
+            makers["classical"] = (
+                lambda: construction_figure(f"{title}: classical evaluation", drawn),
+                lambda: construction_rows(drawn),
+            )
         if records:
             target = self._problem.stopping.target_objective
             makers["convergence"] = (
@@ -169,6 +182,10 @@ class FigureSet:
         """By the name of the figure."""
         found = sketches_of(self._problem.forward_model)
         return {f"sketch.{part}" if part else "sketch": one for part, one in found.items()}
+
+    @cached_property
+    def _constructions(self) -> tuple[Construction, ...]:
+        return chosen_constructions(classical_evaluation(self._problem).constructions)
 
     @cached_property
     def _diagrams(self) -> dict[str, DiagramCurve]:

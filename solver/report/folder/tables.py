@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.estimates.classical import classical_values
+from geoswarm.solver.estimates.index import estimates_of, index_document
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.report.classical import classical_values
+from geoswarm.solver.report.document.laboratory import calculated_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
-from geoswarm.solver.report.laboratory import laboratory_values
 from geoswarm.solver.report.record import Optimum
+from geoswarm.solver.report.terms import values_in_terms
 from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.versions import versions
 from geoswarm.solver.words import visible
@@ -76,8 +78,12 @@ def result_document(problem: Problem, result: CalibrationResult, optimum: Optimu
             "parameters": problem.values(polished.parameters.tolist()),
             "evaluations": polished.evaluations,
         },
-        "laboratory": [] if values is None else laboratory_document(laboratory_values(problem, values, linearisation)),
+        "laboratory": [] if values is None else laboratory_document(values_in_terms(problem, values, linearisation)),
         "classical": laboratory_document(classical_values(problem)),
+        "classical_of_calculated": []
+        if values is None
+        else laboratory_document(calculated_values(problem, values, None)),
+        "index_properties": index_document(estimates_of(problem)),
         "best": best
         and {
             "generation": result.best_generation,

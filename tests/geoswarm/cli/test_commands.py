@@ -13,7 +13,7 @@ from geoswarm.cli import main
 from geoswarm.cli.commands import COMMANDS, cli
 
 WANTED = (
-    *("init", "inline", "check", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
+    *("init", "inline", "check", "estimate", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
     *("list", "show", "cancel", "pause", "resume", "retry-failed", "export", "demo", "workers"),
     *("report", "statistics", "reweight", "paper", "keys", "prune"),
     *("sensitivity", "profile", "influence", "posterior", "examples"),

@@ -72,6 +72,22 @@ def test_a_law_declares_what_it_is(law: Law) -> None:
         assert law.K0(soil.constants) == pytest.approx(0.55, abs=0.3)
 
 
+def test_every_usual_range_has_a_source(law: Law) -> None:
+    for info in law.parameters:
+        assert info.typical is not None, info.name
+        assert len(info.source) > 10, info.name
+
+
+def test_terms_of_laboratories_lead_back_to_the_parameters(law: Law) -> None:
+    usual = {**usual_values(law), "e_0": 1.1}
+    for term in law.terms:
+        value = usual.get(term.parameter) or next(
+            0.5 * sum(info.typical or (0.0, 0.0)) for info in law.parameters if info.name == term.parameter
+        )
+        known = {**usual, term.parameter: value}
+        assert term.back(term.of(known), known) == pytest.approx(value, rel=1e-12), term.quantity
+
+
 def test_a_law_has_its_page(law: Law) -> None:
     page = (PAGES / f"{law.kind.replace('_', '-')}.md").read_text(encoding="utf-8")
     for name in (*(info.name for info in law.parameters), *(one.name for one in law.settings)):

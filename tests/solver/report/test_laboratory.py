@@ -170,7 +170,8 @@ def test_an_interval_of_POP_is_moved_by_the_initial_stress() -> None:
 def test_the_report_of_a_test_has_table_figure_and_json(swarm: Run, tmp_path: Path) -> None:
     page = swarm.report.html()
     (table,) = [t for t in swarm.report.content.tables if t.heading == "In the laboratory's terms"]
-    assert [row[0] for row in table.rows] == ["Cc/(1 + e₀)", "Cs/(1 + e₀)", "Cα/(1 + e₀)", "σ′p"]
+    symbols = ["Cc/(1 + e₀)", "Cs/(1 + e₀)", "Cα/(1 + e₀)", "σ′p"]
+    assert [row[0] for row in table.rows] == [*symbols, "c_v", "k"]  # c_v and k of the readings alone
     assert "Give initial_void_ratio in the forward model" in table.note
     assert "Give initial_void_ratio" in page
     assert 'id="figure-compression"' in page
@@ -185,7 +186,7 @@ def test_the_report_of_a_test_has_table_figure_and_json(swarm: Run, tmp_path: Pa
     assert rows[16][5] == pytest.approx(100.0 * last / 0.02021, rel=1e-3)
     write_result(tmp_path / "result.json", swarm.problem, swarm.result, swarm.report.optimum)
     written = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["laboratory"]
-    assert [row["symbol"] for row in written] == [row[0] for row in table.rows]
+    assert [row["symbol"] for row in written] == symbols
     optimum = swarm.report.optimum
     assert optimum is not None
     polished = swarm.problem.values(optimum.polished.parameters.tolist())

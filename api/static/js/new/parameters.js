@@ -2,6 +2,7 @@
 import { element, empty, exchange } from "../dom.js";
 import { number, symbol } from "../format.js";
 import { pathText } from "./draft.js";
+import { expectedPlace, indexProperties, showExpected } from "./expected.js";
 import { checkbox, errorPlace, field, idOf } from "./fields.js";
 import { button, sentence } from "./schema_form.js";
 
@@ -42,11 +43,12 @@ export function parametersSection(context, place) {
       draw();
     });
     const unit = info?.unit;
-    const range = info?.typical ? `Usual: ${number(info.typical[0])} to ${number(info.typical[1])}${unit ? ` ${unit}` : ""}.` : "";
+    const range = info?.typical ? `Usual: ${number(info.typical[0])} to ${number(info.typical[1])}${unit ? ` ${unit}` : ""}${info.source ? `, ${info.source}` : ""}.` : "";
     return element("div", { class: `item parameter ${mode ?? "absent"}` },
       element("div", { class: "parameter-name" },
         element("h3", {}, symbol(name), unit ? element("small", {}, ` [${unit}]`) : null, symbol(name) === name ? null : element("small", {}, ` ${name}`)),
-        element("p", { class: "help" }, `${sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones.")} ${range}`.trim())),
+        element("p", { class: "help" }, `${sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones.")} ${range}`.trim()),
+        expectedPlace(name)),
       element("div", { class: "field" }, element("label", { for: id }, "Mode", element("span", { class: "visually-hidden" }, ` of ${name}`)), pick),
       inputs(path, name, mode, unit),
       info ? null : button(`Remove ${name}`, () => { draft.write(path, undefined); draw(); }),
@@ -90,6 +92,7 @@ export function parametersSection(context, place) {
       first.map((info) => card(info.name, info)), own.map((name) => card(name, null)),
       rest.length ? element("details", { class: "more", open }, element("summary", {}, `Further parameters: ${rest.slice(0, 6).map((info) => symbol(info.name)).join(", ")}${rest.length > 6 ? " …" : ""}`), rest.map((info) => card(info.name, info))) : null,
       known.length ? helper() : null, errorPlace(["parameters"]));
+    showExpected(list, draft.answer?.estimates ?? []);
     drawRules();
   }
 
@@ -126,8 +129,8 @@ export function parametersSection(context, place) {
   }
 
   const key = () => JSON.stringify([infos(), Object.entries(given()).map(([name, one]) => [name, modeOf(one)])]);
-  place.replaceChildren(list, element("h3", {}, "Constraints"), rules);
+  place.replaceChildren(indexProperties(context), list, element("h3", {}, "Constraints"), rules);
   draft.on("replace", draw);
-  draft.on("answer", () => { if (key() !== drawnFor) draw(); });
+  draft.on("answer", ({ estimates }) => { if (key() !== drawnFor) draw(); else showExpected(list, estimates ?? []); });
   draw();
 }

@@ -1,0 +1,74 @@
+"""Index properties of the soil, from which published correlations tell what to expect of the parameters."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field, model_validator
+
+from geoswarm.solver.correlations.properties import IndexProperties, SoilClass
+from geoswarm.solver.section import Section
+
+__all__ = ["IndexSection"]
+
+_LEAST = 2.0
+_LIMITS = ("liquid_limit", "plastic_limit", "plasticity_index", "water_content")
+
+
+def _per_cent(lowest: float, highest: float) -> dict[str, Any]:
+    """What forms are told of a field."""
+    return {"x-unit": "%", "x-typical": [lowest, highest]}
+
+
+class IndexSection(Section):
+    """Index properties of the soil, as laboratories report them: per cent, not fractions."""
+
+    liquid_limit: float | None = Field(
+        None, description="liquid limit w_L, per cent", json_schema_extra=_per_cent(20, 150)
+    )
+    plastic_limit: float | None = Field(
+        None, description="plastic limit w_P, per cent", json_schema_extra=_per_cent(10, 60)
+    )
+    plasticity_index: float | None = Field(
+        None, description="plasticity index I_P, per cent; w_L - w_P unless given", json_schema_extra=_per_cent(5, 100)
+    )
+    water_content: float | None = Field(
+        None, description="natural water content w_n, per cent", json_schema_extra=_per_cent(10, 150)
+    )
+    void_ratio: float | None = Field(
+        None,
+        gt=0.0,
+        le=30.0,
+        description="void ratio e_0 in the ground; that of the saturated soil, w_n G_s, unless given",
+    )
+    specific_gravity: float = Field(2.7, ge=1.0, le=6.0, description="density of the solids over that of water, G_s")
+    relative_density: float | None = Field(
+        None, ge=0.0, le=100.0, description="relative density of sand, per cent", json_schema_extra=_per_cent(0, 100)
+    )
+    soil_class: SoilClass | None = Field(
+        None, description="class by which creep is estimated; clay stands for silt, too"
+    )
+
+    @model_validator(mode="after")
+    def _plausible(self) -> IndexSection:
+        for name in _LIMITS:
+            value = getattr(self, name)
+            if value is not None and not _LEAST <= value <= 3000.0:
+                hint = f"; in per cent this would be {100.0 * value:g}" if 0.0 < value < _LEAST else ""
+                raise ValueError(f"{name} = {value:g} %: {_LEAST:g} to 3000 % is accepted{hint}")
+        w_L, w_P, I_P = self.liquid_limit, self.plastic_limit, self.plasticity_index
+        if w_L is not None and w_P is not None:
+            if not w_L > w_P:
+                raise ValueError(f"liquid_limit = {w_L:g} % with plastic_limit = {w_P:g} %: a larger one is accepted")
+            if I_P is not None and abs(w_L - w_P - I_P) > 1.0:
+                raise ValueError(
+                    f"plasticity_index = {I_P:g} %: {w_L - w_P:g} % is accepted, liquid_limit less plastic_limit, or "
+                    "leave one of the three out"
+                )
+        elif w_L is not None and I_P is not None and not w_L > I_P:
+            raise ValueError(f"plasticity_index = {I_P:g} %: below liquid_limit = {w_L:g} % is accepted")
+        return self
+
+    def properties(self) -> IndexProperties:
+        """As correlations take them."""
+        return IndexProperties(**self.model_dump())

@@ -1,0 +1,255 @@
+"""Triaxial tests: stresses at failure and at the end, secant modulus at half the strength, and dilatancy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.mohr_circles import Strength, mohr_circles
+from geoswarm.solver.classical.straight import straight_line
+from geoswarm.solver.estimates.construction import Arc, Construction, Line
+from geoswarm.solver.estimates.value import ClassicalValue
+from geoswarm.solver.forward.combined import ModelPart
+from geoswarm.solver.laboratory.shear.triaxial import TriaxialMonotonic, TriaxialSpec
+from geoswarm.solver.problem import Observation, Problem
+
+__all__ = ["Sheared", "sheared_specimen", "triaxial_construction", "triaxial_values"]
+
+_REFERENCE = 100.0
+"""kPa: stress of reference moduli, as usual."""
+_APART = 1.3
+"""Least ratio of the largest to the smallest radial stress that a power of stress is told from."""
+_NEAR = 0.95
+"""Part of the strength above which the volumetric strain tells the dilatancy at failure."""
+_SAME = 0.02
+"""Range of strengths, over their mean, within which circles lie on one another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sheared:
+    """What was read of one specimen, compression positive, kPa.
+
+    Parameters
+    ----------
+    part
+        Name of the test.
+    drained
+        Whether the first stage of shearing is.
+    radial
+        Effective radial stress before shearing.
+    failure, end
+        Largest and smallest principal effective stress where q (drained) or q/p' (undrained) is largest, and at the
+        last reading.
+    modulus
+        Secant modulus at half the strength; None where the readings do not show it.
+    dilatancy
+        Angle at failure, degree; None: not drained, or no volumetric strain was read there.
+    """
+
+    part: str
+    drained: bool
+    radial: float
+    failure: tuple[float, float]
+    end: tuple[float, float]
+    modulus: float | None
+    dilatancy: float | None
+
+
+def sheared_specimen(problem: Problem, part: ModelPart) -> Sheared:
+    """What was read of a specimen.
+
+    Raises
+    ------
+    NoEvaluationError
+        The test or the readings tell no strength.
+    """
+    spec = part.spec
+    assert isinstance(spec, TriaxialSpec)
+    prefix = f"{part.name}." if part.name else ""
+    observed = {o.series.removeprefix(prefix): o for o in problem.observations if o.series.startswith(prefix)}
+    first = spec.shearing[0]
+    if not isinstance(first, TriaxialMonotonic):
+        raise NoEvaluationError("the first stage of shearing is not monotonic")
+    q_of = observed.get("q") or observed.get("branch_1.q")
+    if q_of is None:
+        raise NoEvaluationError("q over the axial strain was not read")
+    axial, radial = _consolidated(spec)
+    strain, q = _sorted(q_of)
+    if strain.size < 3 or not q.max() > max(0.0, -q.min()):
+        raise NoEvaluationError("q has fewer than 3 readings, or is that of extension; compression is evaluated")
+    drained = not spec.is_undrained(first)
+    if drained:
+        minor = {
+            "radial_stress": np.full(q.size, radial),
+            "mean_stress": (axial + 2.0 * radial) / 3.0 - q / 3.0,
+            "axial_stress": axial - q,
+        }[first.constant]
+    else:
+        minor = _undrained(observed, strain, q, axial, radial, first.constant, spec.back_pressure)
+    good = np.flatnonzero(minor > 0.0)
+    if good.size == 0:
+        raise NoEvaluationError("the smallest effective stress is nowhere above 0 kPa")
+    ratio = q[good] if drained else q[good] / (minor[good] + q[good] / 3.0)
+    at, last = int(good[np.argmax(ratio)]), int(good[-1])
+    return Sheared(
+        part.name,
+        drained,
+        radial,
+        (float(minor[at] + q[at]), float(minor[at])),
+        (float(minor[last] + q[last]), float(minor[last])),
+        _secant(strain, q, axial - radial),
+        _dilatancy(observed, strain, q) if drained else None,
+    )
+
+
+def triaxial_values(specimens: Sequence[Sheared]) -> Iterator[ClassicalValue]:
+    """Strength of all specimens together, and stiffness of each."""
+    count = f"{len(specimens)} specimens" if len(specimens) > 1 else "1 specimen"
+    try:
+        found = _circles(specimens)
+    except NoEvaluationError as error:
+        yield ClassicalValue("", "φ", f"Mohr circles, {count}", None, str(error), "degree")
+    else:
+        how = f"Mohr circles, {count}{', c = 0' if found.through_origin else ''}"
+        yield ClassicalValue("", "φ", how, found.friction_angle, unit="degree")
+        if not found.through_origin:
+            yield ClassicalValue("", "c", how, found.cohesion, unit="kPa")
+    s = np.array([0.5 * sum(one.end) for one in specimens])
+    t = np.array([0.5 * (one.end[0] - one.end[1]) for one in specimens])
+    sine = float(s @ t / (s @ s))
+    if 0.0 < sine < 1.0:
+        angle = math.degrees(math.asin(sine))
+        yield ClassicalValue("", "φ_cs", f"end of shearing, {count}, c = 0", angle, unit="degree")
+    dilating = [one.dilatancy for one in specimens if one.dilatancy is not None]
+    if dilating:
+        mean = float(np.mean(dilating))
+        yield ClassicalValue("", "ψ", f"volumetric strain near failure, mean of {len(dilating)}", mean, unit="degree")
+    drained = [one for one in specimens if one.drained and one.modulus is not None]
+    for one in specimens:
+        if one.modulus is not None:
+            symbol = "E₅₀" if one.drained else "E₅₀ᵤ"
+            how = f"secant at half the strength, σ′₃ = {one.radial:.4g} kPa"
+            yield ClassicalValue(one.part, symbol, how, one.modulus, unit="kPa")
+    yield from _power(drained)
+
+
+def triaxial_construction(specimens: Sequence[Sheared]) -> Construction | None:
+    """Mohr circles at failure with the line along them; None where there is none."""
+    try:
+        found = _circles(specimens)
+    except NoEvaluationError:
+        return None
+    largest = max(one.failure[0] for one in specimens)
+    x = np.array([0.0, largest])
+    tau = found.cohesion + x * math.tan(math.radians(found.friction_angle))
+    label = f"φ = {found.friction_angle:.3g}°, c = {found.cohesion:.3g} kPa"
+    empty = np.empty(0)
+    return Construction(
+        "mohr_circles",
+        "",
+        "Mohr circles at failure",
+        "Effective stresses where q (drained) or q/p′ (undrained) is largest; the line has the least squares of its "
+        "distances from the circles, and goes through the origin where cohesion would be negative or there is one "
+        "circle.",
+        "normal stress σ′",
+        "kPa",
+        "shear stress τ",
+        "kPa",
+        empty,
+        empty,
+        (Line(label, x, tau, "main"),),
+        arcs=tuple(Arc(one.failure[1], one.failure[0]) for one in specimens),
+    )
+
+
+def _circles(specimens: Sequence[Sheared]) -> Strength:
+    return mohr_circles([one.failure[0] for one in specimens], [one.failure[1] for one in specimens])
+
+
+def _power(drained: Sequence[Sheared]) -> Iterator[ClassicalValue]:
+    """Reference modulus and power of stress of several drained specimens: E50 = E50_ref (sigma_3/100 kPa)^m (Janbu)."""
+    radial = np.array([one.radial for one in drained])
+    if radial.size == 0:
+        return
+    moduli = np.array([one.modulus for one in drained], dtype=np.float64)
+    if radial.max() >= _APART * radial.min():
+        m, offset, _ = straight_line(np.log(radial / _REFERENCE), np.log(moduli))
+        how = f"{radial.size} specimens, power of σ′₃/100 kPa"
+        yield ClassicalValue("", "E₅₀ʳᵉᶠ", how, math.exp(offset), unit="kPa")
+        yield ClassicalValue("", "m", how, m)
+    elif abs(radial.mean() / _REFERENCE - 1.0) <= _SAME:
+        yield ClassicalValue("", "E₅₀ʳᵉᶠ", "σ′₃ = 100 kPa", float(moduli.mean()), unit="kPa")
+
+
+def _consolidated(spec: TriaxialSpec) -> tuple[float, float]:
+    """Axial and radial effective stress before shearing."""
+    if not spec.consolidation:
+        if spec.initial_ratio == "K0":
+            raise NoEvaluationError("the radial stress before shearing is that at rest, which was not measured")
+        return spec.initial_stress, spec.initial_ratio * spec.initial_stress
+    last = spec.consolidation[-1]
+    if last.radial == "K0":
+        raise NoEvaluationError("the radial stress after K0 consolidation was not measured")
+    return last.axial, last.axial if last.radial is None else last.radial
+
+
+def _sorted(one: Observation) -> tuple[FloatArray, FloatArray]:
+    order = np.argsort(one.x, kind="stable")
+    return one.x[order], one.y[order]
+
+
+def _undrained(
+    observed: dict[str, Observation],
+    strain: FloatArray,
+    q: FloatArray,
+    axial: float,
+    radial: float,
+    constant: str,
+    back_pressure: float,
+) -> FloatArray:
+    """Smallest effective stress, from the mean stress or the pore pressure that was read."""
+    for name in ("p", "branch_1.p"):
+        if name in observed:
+            x, p = _sorted(observed[name])
+            return np.asarray(np.interp(strain, x, p) - q / 3.0)
+    for name in ("pore_pressure", "branch_1.pore_pressure"):
+        if name in observed:
+            x, u = _sorted(observed[name])
+            excess = np.interp(strain, x, u) - back_pressure
+            total = {
+                "radial_stress": np.full(q.size, radial),
+                "mean_stress": (axial + 2.0 * radial) / 3.0 - q / 3.0,
+                "axial_stress": axial - q,
+            }
+            return np.asarray(total[constant] - excess)
+    raise NoEvaluationError("an undrained test without p or pore_pressure tells no effective stress")
+
+
+def _secant(strain: FloatArray, q: FloatArray, start: float) -> float | None:
+    rising = np.maximum.accumulate(q[: int(np.argmax(q)) + 1])
+    half = start + 0.5 * (float(q.max()) - start)
+    if rising.size < 2 or not rising[0] < half:
+        return None
+    at = int(np.argmax(rising >= half))
+    share = (half - rising[at - 1]) / (rising[at] - rising[at - 1])
+    place = float(strain[at - 1] + share * (strain[at] - strain[at - 1]))
+    return (half - start) / place if place > 0.0 else None
+
+
+def _dilatancy(observed: dict[str, Observation], strain: FloatArray, q: FloatArray) -> float | None:
+    """``sin(psi) = -r/(2 - r)``, r the volumetric over the axial strain rate (Schanz & Vermeer 1996)."""
+    one = observed.get("volumetric_strain") or observed.get("branch_1.volumetric_strain")
+    if one is None:
+        return None
+    near = strain[q >= _NEAR * q.max()]
+    x, volume = _sorted(one)
+    inside = (x >= near.min()) & (x <= near.max())
+    if inside.sum() < 3:
+        return None
+    rate = straight_line(x[inside], volume[inside])[0]
+    return math.degrees(math.asin(max(min(-rate / (2.0 - rate), 1.0), -1.0)))

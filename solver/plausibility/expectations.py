@@ -1,0 +1,51 @@
+"""Bounds that leave out what all correlations with the index properties of the soil let expect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from geoswarm.solver.plausibility.units import with_unit
+from geoswarm.solver.problem import FreeParameter, Problem
+
+if TYPE_CHECKING:
+    from geoswarm.solver.estimates.index import ParameterEstimate
+
+__all__ = ["unexpected_bounds"]
+
+
+_UNKNOWN = 1.0 / 3.0
+"""Scatter, relative, of correlations that were published without one."""
+
+
+def unexpected_bounds(problem: Problem) -> Iterator[str]:
+    """Free parameters whose bounds exclude every estimate from the index properties, scatter included.
+
+    Correlations outside their published range take no part; one without a published scatter counts with a third.
+    """
+    if problem.index_properties is None:
+        return
+    from geoswarm.solver.estimates.index import estimates_of  # with Numba, for which a formula should not wait
+
+    by_name: dict[str, list[ParameterEstimate]] = {}
+    for one in estimates_of(problem):
+        if not one.told.outside:
+            by_name.setdefault(one.parameter, []).append(one)
+    for name, estimates in by_name.items():
+        parameter = problem.parameters.get(name)
+        if isinstance(parameter, FreeParameter):
+            yield from _sentence(name, parameter, estimates)
+
+
+def _sentence(name: str, parameter: FreeParameter, estimates: list[ParameterEstimate]) -> Iterator[str]:
+    wide = [one.ends or ((1.0 - _UNKNOWN) * one.value, (1.0 + _UNKNOWN) * one.value) for one in estimates]
+    low, high = min(ends[0] for ends in wide), max(ends[1] for ends in wide)
+    if low <= parameter.upper and high >= parameter.lower:
+        return
+    end, bound = ("upper", parameter.upper) if low > parameter.upper else ("lower", parameter.lower)
+    expected = f"{float(f'{low:.2g}'):g} to {with_unit(float(f'{high:.2g}'), estimates[0].unit)}"
+    sources = "; ".join(dict.fromkeys(one.told.correlation.authors for one in estimates))
+    yield (
+        f"parameters.{name}.{end} = {with_unit(bound, estimates[0].unit)}: by the index properties {expected} is "
+        f"expected ({sources}); widen the bounds or check index_properties"
+    )
