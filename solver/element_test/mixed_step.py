@@ -13,7 +13,7 @@ from geoswarm.solver.laws.binary import call_update
 __all__ = ["Room", "mixed_step"]
 
 _ITERATIONS: Final = 40
-_HALVINGS: Final = 8
+_HALVINGS: Final = 12
 _RESIDUAL: Final = 1.0e-12
 
 Room = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
