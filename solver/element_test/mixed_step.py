@@ -13,7 +13,7 @@ from geoswarm.solver.laws.binary import call_update
 __all__ = ["Room", "mixed_step"]
 
 _ITERATIONS: Final = 40
-_HALVINGS: Final = 12
+_HALVINGS: Final = 8
 _RESIDUAL: Final = 1.0e-12
 
 Room = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
@@ -95,6 +95,10 @@ def mixed_step(
         if status < 0:
             return -1
     worst = _residual(stress_rows, strain_rows, of_stress, target, new, strain, size, residual)
+    from_none = True
+    for i in range(count):
+        from_none = from_none and strain[i] == 0.0
+    blind = False
     for _ in range(_ITERATIONS):
         if worst <= _RESIDUAL:
             return status
@@ -118,12 +122,21 @@ def mixed_step(
             status = call_update(address, log_time, trial, stress, state, constants, new, new_state, tangent)
             if status >= 0:
                 now = _residual(stress_rows, strain_rows, of_stress, target, new, trial, size, residual)
-                if now < (1.0 - 1.0e-4 * step) * worst or now <= _RESIDUAL:
+                if blind or now < (1.0 - 1.0e-4 * step) * worst or now <= _RESIDUAL:
                     worst = now
                     accepted = True
                     break
             step *= 0.5
+        blind = False
         if not accepted:
+            if from_none and worst > 100.0 * _RESIDUAL:
+                # Controls of strain may hold back those of stress: once more, with a first step that meets the former.
+                from_none, blind = False, True
+                for i in range(count):
+                    strain[i] = 0.0
+                status = call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
+                worst = _residual(stress_rows, strain_rows, of_stress, target, new, strain, size, residual)
+                continue
             # Rounding may stop the descent close to the solution.
             call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
             return before if worst <= 100.0 * _RESIDUAL else -1
