@@ -101,7 +101,10 @@ class HardeningSoilSmallLaw(HardeningSoilLaw):
         ),
         *(
             StateVariable(
-                f"history_{ends}", f"H_{ends}", "", f"Component {ends}, engineering, of the history of deviatoric strain."
+                f"history_{ends}",
+                f"H_{ends}",
+                "",
+                f"Component {ends}, engineering, of the history of deviatoric strain.",
             )
             for ends in ("xy", "yz", "zx")
         ),

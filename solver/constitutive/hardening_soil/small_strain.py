@@ -214,9 +214,7 @@ def mean_stiffness(
 
 
 @kernel
-def stiffness_slope(
-    strain: FloatArray, history: FloatArray, small: SmallStrain, slope: FloatArray
-) -> None:
+def stiffness_slope(strain: FloatArray, history: FloatArray, small: SmallStrain, slope: FloatArray) -> None:
     """Fill the derivative of the mean k of a step by the strain, (6,); 0 where the way is rounding.
 
     Closed form on a way that does not turn, central differences in a step that begins with a turn.
