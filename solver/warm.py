@@ -167,7 +167,12 @@ _SECONDS = {
 }
 """About how long that takes; others but a second."""
 
-_AFTER = {"hypoplastic_sand": "hypoplastic_clay", "matsuoka_nakai": "drucker_prager", "soft_soil": "soft_soil_creep"}
+_AFTER = {
+    "hardening_soil_small": "hardening_soil",
+    "hypoplastic_sand": "hypoplastic_clay",
+    "matsuoka_nakai": "drucker_prager",
+    "soft_soil": "soft_soil_creep",
+}
 """Laws with the kernels of another, which has them compiled first."""
 
 _SOURCES = {

@@ -87,8 +87,8 @@ class HardeningSoilSmallLaw(HardeningSoilLaw):
         *HardeningSoilLaw.settings,
         Setting(
             "doubled_threshold",
-            "gamma_07 is doubled after strain has turned back (reversal), or always, as where plastic strain is left to "
-            "make first loading softer (always).",
+            "gamma_07 is doubled after strain has turned back (reversal), or always, first loading being softer by "
+            "plastic strain (always).",
             "reversal",
             choices=("reversal", "always"),
         ),

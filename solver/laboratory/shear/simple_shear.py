@@ -182,7 +182,7 @@ class DirectSimpleShearSpec(LaboratorySpec):
         return Sketch("Direct simple shear test", specimen, panels)
 
     def diagrams(self) -> tuple[Diagram, ...]:
-        """The stress path, at constant volume by the pore pressure; the shear modulus, where small strains were read."""
+        """The stress path, at constant volume by the pore pressure; the shear modulus, where strains were small."""
         keeps = all(self.keeps_volume(stage) for stage in self.shearing)
 
         def normal(readings: Readings, start: Mapping[str, float]) -> FloatArray:

@@ -47,12 +47,12 @@ def _secant(seen: Seen) -> np.ndarray:
     return np.asarray(q / seen.engineering(seen.strain[:, 1]))
 
 
-def _sheared(seen: Seen) -> FloatArray:
+def _sheared(seen: Seen) -> np.ndarray:
     strain = seen.engineering(seen.strain[:, 1]) - seen.engineering(0.5 * (seen.strain[:, 0] + seen.strain[:, 2]))
     return np.asarray(strain)
 
 
-def _shear_modulus(seen: Seen) -> FloatArray:
+def _shear_modulus(seen: Seen) -> np.ndarray:
     first = seen.reference
     q = seen.axial - seen.radial - (first[1] - 0.5 * (first[0] + first[2]))
     return np.asarray(0.5 * q / _sheared(seen))
