@@ -17,8 +17,8 @@ _SMALL: Final = 1.0e-3
 
 def over_strain(stress: FloatArray, strain: FloatArray) -> FloatArray:
     """Stress over strain, (m,); nan without strain."""
-    known = np.abs(strain) > 0.0
-    return np.divide(stress, strain, out=np.full(np.shape(strain), np.nan), where=known)
+    found: FloatArray = np.divide(stress, strain, out=np.full(np.shape(strain), np.nan), where=np.abs(strain) > 0.0)
+    return found
 
 
 def shear_modulus_diagram(series: str, derived: tuple[Derived, ...]) -> Diagram:
