@@ -98,8 +98,9 @@ def mixed_step(
     from_none = True
     for i in range(count):
         from_none = from_none and strain[i] == 0.0
-    blind = False
-    for _ in range(_ITERATIONS):
+    blind, left = False, _ITERATIONS
+    while left > 0:
+        left -= 1
         if worst <= _RESIDUAL:
             return status
         for i in range(count):
@@ -128,15 +129,15 @@ def mixed_step(
                     break
             step *= 0.5
         blind = False
+        if from_none and worst > 100.0 * _RESIDUAL and (left == 0 or not accepted):
+            # Controls of strain may hold back those of stress: once more, with a first step that meets the former.
+            from_none, blind, left = False, True, _ITERATIONS
+            for i in range(count):
+                strain[i] = 0.0
+            status = call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
+            worst = _residual(stress_rows, strain_rows, of_stress, target, new, strain, size, residual)
+            continue
         if not accepted:
-            if from_none and worst > 100.0 * _RESIDUAL:
-                # Controls of strain may hold back those of stress: once more, with a first step that meets the former.
-                from_none, blind = False, True
-                for i in range(count):
-                    strain[i] = 0.0
-                status = call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
-                worst = _residual(stress_rows, strain_rows, of_stress, target, new, strain, size, residual)
-                continue
             # Rounding may stop the descent close to the solution.
             call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
             return before if worst <= 100.0 * _RESIDUAL else -1
