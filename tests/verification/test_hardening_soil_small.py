@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.tensors import rotation_matrix
 from geoswarm.solver.element_test.material_point import History, PointState, follow, point_under
 from geoswarm.solver.element_test.setups import (
     constant_rate_oedometer,
@@ -258,6 +260,47 @@ def test_after_small_strains_first_loading_is_that_of_hardening_soil_to_the_stre
     assert 0.0 < apart[0] < 0.1 * strains[1][0]
     modulus = 0.5 * strength / strains[0][0]
     assert E50 < modulus < 1.1 * E50
+
+
+WAYS = {
+    "on": np.array([-4.0e-5, 9.0e-5, -3.0e-5, 8.0e-5, 5.0e-5, -2.0e-5]),
+    "back": np.array([5.0e-5, -8.0e-5, 2.0e-5, -7.0e-5, -6.0e-5, 3.0e-5]),
+    "aside": np.array([9.0e-5, -2.0e-5, -5.0e-5, 2.0e-5, -8.0e-5, 6.0e-5]),
+}
+PAST = [
+    np.array([-3.0e-5, 1.0e-4, -5.0e-5, 9.0e-5, 2.0e-5, -4.0e-5]),
+    np.array([3.0e-5, 2.0e-5, -6.0e-5, 0.0, 7e-5, 0.0]),
+]
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("held", [0.0, HELD])
+def test_with_a_history_the_tangent_leaves_a_rest_of_second_order(way: str, held: float) -> None:
+    """Onwards, back and aside of a past that turned; with an active surface and without."""
+    soil, strain = sand(c=10.0), WAYS[way]
+    stresses, states, _ = sheared(soil, placed(100.0, soil, held), PAST)
+    now = (stresses[-1], states[-1], soil.constants)
+    here = soil.law.update(strain, -math.inf, *now)
+    for other in np.random.default_rng(2).uniform(-1.0, 1.0, (5, 6)):
+        rests = []
+        for length in (4.0e-7, 2.0e-7, 1.0e-7):
+            there = soil.law.update(strain + length * other, -math.inf, *now)
+            rests.append(float(np.abs(there[0] - here[0] - length * here[2] @ other).max()))
+        assert rests[0] > 3.3 * rests[1] > 3.3**2 * rests[2]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_with_a_history_the_answer_turns_with_the_axes(way: str) -> None:
+    soil, point = sand(c=10.0), placed(100.0, sand(c=10.0))
+    path = [*PAST, WAYS[way]]
+    for axes in Rotation.random(4, rng=np.random.default_rng(4)).as_matrix():
+        Q = rotation_matrix(axes)
+        back = np.linalg.inv(Q).T
+        here, there = sheared(soil, point, path), sheared(soil, point, [back @ one for one in path])
+        assert there[0][-1] == pytest.approx(Q @ here[0][-1], rel=1.0e-9, abs=1.0e-9)
+        assert there[1][-1, 2:8] == pytest.approx(back @ here[1][-1, 2:8], rel=1.0e-9, abs=1.0e-15)
+        assert there[1][-1, 8:] == pytest.approx(here[1][-1, 8:], rel=1.0e-9)
+        assert there[2] == pytest.approx(Q @ here[2] @ Q.T, rel=1.0e-5, abs=1.0e-5 * G0)
 
 
 def test_a_G0_below_that_of_unloading_is_told() -> None:
