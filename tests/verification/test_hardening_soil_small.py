@@ -23,8 +23,10 @@ from geoswarm.solver.element_test.setups import (
     undrained_triaxial,
 )
 from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.forward.registry import find_spec
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.registry import find_law
+from tests.solver.laboratory.tests_of import consolidation, crs_oedometer, run, simple_shear, triaxial
 
 E50, EUR, NU, PREF, RF = 2.5e4, 8.0e4, 0.2, 100.0, 0.9
 G0, THRESHOLD, DECAY = 2.0e5, 2.0e-4, 0.385
@@ -301,6 +303,53 @@ def test_with_a_history_the_answer_turns_with_the_axes(way: str) -> None:
         assert there[1][-1, 2:8] == pytest.approx(back @ here[1][-1, 2:8], rel=1.0e-9, abs=1.0e-15)
         assert there[1][-1, 8:] == pytest.approx(here[1][-1, 8:], rel=1.0e-9)
         assert there[2] == pytest.approx(Q @ here[2] @ Q.T, rel=1.0e-5, abs=1.0e-5 * G0)
+
+
+GIVEN = {**SAND, "m": 0.0, "G0_ref": G0, "gamma_07": THRESHOLD}
+
+
+def test_small_cycles_of_a_triaxial_test_have_the_damping_of_masing() -> None:
+    """First loading yields; after some cycles all is within what has been, and the loop is that of the closed form."""
+    amplitude, cycles = 6.0e-5, 12
+    stage = {"kind": "cyclic", "axial_strain_amplitude": amplitude, "cycles": cycles, "period": 1.0}
+    spec = triaxial("hardening_soil_small", [stage], drainage="undrained", tolerance=1.0e-8)
+    x = np.linspace(cycles - 1.0, cycles, 4001)
+    axial, q, measure = run(spec, GIVEN | {"OCR": 50.0}, x, "time_axial_strain", "time_q", "time_gamma_hist")
+    gamma = 1.5 * axial
+    half = 0.5 * np.ptp(gamma)
+    assert half == pytest.approx(1.5 * amplitude, rel=1.0e-6)
+    assert measure.max() == pytest.approx(2.0 * half, rel=1.0e-3)
+    assert np.ptp(q) / np.ptp(gamma) == pytest.approx(2.0 * float(backbone(half)) / half, rel=1.0e-3)
+    area = abs(float(np.trapezoid(q, gamma)))
+    ratio = DECAY * half / THRESHOLD
+    damping = 4.0 / math.pi * (1.0 + 1.0 / ratio) * (1.0 - math.log1p(ratio) / ratio) - 2.0 / math.pi
+    assert area / (math.pi * 0.5 * np.ptp(q) * np.ptp(gamma)) == pytest.approx(damping, rel=5.0e-3)
+
+
+@pytest.mark.parametrize("kind", ["shear", "crs", "consolidation", "oedometer", "isotropic_compression"])
+def test_every_laboratory_test_is_stiffer_than_without_small_strains(kind: str) -> None:
+    """Over the same load less strain, or over the same strain more stress; both of one law with G0 = Gur."""
+    answers = []
+    for initial in (G0, GUR * (1.0 + 1.0e-12)):
+        values = {**SAND, "G0_ref": initial, "gamma_07": THRESHOLD, "k": 1.0e-2}
+        if kind == "shear":
+            spec: Any = simple_shear("hardening_soil_small", [{"shear_strain": 2.0e-3}])
+            answers.append(run(spec, values, [2.0e-4, 2.0e-3], "shear_stress")[0])
+        elif kind == "crs":
+            spec = crs_oedometer("hardening_soil_small", [{"axial_strain": 2.0e-3, "rate": 0.01}])
+            answers.append(run(spec, values, [2.0e-4, 2.0e-3], "axial_stress")[0])
+        elif kind == "consolidation":
+            spec = consolidation("hardening_soil_small", [(110.0, 1.0), (150.0, 1.0)])
+            answers.append(1.0 / run(spec, values, [1.0, 2.0], "stage_settlement")[0])
+        else:
+            section = {"kind": kind, "material": "hardening_soil_small", "initial_stress": 100.0}
+            stages = [{"stress": 110.0, "duration": 1.0}, {"stress": 150.0, "duration": 1.0}]
+            size = {"height": 0.02} if kind == "oedometer" else {"height": 0.1, "diameter": 0.05}
+            spec = find_spec(kind).model_validate({**section, **size, "stages": stages})
+            series = "stage_axial_strain" if kind == "oedometer" else "stage_volumetric_strain"
+            answers.append(1.0 / run(spec, values, [1.0, 2.0], series)[0])
+    assert (answers[0] > 1.001 * answers[1]).all()
+    assert (answers[0] < 6.0 * answers[1]).all()
 
 
 def test_a_G0_below_that_of_unloading_is_told() -> None:
