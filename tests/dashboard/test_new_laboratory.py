@@ -93,8 +93,8 @@ def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit
 
 def test_hardening_soil_with_small_strains_is_calculated_with_its_parameters(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "sand", "triaxial")
+    expect(page.locator('[data-path="forward_model.shearing[1].deviator_stress"]')).to_have_value("20")
     page.locator('[data-path="forward_model.material"]').select_option(label="hardening soil small")
-    page.get_by_text("Further parameters").click()
     parameter(page, "G0_ref", "free", lower="6e4", upper="3e5")
     stiffness = {"E50_ref": "3e4", "Eoed_ref": "3e4", "Eur_ref": "9e4", "m": "0.5", "gamma_07": "1.5e-4"}
     for name, value in {**stiffness, "c": "1", "phi": "34"}.items():
