@@ -76,12 +76,13 @@ def main(repeats: int = 1000) -> None:
         x = np.linspace(0.0, 0.2, 200) if name[:5] != "conso" else np.geomspace(1.0e-4, 3.0, 200)
         run = spec.build().prepare(dict.fromkeys(series, x))
         print(f"{name:48}{median_ms(partial(run, CLAY), max(1, repeats // 10)):8.4f} ms")
-    for kind in ("hardening_soil", "hypoplastic_sand", "hypoplastic_clay"):
+    for kind in ("hardening_soil", "hardening_soil_small", "hypoplastic_sand", "hypoplastic_clay"):
         for name, spec, series in shear_tests(kind):
             run = spec.build().prepare(dict.fromkeys(series, np.linspace(0.0, 0.2, 200)))
             elapsed = median_ms(partial(run, usual_values(find_law(kind))), max(1, repeats // 10))
             print(f"{f'{name}, {kind}':48}{elapsed:8.4f} ms")
-    for kind in ("elastic", "soft_soil", "soft_soil_creep", "modified_cam_clay", "hypoplastic_clay", "hardening_soil"):
+    laws = ("elastic", "soft_soil", "soft_soil_creep", "modified_cam_clay", "hypoplastic_clay", "hardening_soil")
+    for kind in (*laws, "hardening_soil_small"):
         times = np.geomspace(1.0, 3650.0, 200)
         run = embankment(kind).build().prepare(dict.fromkeys(("settlement", "P1.excess_pore_pressure"), times))
         values = {f"clay.{name}": value for name, value in usual_values(find_law(kind)).items()} | GROUND

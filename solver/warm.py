@@ -145,6 +145,7 @@ KERNELS = {
     "consolidation": 11,
     "drucker_prager": 16,
     "hardening_soil": 21,
+    "hardening_soil_small": 12,
     "hypoplastic_clay": 15,
     "modified_cam_clay": 3,
     "mohr_coulomb": 6,
@@ -159,13 +160,19 @@ _SECONDS = {
     "consolidation": 6,
     "drucker_prager": 6,
     "hardening_soil": 8,
+    "hardening_soil_small": 4,
     "hypoplastic_clay": 7,
     "mohr_coulomb": 4,
     "soft_soil_creep": 7,
 }
 """About how long that takes; others but a second."""
 
-_AFTER = {"hypoplastic_sand": "hypoplastic_clay", "matsuoka_nakai": "drucker_prager", "soft_soil": "soft_soil_creep"}
+_AFTER = {
+    "hardening_soil_small": "hardening_soil",
+    "hypoplastic_sand": "hypoplastic_clay",
+    "matsuoka_nakai": "drucker_prager",
+    "soft_soil": "soft_soil_creep",
+}
 """Laws with the kernels of another, which has them compiled first."""
 
 _SOURCES = {

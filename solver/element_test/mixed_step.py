@@ -95,7 +95,12 @@ def mixed_step(
         if status < 0:
             return -1
     worst = _residual(stress_rows, strain_rows, of_stress, target, new, strain, size, residual)
-    for _ in range(_ITERATIONS):
+    from_none = True
+    for i in range(count):
+        from_none = from_none and strain[i] == 0.0
+    blind, left = False, _ITERATIONS
+    while left > 0:
+        left -= 1
         if worst <= _RESIDUAL:
             return status
         for i in range(count):
@@ -118,11 +123,20 @@ def mixed_step(
             status = call_update(address, log_time, trial, stress, state, constants, new, new_state, tangent)
             if status >= 0:
                 now = _residual(stress_rows, strain_rows, of_stress, target, new, trial, size, residual)
-                if now < (1.0 - 1.0e-4 * step) * worst or now <= _RESIDUAL:
+                if blind or now < (1.0 - 1.0e-4 * step) * worst or now <= _RESIDUAL:
                     worst = now
                     accepted = True
                     break
             step *= 0.5
+        blind = False
+        if from_none and worst > 100.0 * _RESIDUAL and (left == 0 or not accepted):
+            # Controls of strain may hold back those of stress: once more, with a first step that meets the former.
+            from_none, blind, left = False, True, _ITERATIONS
+            for i in range(count):
+                strain[i] = 0.0
+            status = call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)
+            worst = _residual(stress_rows, strain_rows, of_stress, target, new, strain, size, residual)
+            continue
         if not accepted:
             # Rounding may stop the descent close to the solution.
             call_update(address, log_time, strain, stress, state, constants, new, new_state, tangent)

@@ -49,6 +49,8 @@ class Diagram:
         Whether x is logarithmic.
     downwards
         Whether y grows downwards.
+    small
+        The diagram is of small values of x: it is drawn where one of at most this was read; None: always.
     derived
         What follows from other readings where x or y was not measured.
     """
@@ -60,4 +62,5 @@ class Diagram:
     y: str
     log: bool = False
     downwards: bool = False
+    small: float | None = None
     derived: tuple[Derived, ...] = ()

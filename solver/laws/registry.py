@@ -32,6 +32,7 @@ BUILT_IN = {
     "elastic": "geoswarm.solver.laws.elastic:Elastic",
     "drucker_prager": "geoswarm.solver.laws.perfect_plasticity.drucker_prager:DruckerPrager",
     "hardening_soil": "geoswarm.solver.laws.hardening_soil:HardeningSoilLaw",
+    "hardening_soil_small": "geoswarm.solver.laws.hardening_soil_small:HardeningSoilSmallLaw",
     "hypoplastic_clay": "geoswarm.solver.laws.hypoplasticity.clay:HypoplasticClay",
     "hypoplastic_sand": "geoswarm.solver.laws.hypoplasticity.sand:HypoplasticSand",
     "matsuoka_nakai": "geoswarm.solver.laws.perfect_plasticity.matsuoka_nakai:MatsuokaNakai",

@@ -20,6 +20,10 @@ _FULL = ("time_", "")
 """Prefixes of series whose axes can show the whole test, the better one first: over time loops are seen."""
 
 
+_CLOSER = 100
+"""Places of a calculated line over a logarithm."""
+
+
 @dataclass(frozen=True, slots=True)
 class DiagramCurve:
     """A diagram with its numbers.
@@ -106,6 +110,14 @@ def _curve(
     if not points:
         return None
     measured_x, measured_y = (np.concatenate(values) for values in zip(*points, strict=True))
+    if diagram.log:
+        x, y = np.where(x > 0.0, x, np.nan), np.where(x > 0.0, y, np.nan)
+        known = (measured_x > 0.0) & np.isfinite(measured_y)
+        measured_x, measured_y = measured_x[known], measured_y[known]
+    if not (np.isfinite(x).any() and measured_x.size):
+        return None
+    if diagram.small is not None and not measured_x.min() <= diagram.small:
+        return None
     x_info, y_info = _info(diagram.x, axes[0], infos), _info(diagram.y, axes[0], infos)
     return DiagramCurve(part, diagram, x_info, y_info, x, y, measured_x, measured_y, derived)
 
@@ -174,7 +186,7 @@ def _whole(
     ways = [[axis] for axis in axes]
     ways[1:1] = [branches] if len(branches) == len(stages) > 0 else []
     for way in ways:
-        grids = [model.grid(_series(prefix, diagram, infos)) for prefix in way]
+        grids = [_closer(model.grid(_series(prefix, diagram, infos)), prefix, diagram, observed) for prefix in way]
         if all(grid.size for grid in grids):
             pieces = [
                 _calculated(prefix, diagram, model, values, infos, grid)
@@ -186,6 +198,18 @@ def _whole(
         if read:
             return _calculated(axis, diagram, model, values, infos, np.unique(np.concatenate(read)))
     return None
+
+
+def _closer(grid: FloatArray, prefix: str, diagram: Diagram, observed: Mapping[str, Observation]) -> FloatArray:
+    """The grid of a test, with places from the smallest reading on where a diagram is of small values."""
+    if diagram.small is None or not grid.size or prefix:
+        return grid
+    wanted = {diagram.x, diagram.y, *(name for one in diagram.derived for name in one.needs)}
+    read = np.concatenate([np.empty(0), *(o.x for name, o in observed.items() if name in wanted)])
+    read = read[(read > 0.0) & (read < grid.max())]
+    if not read.size:
+        return grid
+    return np.unique(np.concatenate([grid, np.geomspace(read.min(), grid.max(), _CLOSER)]))
 
 
 def _joined(pieces: Sequence[FloatArray]) -> FloatArray:

@@ -91,6 +91,18 @@ def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit
     check_calculates(page)
 
 
+def test_hardening_soil_with_small_strains_is_calculated_with_its_parameters(embedded: Site, visit: Visit) -> None:
+    page = begin(embedded, visit, "sand", "triaxial")
+    expect(page.locator('[data-path="forward_model.shearing[1].deviator_stress"]')).to_have_value("20")
+    page.locator('[data-path="forward_model.material"]').select_option(label="hardening soil small")
+    parameter(page, "G0_ref", "free", lower="6e4", upper="3e5")
+    stiffness = {"E50_ref": "3e4", "Eoed_ref": "3e4", "Eur_ref": "9e4", "m": "0.5", "gamma_07": "1.5e-4"}
+    for name, value in {**stiffness, "c": "1", "phi": "34"}.items():
+        parameter(page, name, "fixed", value=value)
+    give_readings(page, "q", READINGS, "phi: .value: 34")
+    check_calculates(page)
+
+
 def test_an_oedometer_at_constant_rate_takes_the_permeability(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "clay", "crs_oedometer")
     expect(page.locator('[data-path="forward_model.stages[1].axial_strain"]')).to_have_value("0.11")

@@ -51,7 +51,10 @@ class HardeningSoil(NamedTuple):
     """E_i."""
 
     unloading: float
-    """Eur_ref."""
+    """Eur_ref of the shear surface."""
+
+    elastic: float
+    """Modulus of elasticity at p_ref: Eur_ref, or what small strains make of it."""
 
     power: float
     poisson: float
@@ -92,6 +95,7 @@ def hardening_soil_of(constants: FloatArray) -> HardeningSoil:
     critical = (sine - psi) / (1.0 - sine * psi)
     return HardeningSoil(
         c[0],
+        c[1],
         c[1],
         c[2],
         c[3],
@@ -172,9 +176,9 @@ def mobilised_dilatancy(high: float, low: float, soil: HardeningSoil) -> tuple[f
 
 @kernel
 def elastic_modulus(least_old: float, least: float, soil: HardeningSoil) -> tuple[float, float]:
-    """E_ur of a step and its derivative by the new s3."""
+    """Elastic modulus of a step and its derivative by the new s3."""
     shifted = 0.5 * (least_old + least) + soil.attraction
     if shifted <= LEAST_STIFF:
-        return soil.unloading * (LEAST_STIFF / soil.reference) ** soil.power, 0.0
-    modulus = soil.unloading * (shifted / soil.reference) ** soil.power
+        return soil.elastic * (LEAST_STIFF / soil.reference) ** soil.power, 0.0
+    modulus = soil.elastic * (shifted / soil.reference) ** soil.power
     return modulus, 0.5 * soil.power * modulus / shifted

@@ -14,6 +14,7 @@ from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear.simple_shear_model import SimpleShearModel
+from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
@@ -181,15 +182,21 @@ class DirectSimpleShearSpec(LaboratorySpec):
         return Sketch("Direct simple shear test", specimen, panels)
 
     def diagrams(self) -> tuple[Diagram, ...]:
-        """The stress path; at constant volume the normal stress follows from the pore pressure."""
+        """The stress path, at constant volume by the pore pressure; the shear modulus, where strains were small."""
         keeps = all(self.keeps_volume(stage) for stage in self.shearing)
 
         def normal(readings: Readings, start: Mapping[str, float]) -> FloatArray:
             return start["normal_stress"] - readings["pore_pressure"]
 
+        def secant(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            del start
+            return over_strain(readings["shear_stress"], readings["shear_strain"])
+
+        modulus = (Derived("secant_modulus", ("shear_stress", "shear_strain"), secant),)
         derived = (Derived("normal_stress", ("pore_pressure",), normal),) if keeps else ()
         caption = "Shear stress over vertical effective stress while the specimen is sheared."
-        return (Diagram("stress_path", "Stress path", caption, "normal_stress", "shear_stress", derived=derived),)
+        path = Diagram("stress_path", "Stress path", caption, "normal_stress", "shear_stress", derived=derived)
+        return path, shear_modulus_diagram("secant_modulus", modulus)
 
     def build(self) -> SimpleShearModel:
         """Build the forward model."""

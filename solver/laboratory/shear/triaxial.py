@@ -14,6 +14,7 @@ from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
+from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, Specimen
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
@@ -222,7 +223,7 @@ class TriaxialSpec(LaboratorySpec):
         return Sketch("Triaxial test", specimen, panels)
 
     def diagrams(self) -> tuple[Diagram, ...]:
-        """The stress path; under a constant cell pressure p' follows from q and the pore pressure."""
+        """The stress path, by q and the pore pressure at constant cell pressure; the shear modulus at small strains."""
         back = self.back_pressure
 
         def mean(readings: Readings, start: Mapping[str, float]) -> FloatArray:
@@ -236,7 +237,26 @@ class TriaxialSpec(LaboratorySpec):
         if cell:
             caption += "; where p' was not read itself, from q and pore pressure at constant cell pressure"
         derived = (Derived("p", needs, mean),) if cell else ()
-        return (Diagram("stress_path", "Stress path", f"{caption}.", "p", "q", derived=derived),)
+        path = Diagram("stress_path", "Stress path", f"{caption}.", "p", "q", derived=derived)
+        return path, shear_modulus_diagram("shear_modulus", self._secants())
+
+    def _secants(self) -> tuple[Derived, ...]:
+        """Shear strain and secant shear modulus by q, where that begins at 0, the axial and the volumetric strain."""
+        undrained = all(self.is_undrained(stage) for stage in self.shearing)
+        needs = ("axial_strain",) if undrained else ("axial_strain", "volumetric_strain")
+
+        def strain(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            del start
+            sheared = 1.5 * readings["axial_strain"]
+            return sheared if undrained else sheared - 0.5 * readings["volumetric_strain"]
+
+        def modulus(readings: Readings, start: Mapping[str, float]) -> FloatArray:
+            return over_strain(0.5 * readings["q"], strain(readings, start))
+
+        sheared = Derived("shear_strain", needs, strain)
+        last = self.consolidation[-1] if self.consolidation else None
+        ratio = self.initial_ratio if last is None else 1.0 if last.radial in (None, last.axial) else 0.0
+        return (sheared, Derived("shear_modulus", ("q", *needs), modulus)) if ratio == 1.0 else (sheared,)
 
     def _consolidated(self, axial: Load, radial: Load) -> Panel:
         """The programme of consolidation; the radial stress beside the axial one where it is another and known."""

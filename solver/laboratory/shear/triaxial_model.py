@@ -47,6 +47,17 @@ def _secant(seen: Seen) -> np.ndarray:
     return np.asarray(q / seen.engineering(seen.strain[:, 1]))
 
 
+def _sheared(seen: Seen) -> np.ndarray:
+    strain = seen.engineering(seen.strain[:, 1]) - seen.engineering(0.5 * (seen.strain[:, 0] + seen.strain[:, 2]))
+    return np.asarray(strain)
+
+
+def _shear_modulus(seen: Seen) -> np.ndarray:
+    first = seen.reference
+    q = seen.axial - seen.radial - (first[1] - 0.5 * (first[0] + first[2]))
+    return np.asarray(0.5 * q / _sheared(seen))
+
+
 _STRAINS = (
     Quantity("axial_strain", "Axial strain", "axial strain", "", lambda seen: seen.engineering(seen.strain[:, 1])),
     Quantity(
@@ -79,6 +90,14 @@ _STRESSES = (
 )
 _PORE_PRESSURE = pore_pressure("Pore pressure")
 _K0 = Quantity("K0", "Ratio of radial to axial effective stress", "K0", "", lambda seen: seen.radial / seen.axial)
+_SHEARED = Quantity("shear_strain", "Shear strain: axial less radial", "shear strain", "", _sheared)
+_SHEAR_MODULUS = Quantity(
+    "shear_modulus",
+    "Secant shear modulus: change of q over twice the shear strain, since the beginning of shearing",
+    "secant shear modulus",
+    "kPa",
+    _shear_modulus,
+)
 _SECANT = Quantity(
     "secant_modulus",
     "Secant modulus: change of q over axial strain, since the beginning of shearing",
@@ -155,11 +174,17 @@ class TriaxialModel(ShearModel):
         own = state_variables(self.law, spec.components)
         voids = void_ratio(self.law, spec.initial_void_ratio is not None)
         water = (_PORE_PRESSURE,) if any(stage.undrained for stage in self.shearing) else ()
-        both = (*_STRESSES, *water, *_STRAINS, *voids, *own)
+        both = (*_STRESSES, *water, *_STRAINS, _SHEARED, *voids, *own)
         consolidating = (*_STRAINS, *voids, _Q, MEAN_PRESSURE, _K0, *own)
         return [
             *shear_series(
-                self.axes, self.shearing, len(spec.consolidation), "axial strain", both, (_SECANT,), consolidating
+                self.axes,
+                self.shearing,
+                len(spec.consolidation),
+                "axial strain",
+                both,
+                (_SECANT, _SHEAR_MODULUS),
+                consolidating,
             ),
             path_series("mean effective stress", self.axes.kept["mean_stress"], _Q),
         ]

@@ -63,8 +63,8 @@ class FigureSet:
     ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity,
     sketch (of a test; sketch.PART of each of several), fit, stages.SERIES (one a series that was measured during
     several loads), compression (of a laboratory test; compression.PART of each of several), those that a test
-    declares (stress_path, compression_line), classical (constructions on the readings), convergence, traces. A
-    follow-up has neither matrix nor the progress of a search.
+    declares (stress_path, shear_modulus, compression_line), classical (constructions on the readings), convergence,
+    traces. A follow-up has neither matrix nor the progress of a search.
 
     Parameters
     ----------

@@ -49,13 +49,14 @@ __all__ = [
 
 MORE: Final[Mapping[str, tuple[Mapping[str, Any], ...]]] = {
     "hardening_soil": ({"psi": 8.0}, {"OCR": 3.0}, {"c": 0.0}),
+    "hardening_soil_small": ({"psi": 8.0}, {"OCR": 3.0}, {"c": 0.0, "gamma_07": 1.0e-3}),
     "hypoplastic_clay": ({"R": 1.0e-4, "OCR": 2.0}, {"OCR": 6.0}),
     "hypoplastic_sand": ({"R": 1.0e-4}, {"e0": None, "e00": 0.7}, {"p_t": 5.0}),
     "modified_cam_clay": ({"nu": None, "G": 3.0e3}, {"e0": None, "N": 3.0}, {"OCR": 6.0}),
 }
 """Soils beside the usual one, by the values that differ from it; None takes a value away."""
 
-WITHOUT_ELASTIC_RANGE: Final = frozenset({"hypoplastic_clay", "hypoplastic_sand"})
+WITHOUT_ELASTIC_RANGE: Final = frozenset({"hardening_soil_small", "hypoplastic_clay", "hypoplastic_sand"})
 
 UNDETERMINED: Final[Mapping[str, float]] = {"hypoplastic_clay": 5.0e-8, "hypoplastic_sand": 5.0e-8}
 """Part of the stress that the choice of substeps decides, where a law makes some of its own; 1e-9 for others."""

@@ -105,6 +105,49 @@ def test_simple_shear_at_constant_volume_gives_the_normal_stress_by_the_pore_pre
     assert curve.measured_x == pytest.approx([95, 80, 70, 60])  # consolidated under 100 kPa
 
 
+SMALL = [1e-5, 1e-4, 1e-3, 1e-2]
+
+
+@pytest.mark.parametrize("drained", [False, True])
+def test_small_strains_have_the_shear_modulus_over_their_logarithm(drained: bool) -> None:
+    """G = q/(2 (axial - radial)): by the axial strain undrained, with the volumetric one drained."""
+    readings = {"q": [2.0, 15.0, 60.0, 120.0]}
+    if drained:
+        readings["volumetric_strain"] = [1e-5 / 3, 1e-4 / 3, 1e-3 / 3, 1e-2 / 3]  # radial: a third of axial, outwards
+    model = triaxial("drained" if drained else "undrained")
+    curves = diagram_curves(problem := problem_of(model, readings, SMALL), problem.values([1.0]))
+    curve = next(one for one in curves if one.diagram.name == "shear_modulus")
+    assert curve.derived
+    shear = np.array(SMALL) * (4 / 3 if drained else 1.5)
+    assert curve.measured_x == pytest.approx(shear)
+    assert curve.measured_y == pytest.approx(np.array(readings["q"]) / (2 * shear))
+    assert curve.x.min() < 2e-5
+    # Elastic at first: normally consolidated Cam clay yields at once, so below G = 3 K (1 - 2 nu)/(2 (1 + nu)).
+    elastic = 1.5 * 0.4 / 1.3 * 2.2 * 200 / 0.04
+    assert 0.2 * elastic < curve.y[0] < 1.01 * elastic
+    axes = diagram_figure("clay", curve).axes[0]
+    assert axes.get_xscale() == "log"
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("shear strain [-]", "secant shear modulus [kPa]")
+
+
+def test_simple_shear_at_small_strains_has_it_too_and_no_logarithm_of_nothing() -> None:
+    model = find_spec("direct_simple_shear").example()
+    problem = problem_of(model, {"shear_stress": [0.0, 1.0, 5.0, 20.0]}, [0.0, 1e-4, 1e-3, 1e-2])
+    curve = next(one for one in diagram_curves(problem, problem.values([1.0])) if one.diagram.name == "shear_modulus")
+    assert curve.measured_x == pytest.approx([1e-4, 1e-3, 1e-2])
+    assert curve.measured_y == pytest.approx([1e4, 5e3, 2e3])
+
+
+def test_the_shear_modulus_of_a_specimen_under_unequal_stresses_needs_to_be_read() -> None:
+    """Where shearing begins q is not 0, and a reading of q alone does not tell its change."""
+    uneven = triaxial("undrained", consolidation=[{"axial": 200, "radial": "K0"}])
+    problem = problem_of(uneven, {"q": [80.0] * 4}, SMALL)
+    assert diagram_curves(problem, problem.values([1.0])) == ()
+    problem = problem_of(uneven, {"shear_modulus": [9e3, 8e3, 4e3, 1e3]}, SMALL)
+    (curve,) = diagram_curves(problem, problem.values([1.0]))
+    assert curve.measured_y.tolist() == [9e3, 8e3, 4e3, 1e3]
+
+
 def test_the_compression_curve_at_constant_rate() -> None:
     model = find_spec("crs_oedometer").example()
     readings = {"axial_stress": [30.0, 60.0, 90.0, 120.0], "pore_pressure": [3.0, 6.0, 9.0, 12.0]}

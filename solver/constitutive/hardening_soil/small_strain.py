@@ -1,0 +1,266 @@
+"""Stiffness at small strains over the history of strain, and its mean over a step.
+
+Benz (2007), "Small-strain stiffness of soils and its numerical consequences", Mitteilung 55, Institut fuer Geotechnik,
+Universitaet Stuttgart; PLAXIS, "Material models manual", chapter on small-strain stiffness; the curve is that of Hardin
+& Drnevich (1972) as Santos & Correia (2001) write it, a = 0.385. e: deviatoric strain, de its increment, tensors.
+
+::
+
+    gamma_hist = sqrt(3) |H de|/|de|                       what the history H tells of the way de: 3/2 eps_q on a
+                                                           straight way, e1 - e3 in the triaxial test
+    T = diag(t), t_i = 1/sqrt(1 + H_ii) where H_ii de_i < 0, else 1      on the principal axes of de
+    H <- T (H + 1) T - 1 + de                              what turned back begins again
+    Gt/G0 = 1/(1 + a g/gamma_07)^2, at least Gur/G0        tangent; secant Gs/G0 = 1/(1 + a g/gamma_07)
+    g = max(gamma_hist/2, gamma_hist - R)                  Masing's rules; R: largest g that a reversal ended
+    g = gamma_hist/2                                       instead, where the threshold is doubled always
+
+R = 0 until strain turns: g is gamma_hist. After a turn the curve is twice as large, and beyond the largest strain of
+the past it goes on along the first one (extended Masing rules; programs double gamma_07; nothing was found of where that
+ends). A part r = 1 - gamma_hist(after T)/gamma_hist(before T) of a turn counts as r g, so that rounding is no turn.
+
+G0 and Gur depend on stress alike, so all is told by k = Gt/Gur, at least 1. A step has its mean over gamma_hist, exact
+on a straight way: the stress difference of the secants.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.constitutive.tensors import principal_axes
+from geoswarm.solver.kernels.jit import kernel
+
+__all__ = ["SmallStrain", "mean_stiffness", "stiffness_at", "stiffness_slope"]
+
+_FIRST: Final = (0, 1, 2, 0, 1, 2)
+_SECOND: Final = (0, 1, 2, 1, 2, 0)
+_STRAIGHT: Final = 1.0e-7
+"""Deviatoric strain over all strain below which there is none: rounding is no way."""
+
+_LEAST: Final = 0.01
+"""Least 1 + H_ii: strains of more than 99 % are none."""
+
+_AWAY: Final = 1.0e-6
+"""Part of the strain by which that of a turn is moved to see how the stiffness changes."""
+
+_CLOSE: Final = 1.0e-9
+
+HIST, TURNED, SOFTEST = 6, 7, 8
+"""Places of gamma_hist, R and the least k so far behind the six components of H."""
+
+
+class SmallStrain(NamedTuple):
+    """Constants of the kernels."""
+
+    ratio: float
+    """G0/Gur."""
+
+    decay: float
+    """a/gamma_07."""
+
+    power: float
+    """1 + E_ur/(2 E_i), the exponent of h in :mod:`geoswarm.solver.constitutive.hardening_soil.small_strain_step`."""
+
+    doubled: bool
+    """Whether the threshold is doubled always."""
+
+
+@kernel
+def _reduced(g: float, small: SmallStrain) -> float:
+    """k without the cut-off."""
+    rest = 1.0 + small.decay * g
+    return small.ratio / (rest * rest)
+
+
+@kernel
+def stiffness_at(gamma: float, turned: float, small: SmallStrain) -> float:
+    """k at gamma_hist, R being ``turned``."""
+    g = 0.5 * gamma if small.doubled else max(0.5 * gamma, gamma - turned)
+    return max(_reduced(g, small), 1.0)
+
+
+@kernel
+def _mean(first: float, last: float, turned: float, small: SmallStrain) -> float:
+    """Mean of k over gamma_hist: of the doubled curve, the first one, and beyond the cut-off."""
+    length = last - first
+    if not length > _CLOSE * last:
+        return stiffness_at(0.5 * (first + last), turned, small)
+    limit = (math.sqrt(small.ratio) - 1.0) / small.decay
+    double = limit if small.doubled else min(turned, limit)
+    total = max(last - max(first, limit + double), 0.0)
+    end = min(last, 2.0 * double)
+    if end > first:
+        total += (end - first) * small.ratio / ((1.0 + 0.5 * small.decay * first) * (1.0 + 0.5 * small.decay * end))
+    begin, end = max(first, 2.0 * double), min(last, limit + double)
+    if end > begin:
+        begin, end = begin - double, end - double
+        total += (end - begin) * small.ratio / ((1.0 + small.decay * begin) * (1.0 + small.decay * end))
+    return total / length
+
+
+@kernel
+def _deviator(strain: FloatArray, d: FloatArray) -> float:
+    """Fill the deviatoric strain (3, 3) of (6,); its norm, or 0 where it is rounding."""
+    mean, size = (strain[0] + strain[1] + strain[2]) / 3.0, 0.0
+    for k in range(6):
+        i, j = _FIRST[k], _SECOND[k]
+        d[i, j] = strain[k] - mean if k < 3 else 0.5 * strain[k]
+        d[j, i] = d[i, j]
+        size = max(size, abs(strain[k]))
+    norm = _norm(d)
+    return norm if norm > _STRAIGHT * size else 0.0
+
+
+@kernel
+def _norm(a: FloatArray) -> float:
+    total = 0.0
+    for i in range(3):
+        for j in range(3):
+            total += a[i, j] * a[i, j]
+    return math.sqrt(total)
+
+
+@kernel
+def _times(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Product of (3, 3)."""
+    c = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                c[i, j] += a[i, k] * b[k, j]
+    return c
+
+
+@kernel
+def _turn_back(H: FloatArray, d: FloatArray) -> bool:
+    """Replace H by T (H + 1) T - 1; whether that changed it."""
+    tensor = np.empty(6)
+    for k in range(6):
+        tensor[k] = d[_FIRST[k], _SECOND[k]]
+    values, axes = principal_axes(tensor)
+    back = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            back[i, j] = axes[j, i]
+    local = _times(_times(back, H), axes)
+    any_turned = False
+    t = np.ones(3)
+    for i in range(3):
+        if local[i, i] * values[i] < 0.0:
+            any_turned = True
+            t[i] = 1.0 / math.sqrt(max(1.0 + local[i, i], _LEAST))
+            local[i, i] = 0.0
+    if any_turned:
+        for i in range(3):
+            for j in range(3):
+                if i != j:
+                    local[i, j] *= t[i] * t[j]
+        whole = _times(_times(axes, local), back)
+        for i in range(3):
+            for j in range(3):
+                H[i, j] = whole[i, j]
+    return any_turned
+
+
+@kernel
+def mean_stiffness(
+    strain: FloatArray, history: FloatArray, small: SmallStrain, after: FloatArray
+) -> tuple[float, float, float, bool]:
+    """Mean k of a step.
+
+    Parameters
+    ----------
+    strain
+        (6,): increment, engineering shear.
+    history, after
+        (9,): H with engineering shear, gamma_hist, R, and the least k so far; ``after`` is filled.
+
+    Returns
+    -------
+    k, gamma_hist at the beginning on this way, at the end, and whether strain turned back.
+    """
+    for i in range(9):
+        after[i] = history[i]
+    d, H = np.empty((3, 3)), np.empty((3, 3))
+    norm = _deviator(strain, d)
+    if norm == 0.0:
+        return stiffness_at(history[HIST], history[TURNED], small), history[HIST], history[HIST], False
+    before = 0.0
+    for k in range(6):
+        i, j = _FIRST[k], _SECOND[k]
+        H[i, j] = history[k] if k < 3 else 0.5 * history[k]
+        H[j, i] = H[i, j]
+        before = max(before, abs(history[k]))
+    first, turned, has_turned = 0.0, history[TURNED], False
+    if before > 0.0:
+        before = math.sqrt(3.0) * _norm(_times(H, d)) / norm
+        has_turned, first = _turn_back(H, d), before
+        if has_turned:
+            first = math.sqrt(3.0) * _norm(_times(H, d)) / norm
+            g = max(0.5 * before, before - turned)
+            turned = max(turned, max(1.0 - first / before, 0.0) * g)
+    for k in range(6):
+        i, j = _FIRST[k], _SECOND[k]
+        H[i, j] += d[i, j]
+        H[j, i] = H[i, j]
+        after[k] = H[i, j] if k < 3 else 2.0 * H[i, j]
+    last = math.sqrt(3.0) * _norm(_times(H, d)) / norm
+    after[HIST], after[TURNED] = last, turned
+    after[SOFTEST] = min(history[SOFTEST], stiffness_at(last, turned, small))
+    return _mean(first, last, turned, small), first, last, has_turned
+
+
+@kernel
+def stiffness_slope(strain: FloatArray, history: FloatArray, small: SmallStrain, slope: FloatArray) -> None:
+    """Fill the derivative of the mean k of a step by the strain, (6,); 0 where the way is rounding.
+
+    Closed form on a way that does not turn, central differences in a step that begins with a turn.
+    """
+    d, H, after = np.empty((3, 3)), np.zeros((3, 3)), np.empty(9)
+    for k in range(6):
+        slope[k] = 0.0
+    norm = _deviator(strain, d)
+    if norm == 0.0:
+        return
+    k_mean, first, last, has_turned = mean_stiffness(strain, history, small, after)
+    if has_turned:
+        moved = np.empty(6)
+        for k in range(6):
+            moved[k] = strain[k]
+        for k in range(6):
+            moved[k] = strain[k] + _AWAY * norm
+            high = mean_stiffness(moved, history, small, after)[0]
+            moved[k] = strain[k] - _AWAY * norm
+            low = mean_stiffness(moved, history, small, after)[0]
+            moved[k] = strain[k]
+            slope[k] = (high - low) / (2.0 * _AWAY * norm)
+        return
+    length, turned = last - first, history[TURNED]
+    if not length > _CLOSE * last:
+        return
+    by_last = (stiffness_at(last, turned, small) - k_mean) / length
+    by_first = (k_mean - stiffness_at(first, turned, small)) / length
+    for k in range(6):
+        i, j = _FIRST[k], _SECOND[k]
+        H[i, j] = history[k] if k < 3 else 0.5 * history[k]
+        H[j, i] = H[i, j]
+    # gamma^2 = 3 tr((H de)^T H de)/|de|^2, with H or H + de
+    Hd, dd = _times(H, d), _times(d, d)
+    old, more = _times(_times(H, H), d), _times(H, dd)
+    middle, cube = _times(d, Hd), _times(dd, d)
+    by = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            of_first = old[i, j] + old[j, i]
+            of_last = of_first + 2.0 * (more[i, j] + middle[i, j] + more[j, i]) + 4.0 * cube[i, j]
+            square = norm * norm
+            by[i, j] = by_last * (1.5 * of_last / last - last * d[i, j]) / square
+            if first > 0.0:
+                by[i, j] += by_first * (1.5 * of_first / first - first * d[i, j]) / square
+    mean = (by[0, 0] + by[1, 1] + by[2, 2]) / 3.0
+    for k in range(6):
+        i, j = _FIRST[k], _SECOND[k]
+        slope[k] = by[i, j] - mean if k < 3 else by[i, j]
