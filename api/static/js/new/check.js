@@ -61,6 +61,7 @@ export function checkSection(context, place, judged) {
       element("h3", {}, run_.state === "finished" ? "The forward calculation works" : "The forward calculation failed"),
       run_.state === "finished" ? null : element("p", { class: "error", role: "alert" }, `${run_.reason}: ${run_.message}`),
       found.warnings.length ? element("ul", { class: "notes", role: "alert" }, found.warnings.map((text) => element("li", {}, text))) : null,
+      Object.entries(found.notes).map(([series, notes]) => element("p", { class: "help" }, `Readings of ${series}: ${notes.join("; ")}.`)),
       element("dl", {},
         fact("Estimated cost", cost), fact("One calculation", duration(run_.seconds)), fact("Readings", count(found.data_points)),
         run_.objective === null ? null : fact(withUnit("Objective there", unit), number(run_.objective)),
