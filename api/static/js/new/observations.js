@@ -20,13 +20,23 @@ export function observationsSection(context, place) {
   const info = (name) => series().find((one) => one.name === name);
   let shownSeries = null, plot = null, drawnFor = "";
 
-  const upload = uploader(series, () => all().map((one) => one.series), (observation) => {
+  const upload = uploader({
+    series,
+    readings: (name) => all().find((one) => one.series === name)?.points?.x?.length ?? 0,
+    openParameters: () => Boolean(draft.answer?.open_parameters),
+  }, take);
+
+  /** New readings in place of old ones keep what does not depend on these: weights and stages, no marks or zero readings. */
+  function take(observation, file) {
     const same = all().findIndex((one) => one.series === observation.series);
     const old = same >= 0 ? all()[same] : {};
-    draft.write(["observations", same >= 0 ? same : all().length], { ...old, ...observation });
+    const kept = Object.fromEntries(["weight", "leave_out_stages"].filter((key) => old[key] !== undefined).map((key) => [key, old[key]]));
+    const back = draft.mark();
+    draft.write(["observations", same >= 0 ? same : all().length], { ...kept, ...observation });
+    if (old.points) back(`${count(old.points.x.length)} readings of ${observation.series} were replaced by those of ${file}.`);
     shownSeries = observation.series;
     draw();
-  });
+  }
 
   function card(one, i) {
     const path = ["observations", i];
@@ -51,7 +61,12 @@ export function observationsSection(context, place) {
       element("div", { class: "share" }, element("span", { dataset: { share: String(i) } }), element("meter", { min: "0", max: "1", value: "0", id: `share-${i}`, "aria-label": `Share of ${one.series ?? "the series"} in the weights` })),
       element("div", { class: "buttons" },
         all().length > 1 ? button(`Show ${one.series}`, () => { shownSeries = one.series; redrawPlot(); }) : null,
-        button(`Remove ${one.series ?? "it"}`, () => { draft.write(path, undefined); draw(); })),
+        button(`Remove ${one.series ?? "it"}`, () => {
+          const back = draft.mark();
+          draft.write(path, undefined);
+          if (points) back(`The ${count(points)} readings of ${one.series ?? "a series"} were removed.`);
+          draw();
+        })),
       errorPlace(path));
   }
 
