@@ -237,3 +237,84 @@ def test_the_import_fits_a_phone(embedded: Site, visit: Visit, content: str) -> 
     more(mapping)
     check_layout(page)
     check_accessibility(page)
+
+
+def test_readings_are_prepared_in_every_way_of_the_problem_file(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=formula")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    page.get_by_text("Prepare the readings").click()
+    page.get_by_label("Zero reading", exact=True).select_option(label="the reading at an x")
+    page.get_by_label("Zero reading at").fill("14")
+    expect(yaml(page)).to_have_value(re.compile(r"y_zero: \{x: 14\}"))
+    page.get_by_label("Zero reading", exact=True).select_option(label="a known value")
+    page.get_by_label("Value of the zero reading").fill("3.2")
+    expect(yaml(page)).to_have_value(re.compile(r"y_zero: \{y: 3\.2\}"))
+    page.get_by_label("Put them in the order of x").check()
+    page.get_by_label("Readings at equal x").select_option(label="become their mean")
+    page.get_by_label("Means of so many readings in a row").fill("2")
+    expect(yaml(page)).to_have_value(re.compile("sort: true.*repeated_x: average.*every: 2", re.DOTALL))
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    page.get_by_label("Zero reading", exact=True).select_option(label="none")
+    expect(yaml(page)).not_to_have_value(re.compile("y_zero"))
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+
+
+def test_gross_errors_are_crosses_beside_the_test_run(embedded: Site, visit: Visit) -> None:
+    """The calculated curve was put at the x of the first readings, gross errors or not."""
+    page, _ = visit(embedded, "/new?example=formula")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    page.get_by_text("Leave readings out").click()
+    page.get_by_label("Gross errors").fill("1, 3")
+    expect(yaml(page)).to_have_value(re.compile(r"gross_errors: \[1, 3\]"))
+    page.get_by_role("button", name="Check", exact=True).click()
+    figure = page.locator("#check-body").get_by_role("figure")
+    expect(figure).to_have_attribute(
+        "aria-label", re.compile("14 readings and the test run, 2 marked as gross errors"), timeout=90_000
+    )
+    expect(figure.locator(".main-svg").first).to_be_visible()
+    traces = figure.evaluate("(plot) => plot.data.map(({name, x}) => [name, x])")
+    found = dict(traces)
+    assert found["gross error"] == [7, 21]
+    assert found["calculated"] == pytest.approx(found["measured"], rel=1e-9)
+    assert found["measured"][:3] == [14, 30, 45]
+
+
+def test_what_is_replaced_can_be_brought_back(embedded: Site, visit: Visit) -> None:
+    """Sixteen stages were gone with another forward model, everything with an example or an empty form."""
+    page, _ = visit(embedded, "/new?example=oedometer")
+    stage = page.locator('[data-path="forward_model.stages[15].stress"]')
+    expect(stage).to_have_value("800")
+    page.locator("input[name=kind][value=formula]").check()
+    expect(page.locator(".undo")).to_contain_text("formula in place of oedometer: ")
+    expect(page.locator(".undo")).to_contain_text("stages")
+    expect(stage).to_have_count(0)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    expect(stage).to_have_value("800")
+    page.locator("input[name=kind][value=consolidation]").check()
+    expect(page.locator('[data-path="forward_model.stages[15].stress"]')).to_have_value("800")  # what fits is kept
+    expect(page.locator('[data-path="forward_model.height"]')).to_have_value("0.02021")
+    page.locator("input[name=kind][value=formula]").check()
+    page.locator("input[name=kind][value=oedometer]").check()  # back by hand: the section is still there
+    expect(stage).to_have_value("800")
+    page.get_by_label("Begin with an example").select_option("formula")
+    expect(page.locator(".undo")).to_contain_text("has replaced what was here.")
+    expect(page.locator('[data-path="name"]')).to_have_value("hyperbolic-settlement")
+    page.get_by_role("button", name="Undo", exact=True).click()
+    expect(stage).to_have_value("800")
+    page.get_by_role("button", name="Start anew").click()
+    expect(page.locator(".undo")).to_contain_text("The form was emptied.")
+    check_accessibility(page)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    expect(stage).to_have_value("800")
+    expect(page.locator(".undo")).to_contain_text("It is as it was before.")
+    page.get_by_role("button", name="Undo", exact=True).click()  # and forth
+    expect(stage).to_have_count(0)
+
+
+def test_removed_readings_come_back(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    expect(page.locator(".observation")).to_contain_text("226 readings")
+    page.get_by_role("button", name="Remove settlement").click()
+    expect(page.locator(".observation")).to_have_count(0)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    expect(page.locator(".observation")).to_contain_text("226 readings")

@@ -89,7 +89,8 @@ export function checkSection(context, place, judged) {
       const panel = element("div", {});
       made.append(element("section", { class: "panel", "aria-label": `Test run of ${one.series}` }, element("h3", {}, one.series), panel));
       pointsPlot(panel, () => ({
-        x: given.x, y: given.y, calculated: calculated.y.map((y) => (y === null ? null : y / one.y_factor)), label: one.series,
+        x: given.x, y: given.y, gross: answer.document.observations.find((each) => each.series === one.series).gross_errors,
+        calculated: { x: calculated.x.map((x) => x / one.x_factor), y: calculated.y.map((y) => (y === null ? null : y / one.y_factor)) }, label: one.series,
         xLabel: [about.x_quantity, one.x_unit], yLabel: [about.y_quantity, one.y_unit],
       })).draw();
     }

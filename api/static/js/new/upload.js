@@ -3,7 +3,7 @@ import { element, failure } from "../dom.js";
 import { request } from "../http.js";
 import { mapping } from "./import/mapping.js";
 
-/** The place for files; `context` tells of series and readings (see `mapping`), `take(observation, name)` gets what was mapped. */
+/** The place for files; `context` tells of series and readings (see `mapping`), `take(observation, name)` gets what was mapped; true: it has told. */
 export function uploader(context, take) {
   const place = element("div", {});
   const input = element("input", { type: "file", id: "file", class: "visually-hidden", accept: ".csv,.txt,.tsv,.xlsx,.ods", onchange: () => { if (input.files[0]) read(input.files[0]); input.value = ""; } });
@@ -28,8 +28,9 @@ export function uploader(context, take) {
         sheet: (other) => read(file, other),
         take: (observation, name) => {
           place.replaceChildren();
-          take(observation, name);
+          const told = take(observation, name);
           document.getElementById("file").focus();
+          return told;
         },
         cancel: () => place.replaceChildren(),
       }));

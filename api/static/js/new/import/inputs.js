@@ -3,12 +3,12 @@ import { element } from "../../dom.js";
 import { count } from "../../format.js";
 
 /** A choice among [value, name, disabled?]; a value that is none of them is still to be chosen. */
-export function choice(id, label, options, value, act, { help = null, asked = false } = {}) {
+export function choice(id, label, options, value, act, { help = null, asked = false, wide = false } = {}) {
   const known = options.some(([one]) => one === value);
   const all = known ? options : [[value, "choose …"], ...options];
   const made = element("select", { id, "aria-describedby": help ? `${id}-help` : null, onchange: () => act(all[Number(made.value)][0]) },
     all.map(([one, name, disabled], i) => element("option", { value: String(i), selected: one === value, disabled }, name)));
-  return element("div", { class: `field ${asked && !known ? "asked" : ""}` }, element("label", { for: id }, label), made, help ? element("p", { class: "help", id: `${id}-help` }, help) : null);
+  return element("div", { class: `field ${asked && !known ? "asked" : ""} ${wide ? "wide-field" : ""}` }, element("label", { for: id }, label), made, help ? element("p", { class: "help", id: `${id}-help` }, help) : null);
 }
 
 export function words(id, label, value, act, { help = null, placeholder = null, list = null, wrong = null } = {}) {

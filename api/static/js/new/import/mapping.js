@@ -27,7 +27,7 @@ export function mapping(file, content, context, act) {
 
   const sign = () => (state.reverse ? -1 : 1);
   const quantity = (axis) => [info()?.[`${axis}_quantity`] ?? file.columns[state[axis]]?.label ?? axis, state[`${axis}Unit`]];
-  const plot = pointsPlot(preview, () => ({ x: points?.x ?? [], y: (points?.y ?? []).map((y) => sign() * y), label: state.series ?? file.name, xLabel: quantity("x"), yLabel: quantity("y") }));
+  const plot = pointsPlot(preview, () => ({ x: points?.x ?? [], y: (points?.y ?? []).map((y) => sign() * y), gross: points?.gross_errors, label: state.series ?? file.name, xLabel: quantity("x"), yLabel: quantity("y") }));
 
   /** The points as they would be taken, from the service: it reads files for problems, too, by the same rules. */
   function load() {
@@ -86,8 +86,9 @@ export function mapping(file, content, context, act) {
     ];
     exchange(fields,
       choice("map-series", "Series", known.map((one) => [one.name, context.readings(one.name) ? `${one.name}: replaces ${count(context.readings(one.name))} readings` : one.name]), state.series,
-        (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true }),
-      pick("y", (column) => column.kind === "number"), pick("x", readable));
+        (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true, wide: true }),
+      element("div", { class: "fields wide-field" }, pick("y", (column) => column.kind === "number")),
+      element("div", { class: "fields wide-field" }, pick("x", readable)));
     const { numbers, dates } = doubts(file, state), specimens = specimenColumn(file);
     exchange(asked,
       numbers ? choice("map-sign", "How are numbers written?", SIGNS, state.decimal, (value) => { state.decimal = value; change(true); }, { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true }) : null,
@@ -123,9 +124,8 @@ export function mapping(file, content, context, act) {
     if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
     if (gross.length) observation.gross_errors = gross;
     if (told.length) observation.notes = told;
-    act.take(observation, file.name);
     plot.remove();
-    announce(`${count(x.length)} readings of ${observation.series} were taken from ${file.name}.`);
+    if (!act.take(observation, file.name)) announce(`${count(x.length)} readings of ${observation.series} were taken from ${file.name}.`);
   }
 
   const likely = likelySeries(file, known);

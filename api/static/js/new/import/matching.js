@@ -60,7 +60,8 @@ export function columnOfY(file, info) {
   const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => column.kind === "number");
   const named = usable.map((one) => ({ ...one, place: meaning(one.column, info) })).filter(({ place }) => place >= 0);
   named.sort((one, other) => one.place - other.place || one.i - other.i);
-  return named[0]?.i ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
+  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit));
+  return named[0]?.i ?? (alike.length === 1 ? alike[0].i : null) ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
 }
 
 /** Series and column of y that a file seems to be about: {series, y}; both null where its headings do not say. */
