@@ -24,7 +24,14 @@ __all__ = ["LARGE_BODIES", "SMALL_BODY_BYTES", "Intake"]
 
 LARGE_BODIES = frozenset(
     ("POST", API_PREFIX + path)
-    for path in ("/jobs", "/problems/check", "/problems/warm-starts", "/problems/read", "/measurements")
+    for path in (
+        "/jobs",
+        "/problems/check",
+        "/problems/warm-starts",
+        "/problems/read",
+        "/measurements",
+        "/measurements/points",
+    )
 )
 """Requests that carry a problem or measurements."""
 

@@ -10,7 +10,7 @@ __all__ = ["is_heavy", "job_of"]
 
 _ALWAYS = re.compile(
     r"/api/v1/(?:"
-    r"problems/(?:check|warm-starts|read)|measurements|forward-models(?:/[^/]+)?"
+    r"problems/(?:check|warm-starts|read)|measurements(?:/points)?|forward-models(?:/[^/]+)?"
     r"|jobs/[^/]+/(?:fit|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
     r"|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
     r")"

@@ -10,9 +10,9 @@ from fastapi import APIRouter, Query, Request
 from geoswarm.api.access.bodies import FileContent
 from geoswarm.api.dependencies import limiter, problems_of
 from geoswarm.api.errors import DetailError
-from geoswarm.api.schemas.drafts import MeasurementFile
-from geoswarm.solver.errors import Issue
-from geoswarm.solver.problem import TableError, read_measurements
+from geoswarm.api.schemas.drafts import MeasuredPoints, MeasurementFile
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem import TableError, measured_points, read_measurements
 
 __all__ = ["router"]
 
@@ -31,10 +31,10 @@ async def read_file(
     request: Request,
     name: Annotated[str, Query(max_length=200, description="name of the file, for messages")] = "file",
     sheet: Annotated[
-        str | None, Query(max_length=200, description="of a workbook; the first one with cells if absent")
+        str | None, Query(max_length=200, description="of a workbook; the first one with numbers if absent")
     ] = None,
 ) -> MeasurementFile:
-    """Read columns, numbers and probable units of a file. Nothing is stored."""
+    """Read columns, numbers, probable units and meaning of a file. Nothing is stored."""
     try:
         slot = limiter(request, "files")
         found = await anyio.to_thread.run_sync(read_measurements, content, name, sheet, limiter=slot)
@@ -42,3 +42,32 @@ async def read_file(
         issues = [Issue("", message) for message in error.messages]
         raise DetailError(422, str(error), kind="unreadable-file", title="File cannot be read", issues=issues) from None
     return MeasurementFile.model_validate(found)
+
+
+@router.post("/points", responses=problems_of(408, 413, 422), openapi_extra={"requestBody": FILE_BODY})
+async def read_points(
+    content: FileContent,
+    request: Request,
+    observation: Annotated[
+        str,
+        Query(
+            max_length=8000,
+            description="which of the file is read, as JSON: an observation of a problem file without file and points, "
+            '{"series": "settlement", "x_column": "Zeit", "y_column": "B:B", "where": {"specimen": "S2"}}',
+        ),
+    ],
+    name: Annotated[str, Query(max_length=200, description="name of the file, for messages and notes")] = "file",
+) -> MeasuredPoints:
+    """Read the points of one series from a file, as a problem file would. Nothing is stored."""
+    try:
+        slot = limiter(request, "files")
+        points = await anyio.to_thread.run_sync(measured_points, observation, content, name, limiter=slot)
+    except ProblemError as error:
+        raise DetailError(
+            422, str(error), kind="unreadable-file", title="File cannot be read", issues=error.issues
+        ) from None
+    return MeasuredPoints(
+        **points.document() | {"inputs": points.inputs, "weight": points.weight},
+        gross_errors=[place + 1 for place in points.gross_errors],
+        notes=list(points.notes),
+    )

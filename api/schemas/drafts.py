@@ -16,6 +16,7 @@ __all__ = [
     "Example",
     "ExampleList",
     "ExampleSummary",
+    "MeasuredPoints",
     "MeasurementColumn",
     "MeasurementFile",
     "ProblemDraft",
@@ -87,12 +88,21 @@ class MeasurementColumn(Model):
     """A column of a file."""
 
     name: str = Field(description="heading as it stands")
+    letters: str = Field(description="of the column, as spreadsheets call it")
     label: str = Field(description="heading without its unit")
     unit: str | None = Field(description="unit that the heading or a comment names")
     base: str | None = Field(description="base unit of its dimension: day, m, kPa, degree or dimensionless")
-    kind: Literal["number", "time", "text"] = Field(description="time: dates, given as days since the first")
-    values: list[float | None] = Field(description="one a row; null where there is no number; empty for text")
+    quantities: list[str] = Field(description="what its words may stand for: settlement, time, specimen ...")
+    kind: Literal["number", "time", "clock", "text"] = Field(description="time: dates, given as days since the first")
+    values: list[float | None] = Field(
+        description="one a row; null where there is no number, or one that can be read in two ways; empty for text"
+    )
     bad: int = Field(description="cells that hold something else")
+    doubt: str | None = Field(
+        description="a cell that can be read in two ways: 1,000 (decimal_sign says how), 03/04/2024 (x_dates)"
+    )
+    entries: dict[str, int] = Field(description="number of rows of each entry, where these are at most 50")
+    first: list[str] = Field(description="its first cells as they stand")
 
 
 class MeasurementFile(Model):
@@ -103,6 +113,18 @@ class MeasurementFile(Model):
     sheet: str | None = Field(description="the one that was read")
     rows: int
     columns: list[MeasurementColumn]
+    formulas: list[str] = Field(description="cells of the sheet whose formula has no stored value")
+
+
+class MeasuredPoints(Model):
+    """Readings of one series from a file, as a problem has them."""
+
+    x: list[float]
+    y: list[float]
+    weight: list[float] | None
+    inputs: dict[str, list[float]] = Field(description="further quantities at the points")
+    gross_errors: list[int] = Field(description="numbers of those marked as gross errors, from 1")
+    notes: list[str] = Field(description="what was read and done")
 
 
 class ExampleSummary(BaseModel):

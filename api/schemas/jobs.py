@@ -139,6 +139,7 @@ class CheckResult(Model):
         description="time of all planned evaluations on one worker and of the search itself"
     )
     warnings: list[str] = Field(description="what is probably not meant or not modelled, and what to do")
+    notes: dict[str, list[str]] = Field(description="what was done to the readings of each series, where anything was")
     warm_starts: list[WarmStart] = Field(description="earlier jobs that it could learn from, newest first")
 
 

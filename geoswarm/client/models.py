@@ -80,7 +80,10 @@ class WarmStart:
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """What a valid problem would do and cost; ``estimated_seconds`` is for one worker."""
+    """What a valid problem would do and cost; ``estimated_seconds`` is for one worker.
+
+    ``notes`` say what was done to the readings, by series.
+    """
 
     valid: bool
     name: str
@@ -93,6 +96,7 @@ class CheckResult:
     estimated_seconds: float | None
     warnings: list[str]
     warm_starts: list[WarmStart]
+    notes: dict[str, list[str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,6 +39,8 @@ class FitSeries:
     x: Measured
     measured: Measured
     breaks: Measured = told("x at which a load is applied")
+    gross_x: Measured = told("of readings marked as gross errors, which are in no misfit")
+    gross_measured: Measured
 
 
 @record

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,9 @@ __all__ = ["LoadTest", "load_tests", "measured_strain"]
 
 _LATE = 0.5
 """A reading stands for the end of a stage when it was made in the last half of it."""
+
+_Ends: TypeAlias = dict[str, dict[int, float]]
+"""Readings at the ends of stages, by number, of each series."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,33 +53,44 @@ def _is_load_test(spec: ForwardModelSpec, model: ForwardModel) -> bool:
     return whole and bool(names & {"stage_axial_strain", "stage_volumetric_strain"})
 
 
-def measured_strain(problem: Problem, test: LoadTest) -> tuple[IntArray, FloatArray]:
-    """Stages that were read, from 1, and the strain since the zero of the readings."""
-    spec = test.model.spec
+def measured_strain(problem: Problem, test: LoadTest, *, gross: bool = False) -> tuple[IntArray, FloatArray]:
+    """Stages that were read, from 1, and the strain since the zero of the readings; or those of gross errors alone."""
     prefix = f"{test.part}." if test.part else ""
-    ends = {
-        o.series.removeprefix(prefix): _ends(problem, test, o.series, o.x, o.y)
-        for o in problem.observations
-        if o.series.startswith(prefix)
-    }
+    read: _Ends = {}
+    struck: _Ends = {}
+    for o in problem.observations:
+        if o.series.startswith(prefix):
+            name = o.series.removeprefix(prefix)
+            read[name] = _ends(problem, test, o.series, o.x, o.y)
+            struck[name] = _ends(problem, test, o.series, o.gross_x, o.gross_y)
+    if not gross:
+        return _sorted(_strains(test, read)[1])
+    used, strains = _strains(test, {name: read[name] | struck[name] for name in read})
+    return _sorted({stage: strain for stage, strain in strains.items() if any(stage in struck[name] for name in used)})
+
+
+def _strains(test: LoadTest, ends: _Ends) -> tuple[tuple[str, ...], dict[int, float]]:
+    """Series that give the strain at the ends of stages, and the strains by stage."""
+    spec = test.model.spec
     for name in ("axial_strain", "settlement") if test.confined else ("volumetric_strain",):
         for series in (f"stage_{name}", name):
             if ends.get(series):
                 scale = spec.height if name == "settlement" else 1.0
-                return _sorted({stage: y / scale for stage, y in ends[series].items()})
+                return (series,), {stage: y / scale for stage, y in ends[series].items()}
     e = spec.initial_void_ratio
     if ends.get("stage_void_ratio") and e is not None and spec.zero_at_stage == 1:
-        return _sorted({stage: (e - y) / (1.0 + e) for stage, y in ends["stage_void_ratio"].items()})
+        return ("stage_void_ratio",), {stage: (e - y) / (1.0 + e) for stage, y in ends["stage_void_ratio"].items()}
     for form in ("stage_", ""):
-        axial, radial = ends.get(f"{form}axial_displacement", {}), ends.get(f"{form}radial_displacement", {})
+        names = (f"{form}axial_displacement", f"{form}radial_displacement")
+        axial, radial = (ends.get(name, {}) for name in names)
         both = {
             stage: 1.0 - (1.0 - axial[stage] / spec.height) * (1.0 - radial[stage] / spec.radius) ** 2
             for stage in axial
             if stage in radial
         }
         if both:
-            return _sorted(both)
-    return _sorted({})
+            return names, both
+    return (), {}
 
 
 def _sorted(ends: Mapping[int, float]) -> tuple[IntArray, FloatArray]:

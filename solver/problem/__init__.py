@@ -4,7 +4,7 @@ from geoswarm.solver.problem.assembly import load_problem, parse_problem
 from geoswarm.solver.problem.draft import Draft, LocatedIssue, draft_of_document, draft_of_text
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.parameters import FixedParameter, FreeParameter, LinkedParameter, Parameter
-from geoswarm.solver.problem.points import Points
+from geoswarm.solver.problem.points import Points, measured_points
 from geoswarm.solver.problem.problem import Problem
 from geoswarm.solver.problem.schema import problem_schema
 from geoswarm.solver.problem.sections import Stopping
@@ -31,6 +31,7 @@ __all__ = [
     "draft_of_document",
     "draft_of_text",
     "load_problem",
+    "measured_points",
     "parse_problem",
     "problem_schema",
     "problem_yaml",

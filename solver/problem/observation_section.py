@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.problem.preparation import Resample
 from geoswarm.solver.problem.tables.dates import DateForm, moment_in
+from geoswarm.solver.problem.tables.numerals import DecimalSign
 from geoswarm.solver.problem.zero import ZeroReading
 from geoswarm.solver.section import Section
 
@@ -58,6 +59,8 @@ _OF_A_FILE = (
     "x_dates",
     "x_time_column",
     "x_origin",
+    "decimal_sign",
+    "incomplete_rows",
 )
 
 
@@ -111,6 +114,14 @@ class ObservationSection(Section):
     )
     x_origin: Moment | None = Field(
         None, description='where x holds dates: the one at which x is 0 ("2024-03-01 08:30"); the first if absent'
+    )
+    decimal_sign: DecimalSign | None = Field(
+        None,
+        description="how the file writes numbers where 1,000 may be 1 or 1000: comma (1,5 and 1.000) or point (1.5 and "
+        "1,000)",
+    )
+    incomplete_rows: Literal["leave_out"] | None = Field(
+        None, description="rows that lack one of the wanted numbers are left out; without this they are mistakes"
     )
     x_unit: str | None = Field(
         None, description="unit of x in the data; that of its heading, or the series' base unit, if absent"

@@ -159,7 +159,7 @@ def _build(
         ("x", points.x, section.x_unit, info.x_unit, points.x_heading),
         ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
-        unit, wrong = _unit(axis, given, base, heading)
+        unit, wrong = _unit(axis, given, base, heading, unitless=info.x_quantity == "x")
         units[axis] = unit
         if wrong is not None:
             issues.append(Issue(f"{path}.{axis}_{'unit' if given else 'column'}", wrong))
@@ -223,8 +223,13 @@ def _build(
     )
 
 
-def _unit(axis: str, given: str | None, base: str, heading: Heading | None) -> tuple[str | None, str | None]:
-    """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong."""
+def _unit(
+    axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool
+) -> tuple[str | None, str | None]:
+    """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong.
+
+    ``unitless``: a formula or a program, whose series without a unit take the numbers as they are.
+    """
     if heading is None or (heading.unit is None and not heading.dates):
         return given, None
     if heading.dates and given is not None and not same_unit(given, "day"):
@@ -235,8 +240,13 @@ def _unit(axis: str, given: str | None, base: str, heading: Heading | None) -> t
     try:
         convert([1.0], heading.unit, base)
     except UnitError:
-        if not heading.certain or same_unit(base, "1"):  # a formula without units takes the numbers as they are
+        if not heading.certain or (unitless and same_unit(base, "1")):
             return None, None
+        if same_unit(base, "1"):
+            return (
+                None,
+                f"column '{heading.name}' is in {heading.unit}, but the series has no unit; name another column",
+            )
         other = "series has" if axis == "y" else "series needs"
         return (
             None,

@@ -6,16 +6,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from geoswarm.solver.errors import Issue
-from geoswarm.solver.problem.issues import number
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.preparation import NoZeroError, Preparation, Readings, prepared
 from geoswarm.solver.problem.tables.cells import file_content
 from geoswarm.solver.problem.tables.columns import Columns, Heading, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.text.reading import read_document
 
-__all__ = ["Points", "points_of_file", "read_points"]
+__all__ = ["Points", "measured_points", "points_of_file", "read_points"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +71,31 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
     return points_of_file(section, path, content, file.name)
 
 
+def measured_points(observation: str, content: bytes, name: str) -> Points:
+    """Points of a file that is not part of a problem yet.
+
+    Parameters
+    ----------
+    observation
+        Which of it they are, as JSON: an observation of a problem file but for ``file`` and ``points``.
+    content, name
+        The file, and what it is called in messages.
+
+    Raises
+    ------
+    ProblemError
+        The observation has mistakes, or the file cannot be read so; paths are those within the observation.
+    """
+    given = {**read_document(observation, "json"), "file": name}
+    section, issues = validated(ObservationSection, given, "")
+    if section is None:
+        raise ProblemError(issues)
+    points, issues = points_of_file(section, "", content, name)
+    if points is None or issues:
+        raise ProblemError([replace(issue, path=issue.path.removeprefix(".")) for issue in issues])
+    return points
+
+
 def points_of_file(
     section: ObservationSection, path: str, content: bytes, name: str
 ) -> tuple[Points | None, list[Issue]]:
@@ -105,6 +131,8 @@ def _columns(section: ObservationSection) -> Columns:
         section.x_dates,
         section.x_time_column,
         section.gross_error_column,
+        section.decimal_sign,
+        section.incomplete_rows,
     )
 
 
@@ -117,6 +145,11 @@ def _reading_notes(section: ObservationSection, table: Table, name: str) -> list
         notes.append(f"y is the difference of two columns: {table.y_heading.name} less {section.y_minus}")
     if table.zero is not None:
         notes.append(f"x counts from {table.zero.isoformat(sep=' ', timespec='seconds')}")
+    if table.left_out:
+        rows = "1 row" if table.left_out == 1 else f"{table.left_out} rows"
+        notes.append(
+            f"{rows} of {name} without a number in every column {'was' if table.left_out == 1 else 'were'} left out"
+        )
     return [note if note.isprintable() else repr(note) for note in notes]
 
 

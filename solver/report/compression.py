@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -36,6 +36,8 @@ class CompressionCurve:
         Shape (n,), kPa and y.
     measured_stages, measured
         Stages that were read, shape (m,), and y, shape (m,).
+    gross_stages, gross
+        Stages whose last reading is marked as a gross error, shape (q,), and y, shape (q,).
     preconsolidation, interval
         Preconsolidation stress and its 95 % interval, kPa; None for laws that have none of this kind.
     """
@@ -51,11 +53,18 @@ class CompressionCurve:
     preconsolidation: float | None
     interval: tuple[float, float] | None
     total: bool = False
+    gross_stages: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    gross: FloatArray = field(default_factory=lambda: np.empty(0))
 
     @property
     def measured_stress(self) -> FloatArray:
         """Stress of the measured points, shape (m,), kPa."""
         return self.stress[np.searchsorted(self.stages, self.measured_stages)]
+
+    @property
+    def gross_stress(self) -> FloatArray:
+        """Stress of the gross errors, shape (q,), kPa."""
+        return self.stress[np.searchsorted(self.stages, self.gross_stages)]
 
 
 def compression_curves(
@@ -88,6 +97,7 @@ def _curve(
     strain = test.model.prepare({strain_series: numbers})(test.values(values))[strain_series]
     at_zero = 0.0 if spec.zero_at_stage == 1 else _strain_before(test, values, strain)
     read, measured = measured_strain(problem, test)
+    struck, gross = measured_strain(problem, test, gross=True)
 
     def shown(since_zero: FloatArray) -> FloatArray:
         return 100.0 * since_zero if e is None else e - (1.0 + e) * (at_zero + since_zero)
@@ -104,6 +114,8 @@ def _curve(
         preconsolidation,
         interval,
         spec.consolidates,
+        struck,
+        shown(gross),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -91,6 +91,7 @@ class CheckReport:
     test_run: TestRunReport
     estimated_seconds: float | None
     warnings: tuple[str, ...] = ()
+    notes: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def check_problem(
@@ -133,6 +134,7 @@ def check_problem(
         method=problem.method.kind,
         free_parameters=problem.free_names,
         warnings=(*implausible(problem), *(found.sentence for found in find_consolidation(problem))),
+        notes={o.series: o.notes for o in problem.observations if o.notes},
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
         test_run=_report(run, problem, problem.values(point.tolist())),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from geoswarm.solver.sketches.declared import Ground, Sketch, Specimen
 from geoswarm.solver.sketches.ground import draw_ground
+from geoswarm.solver.sketches.lengths import ground_length, specimen_length
 from geoswarm.solver.sketches.panels import draw_programme
 from geoswarm.solver.sketches.shapes import Drawing
 from geoswarm.solver.sketches.specimen import draw_specimen
@@ -55,8 +56,8 @@ def drawings(sketch: Sketch) -> tuple[Told, ...]:
 
 
 def _of_specimen(one: Specimen) -> str:
-    size = [f"height h = {one.height:g} m"] if one.height is not None else []
-    size += [f"diameter d = {one.diameter:g} m"] if one.diameter is not None else []
+    size = [f"height h = {specimen_length(one.height)}"] if one.height is not None else []
+    size += [f"diameter d = {specimen_length(one.diameter)}"] if one.diameter is not None else []
     parts = [f"Specimen of {one.material}, {_HELD[one.held]}{''.join(f', {text}' for text in size)}."]
     acting = [load for load in (one.vertical, one.lateral, one.shear) if load is not None]
     parts.append(f"It bears {', '.join(dict.fromkeys(f'{load.symbol}: {load.words}' for load in acting))}.")
@@ -85,21 +86,22 @@ def _drainage(one: Specimen) -> str:
 
 
 def _of_ground(ground: Ground) -> str:
-    layers = [f"{one.soil} ({one.material}), {one.thickness:g} m" for one in ground.layers[:_MOST_NAMED]]
+    layers = [f"{one.soil} ({one.material}), {ground_length(one.thickness)}" for one in ground.layers[:_MOST_NAMED]]
     left = len(ground.layers) - len(layers)
     parts = [f"Layers from the ground surface: {'; '.join(layers)}{f'; and {left} further layers' if left else ''}."]
     parts.append(f"{ground.load.symbol}: {ground.load.words}.")
     if ground.water_table >= 0.0:
-        parts.append(f"Water table {ground.water_table:g} m below the surface.")
+        parts.append(f"Water table {ground_length(ground.water_table)} below the surface.")
     else:
-        parts.append(f"Free water stands {-ground.water_table:g} m above the surface.")
+        parts.append(f"Free water stands {ground_length(-ground.water_table)} above the surface.")
     base = "and at the base" if ground.base_drained else "; the base is closed"
     parts.append(f"Water leaves at the surface{' ' if ground.base_drained else ''}{base}.")
     if ground.drains is not None:
         drains = ground.drains
-        parts.append(f"Vertical drains from {drains.top:g} m to {drains.bottom:g} m, {drains.spacing:g} m apart.")
+        top, bottom, spacing = (ground_length(one) for one in (drains.top, drains.bottom, drains.spacing))
+        parts.append(f"Vertical drains from {top} to {bottom}, {spacing} apart.")
     if ground.instruments:
-        named = ", ".join(f"{name} in {depth:g} m" for name, depth in ground.instruments[:_MOST_NAMED])
+        named = ", ".join(f"{name} in {ground_length(depth)}" for name, depth in ground.instruments[:_MOST_NAMED])
         left = len(ground.instruments) - _MOST_NAMED
         parts.append(f"Instruments: {named}{f' and {left} more' if left > 0 else ''}.")
     return " ".join(parts)

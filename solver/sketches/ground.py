@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from geoswarm.solver.sketches.declared import Ground
+from geoswarm.solver.sketches.lengths import ground_length
 from geoswarm.solver.sketches.shapes import Drawing, Ink, Sheet, text_width
 
 __all__ = ["draw_ground"]
@@ -59,7 +60,7 @@ def _names(sheet: Sheet, ground: Ground, height: float) -> None:
         depth += layer.thickness
         if tall < _APART:
             continue
-        name = f"{layer.soil}, {layer.thickness:g} m"
+        name = f"{layer.soil}, {ground_length(layer.thickness)}"
         room = _RIGHT - _LEFT - 30.0
         size = min(12.0, 12.0 * room / text_width(name))
         two = tall > 2.4 * _APART

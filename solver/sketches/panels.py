@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from geoswarm.solver.sketches.declared import Panel, Track
+from geoswarm.solver.sketches.marks import SMALL, Labels, mark
 from geoswarm.solver.sketches.shapes import Drawing, Point, Sheet, text_width
 from geoswarm.solver.sketches.ticks import Scale, linear_scale, log_scale, short
 
@@ -13,8 +14,6 @@ __all__ = ["draw_programme"]
 
 Place: TypeAlias = Callable[[Point], Point]
 """From x and y of a panel to a point of the sheet."""
-Box: TypeAlias = tuple[float, float, float, float]
-"""x from, x to, y from, y to."""
 
 _WIDTH = 270.0
 _LEFT, _RIGHT = 46.0, 256.0
@@ -22,7 +21,6 @@ _HEIGHTS = {1: 150.0, 2: 84.0}
 _LOWEST = 72.0
 """Of each of many panels."""
 _HEAD, _FOOT = 22.0, 34.0
-_SMALL = 11.0
 _WIDE_STRESS, _WIDE_TIME = 20.0, 50.0
 """Largest over smallest value from which an axis is logarithmic."""
 _BEFORE = 0.1
@@ -49,27 +47,37 @@ def _panel(sheet: Sheet, panel: Panel, top: float, tall: float) -> None:
     for tick in y.ticks:
         level = at((x.low, tick))[1]
         sheet.line((_LEFT, level), (_RIGHT, level), ink="grid", width=0.7)
-        sheet.text((_LEFT - 5.0, level + 4.0), short(tick), "end", size=_SMALL)
+        sheet.text((_LEFT - 5.0, level + 4.0), short(tick), "end", size=SMALL)
     if not y.log and y.low < 0.0 < y.high:
         level = at((x.low, 0.0))[1]
         sheet.line((_LEFT, level), (_RIGHT, level), ink="muted", width=0.8)
     sheet.line((_LEFT, top), (_LEFT, bottom), (_RIGHT, bottom), ink="muted", width=0.9)
     _x_ticks(sheet, x, bottom)
-    sheet.text((4.0, top - 10.0), f"{panel.symbol} [{panel.unit or '-'}]", "start")
+    head = f"{panel.symbol} [{panel.unit or '-'}]"
+    sheet.text((4.0, top - 10.0), head, "start")
     title = f"{panel.x} [{panel.x_unit}]" if panel.x_unit else panel.x
     if x.log:
         title += ", logarithmic"
-    sheet.text((_RIGHT, bottom + 27.0), title, "end", size=_SMALL)
+    sheet.text((_RIGHT, bottom + 27.0), title, "end", size=SMALL)
     for start, end, words in panel.cycles:
-        first, last = at((start, y.high))[0], at((end, y.high))[0]
-        half = 0.5 * text_width(words, _SMALL)
-        middle = min(max(0.5 * (first + last), _LEFT + 20.0 + half), _WIDTH - half)
-        sheet.text((middle, top - 4.0), words, size=_SMALL)
+        left, right = _of_cycles(at((start, y.high))[0], at((end, y.high))[0], words)
+        sheet.text((0.5 * (left + right), top - 4.0), words, size=SMALL)
     for track in panel.tracks:
         _line(sheet, track, at)
-    taken: list[Box] = []
-    for track in panel.tracks:
-        _marks(sheet, track, at, taken, named=len(panel.tracks) > 1, over=top)
+    corners = [[at(point) for point in track.points] for track in panel.tracks]
+    labels = Labels(corners, (_LEFT + 2.0, _WIDTH), (top - 18.0, bottom - 1.0))
+    labels.keep_free(4.0, 4.0 + text_width(head), top - 20.0, top - 6.0)
+    for start, end, words in panel.cycles:
+        labels.keep_free(*_of_cycles(at((start, y.high))[0], at((end, y.high))[0], words), top - 14.0, top - 2.0)
+    for track, points in zip(panel.tracks, corners, strict=True):
+        mark(sheet, labels, track, points, named=len(panel.tracks) > 1)
+
+
+def _of_cycles(first: float, last: float, words: str) -> tuple[float, float]:
+    """Where what is said of cycles between two x begins and ends."""
+    half = 0.5 * text_width(words, SMALL)
+    middle = min(max(0.5 * (first + last), _LEFT + 20.0 + half), _WIDTH - half)
+    return middle - half, middle + half
 
 
 def _x_scale(panel: Panel) -> Scale:
@@ -100,9 +108,9 @@ def _x_ticks(sheet: Sheet, x: Scale, bottom: float) -> None:
     for tick in x.ticks:
         place = _LEFT + (_RIGHT - _LEFT) * x.part(tick)
         sheet.line((place, bottom), (place, bottom + 3.0), ink="muted", width=0.9)
-        half = 0.5 * text_width(short(tick), _SMALL)
+        half = 0.5 * text_width(short(tick), SMALL)
         if place - half > end and place + half <= _WIDTH:
-            sheet.text((place, bottom + 14.0), short(tick), size=_SMALL)
+            sheet.text((place, bottom + 14.0), short(tick), size=SMALL)
             end = place + half + 4.0
 
 
@@ -119,35 +127,3 @@ def _line(sheet: Sheet, track: Track, at: Place) -> None:
             piece.append(at(point))
     if len(piece) > 1:
         sheet.line(*piece, ink="load", width=1.8)
-
-
-def _marks(sheet: Sheet, track: Track, at: Place, taken: list[Box], *, named: bool, over: float) -> None:
-    """Values, as far as they find room: over the middle of what stays, else at the end of what moves."""
-    if named:
-        x, y = at(track.points[-1])
-        _placed(sheet, (x - 0.5 * text_width(track.symbol, _SMALL), y), track.symbol, taken, over)
-    for number in track.marks:
-        x, y = at(track.points[number])
-        text = short(track.points[number][1])
-        before, level = at(track.points[number - 1]) if number else (x, y)
-        after = at(track.points[number + 1])[1] if number + 1 < len(track.points) else y
-        if level == y:
-            x = 0.5 * (x + before)
-        elif level > y or after == y:  # left of the end, on the free side of the line
-            x -= 0.5 * text_width(text, _SMALL) + (0.0 if level > y else 16.0)
-            y += 0.0 if level > y else 3.0
-        _placed(sheet, (x, y), text, taken, over, below=level < y and after < y)
-
-
-def _placed(sheet: Sheet, at: Point, text: str, taken: list[Box], over: float, *, below: bool = False) -> None:
-    """Write a text above a point or below it, unless something is there."""
-    wide = text_width(text, _SMALL)
-    middle = min(max(at[0], _LEFT + 0.5 * wide + 2.0), _WIDTH - 0.5 * wide)
-    places = (at[1] + 13.0, at[1] - 4.0) if below else (at[1] - 4.0, at[1] + 13.0)
-    for y in places:
-        box = (middle - 0.5 * wide, middle + 0.5 * wide, y - 9.0, y + 2.0)
-        free = all(box[0] > b or box[1] < a or box[2] > d or box[3] < c for a, b, c, d in taken)
-        if free and y - 9.0 > over - (_HEAD if box[0] > _LEFT + 24.0 else 8.0):
-            taken.append(box)
-            sheet.text((middle, y), text, size=_SMALL)
-            return

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from geoswarm.solver.sketches.declared import End, Specimen
+from geoswarm.solver.sketches.lengths import specimen_length
 from geoswarm.solver.sketches.shapes import Drawing, Sheet, text_width
 
 __all__ = ["draw_specimen"]
@@ -39,12 +40,12 @@ def draw_specimen(specimen: Specimen) -> Drawing:
     _water(sheet, specimen, left, base)
     _readings(sheet, specimen, left, top, width, height)
     if specimen.height is not None:
-        sheet.dimension((left - outside, top), (left - outside, base), f"h = {specimen.height:g} m")
+        sheet.dimension((left - outside, top), (left - outside, base), f"h = {specimen_length(specimen.height)}")
     bottom = base + _STONE + _PLATEN
     drips = specimen.base == "drained"
     if specimen.diameter is not None:
         level = bottom + (26.0 if drips else 12.0)
-        sheet.dimension((left, level), (left + width, level), f"d = {specimen.diameter:g} m")
+        sheet.dimension((left, level), (left + width, level), f"d = {specimen_length(specimen.diameter)}")
         bottom = level + 14.0
     elif drips or any(one.where == "base" for one in specimen.readings):
         bottom += 20.0

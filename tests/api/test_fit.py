@@ -50,6 +50,15 @@ def test_a_fit_has_the_units_of_the_user_and_rises_in_x(engine: Engine, job: str
     assert (fit["parameters"][0]["lower"], fit["parameters"][0]["initial"], fit["parameters"][2]["value"]) == (-5, 1, 2)
 
 
+def test_gross_errors_are_told_beside_the_measured_points(engine: Engine) -> None:
+    observed = [CHANGES["observations"][0] | {"gross_errors": [3]}]
+    view, _ = engine.service.submit(parse_problem(line_problem(**CHANGES | {"observations": observed})))
+    wait_for_end(engine.service, view.id)
+    (series,) = App(engine.service).get(f"{API}/jobs/{view.id}/fit").json()["series"]
+    assert series["x"] == [0, 120]
+    assert (series["gross_x"], series["gross_measured"]) == ([60], pytest.approx([300], rel=1e-12))
+
+
 def test_one_evaluation_is_shown_by_its_place(engine: Engine, job: str) -> None:
     app = App(engine.service)
     chosen = app.get(f"{API}/jobs/{job}/fit?generation=2&particle=3").json()["curves"][-1]

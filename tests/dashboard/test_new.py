@@ -79,12 +79,12 @@ def build_oedometer(page: Page, readings: Path) -> None:
 
     page.locator("#file").set_input_files(readings)
     mapping = page.locator(".mapping")
-    expect(mapping.get_by_label("Series")).to_have_value("0")
+    expect(mapping.locator("#map-series option:checked")).to_have_text("settlement")
     expect(mapping.get_by_label("Unit of x")).to_have_value("min")
     expect(mapping.get_by_label("Unit of y")).to_have_value("mm")
     expect(mapping.get_by_role("status")).to_have_text("226 readings.")
     expect(mapping.locator(".main-svg").first).to_be_visible()
-    mapping.get_by_role("button", name="Use these readings").click()
+    mapping.get_by_role("button", name="Add settlement", exact=True).click()
     expect(page.locator(".observation")).to_contain_text("226 readings")
     expect(page.locator(".observation")).to_contain_text("100.0 %")
 
@@ -149,7 +149,8 @@ def test_the_same_with_keys_and_workers(full: Site, visit: Visit, readings: Path
 
 
 def test_a_sheet_of_a_workbook_is_mapped(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new?example=formula")
+    page, guard = visit(embedded, "/new?example=formula")
+    guard.allow("422")
     expect(page.locator("#verdict")).to_contain_text("Complete")
     notes = '<row r="1"><c r="A1" t="inlineStr"><is><t>day</t></is></c></row><row r="2"><c r="A2"><v>3</v></c></row>'
     content = workbook(("Notes", notes), ("Readings", ROWS), strings=STRINGS)
@@ -157,14 +158,19 @@ def test_a_sheet_of_a_workbook_is_mapped(embedded: Site, visit: Visit) -> None:
     mapping = page.locator(".mapping")
     mapping.get_by_label("Sheet").select_option("Readings")
     expect(mapping.get_by_label("Unit of y")).to_have_value("mm")
+    expect(mapping.get_by_role("alert")).to_contain_text("line 5, column settlement (mm): '#N/A' is no finite number")
+    expect(page.locator("#take")).to_be_disabled()
+    mapping.get_by_label("Leave out rows without a number").check()
     said = mapping.get_by_role("status")
-    expect(said).to_contain_text("2 readings. 1 rows without both numbers are left out.")
-    expect(said).to_contain_text("1 cells of “settlement (mm)” hold no number.")
+    expect(said).to_have_text("2 readings. 1 row of clay.xlsx without a number in every column was left out.")
+    mapping.get_by_text("More about these columns").click()
     mapping.get_by_label("Reverse the sign of y").check()
-    mapping.get_by_role("button", name="Use these readings").click()
+    mapping.get_by_role("button", name=re.compile(r"^Replace settlement \(\d+ readings\)$")).click()
     area = page.get_by_label("The problem as YAML")
     expect(area).to_have_value(re.compile(r"x: \[1\.5, 45\]"))
-    assert "y: [-0.25, -0.5]" in area.input_value()
+    assert "y: [0.25, 0.5]" in area.input_value()
+    assert "y_factor: -1" in area.input_value()
+    assert "without a number in every column was left out" in area.input_value()
 
 
 def test_form_and_yaml_follow_each_other(embedded: Site, visit: Visit) -> None:

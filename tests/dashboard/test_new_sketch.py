@@ -17,12 +17,12 @@ from tests.dashboard.test_new import fill
 Visit = Callable[..., Opened]
 
 CASES = {
-    "oedometer": ("h = 0.02 m", "height", "0.025", "h = 0.025 m"),
-    "isotropic_compression": ("d = 0.05 m", "diameter", "0.04", "d = 0.04 m"),
+    "oedometer": ("h = 20 mm", "height", "0.025", "h = 25 mm"),
+    "isotropic_compression": ("d = 50 mm", "diameter", "0.04", "d = 40 mm"),
     "triaxial": ("σ′a = σ′r + q", "back_pressure", "300", "300 kPa"),
     "direct_simple_shear": ("τ, γ", "shearing[0].shear_strain", "0.3", "0.3"),
-    "crs_oedometer": ("h = 0.02 m", "back_pressure", "200", "200 kPa"),
-    "consolidation": ("h = 0.02 m", "stages[1].stress", "160", "160"),
+    "crs_oedometer": ("h = 20 mm", "back_pressure", "200", "200 kPa"),
+    "consolidation": ("h = 20 mm", "stages[1].stress", "160", "160"),
     "column": ("clay, 6 m", "layers[1].thickness", "8", "clay, 8 m"),
 }
 """What is written in the sketch of the small example, a field, another value, and what is written then."""
@@ -66,11 +66,11 @@ def test_the_last_good_sketch_stays_dimmed_while_something_is_wrong(embedded: Si
     expect(drawings.locator("svg")).to_have_count(2)
     fill(page, **{"forward_model.height": "-1"})
     expect(drawings).to_have_class(re.compile(r"\bold\b"))
-    expect(drawings.get_by_text("h = 0.02 m", exact=True)).to_be_visible()
+    expect(drawings.get_by_text("h = 20 mm", exact=True)).to_be_visible()
     fill(page, **{"forward_model.height": "0.03"})
     expect(drawings).not_to_have_class(re.compile(r"\bold\b"))
-    expect(drawings.get_by_text("h = 0.03 m", exact=True)).to_be_visible()
-    assert drawings.get_by_text("h = 0.02 m", exact=True).count() == 0
+    expect(drawings.get_by_text("h = 30 mm", exact=True)).to_be_visible()
+    assert drawings.get_by_text("h = 20 mm", exact=True).count() == 0
 
 
 def test_another_kind_has_another_sketch_or_none(embedded: Site, visit: Visit) -> None:

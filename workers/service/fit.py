@@ -95,6 +95,8 @@ def _series(problem: Problem, orders: Mapping[str, npt.NDArray[np.intp]]) -> lis
                 x=convert(observation.x, info.x_unit, x_unit)[order],
                 measured=convert(observation.y, info.y_unit, y_unit)[order],
                 breaks=convert(breaks, info.x_unit, x_unit),
+                gross_x=convert(observation.gross_x, info.x_unit, x_unit),
+                gross_measured=convert(observation.gross_y, info.y_unit, y_unit),
             )
         )
     return listed

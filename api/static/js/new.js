@@ -11,6 +11,7 @@ import { observationsSection } from "./new/observations.js";
 import { parametersSection } from "./new/parameters.js";
 import { reader, words } from "./new/schema.js";
 import { sketchPanel } from "./new/sketch.js";
+import { undoBar } from "./new/undo.js";
 import { yamlPanel } from "./new/yaml.js";
 
 const EMPTY = { name: "calibration", method: { kind: "particle_swarm" }, stopping: { max_evaluations: 600, stagnation_generations: 25 } };
@@ -71,6 +72,7 @@ function form(context, kinds, beginnings, strict, judged) {
   sketchPanel(context, beside, inside);
   checkSection(context, places.check, judged);
   return element("div", { class: "new-job" },
+    undoBar(context),
     element("div", { class: "steps" },
       beginnings,
       element("fieldset", { class: "held" },
@@ -82,6 +84,9 @@ function form(context, kinds, beginnings, strict, judged) {
         section("go", "5. Check and start", places.check, errorPlace([])))),
     element("aside", { id: "yaml-panel", "aria-label": "Sketch and YAML of the problem" }, beside, element("fieldset", { class: "held" }, places.yaml)));
 }
+
+/** Whether there is anything to lose. */
+const something = (document) => JSON.stringify(document) !== JSON.stringify(EMPTY);
 
 /** While an example is on its way nothing can be written: it would be overwritten. */
 function hold(on) {
@@ -102,7 +107,10 @@ function starting(draft, examples, jobs) {
       if (pick.value !== chosen) return; // another choice since
       about.textContent = example.description;
       place.replaceChildren();
+      const back = draft.mark();
+      const begun = something(draft.document);
       draft.replace(example.problem);
+      if (begun) back(`The example “${example.title}” has replaced what was here.`);
     } catch (error) {
       if (pick.value === chosen) place.replaceChildren(failure(error));
     } finally {
@@ -113,7 +121,10 @@ function starting(draft, examples, jobs) {
     forget();
     pick.value = "";
     hold(false);
+    const back = draft.mark();
+    const begun = something(draft.document);
     draft.replace(structuredClone(EMPTY));
+    if (begun) back("The form was emptied.");
   };
   const anew = element("button", { type: "button", class: "quiet", onclick: startAnew }, "Start anew");
   const earlier = element("select", { id: "earlier" }, element("option", { value: "" }, "choose …"), jobs.map((one) => element("option", { value: one.id, selected: one.id === main.dataset.from }, `${one.name} (${one.state}, ${age(one.created_at)})`)));

@@ -31,6 +31,11 @@ export function palette() {
 export const DASHES = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
 export const SYMBOLS = ["circle", "square", "diamond", "cross", "triangle-up", "star"];
 
+/** Readings that do not count: crosses, as they are struck out by hand. */
+export function grossErrors(x, y) {
+  return { type: "scatter", mode: "markers", name: "gross error", x, y, marker: { color: palette()[1], symbol: "x-thin", size: 9, line: { color: palette()[1], width: 2 } } };
+}
+
 const merged = (base, over) => {
   const result = { ...base };
   for (const [key, value] of Object.entries(over ?? {})) {

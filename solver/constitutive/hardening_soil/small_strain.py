@@ -15,8 +15,8 @@ Universitaet Stuttgart; PLAXIS, "Material models manual", chapter on small-strai
     g = gamma_hist/2                                       instead, where the threshold is doubled always
 
 R = 0 until strain turns: g is gamma_hist. After a turn the curve is twice as large, and beyond the largest strain of
-the past it goes on along the first one (extended Masing rules; programs double gamma_07; nothing was found of where that
-ends). A part r = 1 - gamma_hist(after T)/gamma_hist(before T) of a turn counts as r g, so that rounding is no turn.
+the past it goes on along the first one (extended Masing rules; programs double gamma_07 without an end that we
+found). A part r = 1 - gamma_hist(after T)/gamma_hist(before T) of a turn counts as r g, so that rounding is no turn.
 
 G0 and Gur depend on stress alike, so all is told by k = Gt/Gur, at least 1. A step has its mean over gamma_hist, exact
 on a straight way: the stress difference of the secants.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geoswarm.solver.problem.tables.dates import moment_in
-from geoswarm.solver.problem.tables.packed import Cell
+from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError, cell_number, decoded, table_rows
 from geoswarm.solver.problem.tables.workbooks import read_workbook
 
@@ -61,7 +61,7 @@ def file_content(path: Path) -> bytes:
         raise TableError(f"{path} cannot be read: {reason}") from None
 
 
-def read_cells(content: bytes, name: str, sheet: str | None = None) -> Sheet:
+def read_cells(content: bytes, name: str, sheet: str | None = None, *, numbers: bool = False) -> Sheet:
     """Read a CSV file or one sheet of a workbook (XLSX, ODS); which of them it is follows from the content.
 
     Parameters
@@ -70,6 +70,8 @@ def read_cells(content: bytes, name: str, sheet: str | None = None) -> Sheet:
         Of the file, for messages.
     sheet
         Of a workbook; the first one with cells unless given.
+    numbers
+        Whether the first sheet with a row of numbers is meant where none is given, not a cover before it.
 
     Raises
     ------
@@ -79,7 +81,7 @@ def read_cells(content: bytes, name: str, sheet: str | None = None) -> Sheet:
     if len(content) > MAX_TABLE_BYTES:
         raise TableError(f"{name} is larger than {MAX_TABLE_BYTES} bytes")
     if content.startswith(b"PK"):
-        sheets, chosen, found = read_workbook(content, name, sheet)
+        sheets, chosen, found = read_workbook(content, name, sheet, _has_numbers if numbers else None)
         rows = [(line, cells) for line, cells in enumerate(found, start=1) if any(cell != "" for cell in cells)]
         return _below_header(tuple(sheets), chosen, "", rows, _below_title(rows))
     if content.startswith(b"\xd0\xcf\x11\xe0"):
@@ -94,10 +96,19 @@ def read_cells(content: bytes, name: str, sheet: str | None = None) -> Sheet:
     return _below_header((), None, comments, rows, rows)
 
 
+def _has_numbers(rows: list[list[Cell]]) -> bool:
+    """Whether a row has two numbers, dates or formulas, as readings have."""
+    return any(sum(_is_reading(cell) for cell in row) >= 2 for row in rows)
+
+
+def _is_reading(cell: Cell) -> bool:
+    return number_in(cell) is not None or str(cell).startswith(FORMULA) or moment_in(cell) is not None
+
+
 def _below_title(rows: list[tuple[int, list[Cell]]]) -> list[tuple[int, list[Cell]]]:
     """Sheets often begin with titles: leave out what stands above the heading of the first row of numbers."""
     for index, (_, row) in enumerate(rows):
-        numbers = sum(number_in(cell) is not None or moment_in(cell) is not None for cell in row)
+        numbers = sum(_is_reading(cell) for cell in row)
         if numbers >= min(2, max(len(row), 1)):
             return rows[max(index - 1, 0) :]
     return rows

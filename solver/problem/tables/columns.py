@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
+from typing import Literal
 
 from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells
 from geoswarm.solver.problem.tables.dates import DATES_ACCEPTED, DateForm, day_of, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_in_comments
-from geoswarm.solver.problem.tables.packed import Cell
+from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, number_of, two_readings
+from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.picking import Picked, column_of, is_range, names_used, picked, rows_where
 from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
@@ -57,6 +59,10 @@ class Columns:
         Column of the times of day beside the dates of x.
     gross_errors
         Column whose entries mark gross errors.
+    decimal
+        The sign before decimals, where it is not plain; the other one may then stand between thousands.
+    incomplete
+        What becomes of rows that lack one of the numbers: refused, or ``leave_out``.
     """
 
     x: str | None = None
@@ -70,6 +76,8 @@ class Columns:
     dates: DateForm | None = None
     time: str | None = None
     gross_errors: str | None = None
+    decimal: DecimalSign | None = None
+    incomplete: Literal["leave_out"] | None = None
 
     def wanted(self) -> dict[str, str]:
         """Columns by what they are for."""
@@ -89,7 +97,8 @@ class Columns:
 class Table:
     """Columns of a table, all of the same length; ``weight`` None when there is no such column.
 
-    ``gross_errors`` are the places of marked rows; ``zero`` is the moment of x = 0, where x holds dates.
+    ``gross_errors`` are the places of marked rows; ``zero`` is the moment of x = 0, where x holds dates. ``left_out``
+    counts rows that lacked a number and are not here.
     """
 
     x: list[float]
@@ -100,6 +109,7 @@ class Table:
     inputs: dict[str, list[float]] = field(default_factory=dict)
     gross_errors: list[int] = field(default_factory=list)
     zero: datetime | None = None
+    left_out: int = 0
 
 
 def read_table(path: Path, columns: Columns = Columns()) -> Table:
@@ -138,9 +148,11 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
             _picked(sheet, [], role, text, name)
         raise TableError(f"{name} has a header but no points")
     rows = rows_where(sheet, columns.where, name)
-    reader = _Reader(name, {role: _picked(sheet, rows, role, text, name) for role, text in wanted.items()})
+    reader = _Reader(
+        name, sheet, columns, {role: _picked(sheet, rows, role, text, name) for role, text in wanted.items()}
+    )
     if quick is None:
-        found = reader.table(columns)
+        found = reader.table()
     elif columns.origin is not None:
         raise _no_dates(name, reader.columns["x"])
     else:
@@ -154,7 +166,11 @@ def _needs_cells(columns: Columns) -> bool:
     """Whether more than numbers of columns is asked for."""
     texts = columns.wanted()
     return bool(
-        columns.where or columns.dates or columns.sheet or texts.keys() & {"y_minus", "x_time", "gross_error"}
+        columns.where
+        or columns.dates
+        or columns.sheet
+        or columns.decimal
+        or texts.keys() & {"y_minus", "x_time", "gross_error"}
     ) or any(is_range(text) for text in texts.values())
 
 
@@ -204,9 +220,14 @@ def _no_dates(name: str, x: Picked) -> TableError:
 
 
 class _Reader:
-    def __init__(self, name: str, columns: dict[str, Picked]) -> None:
+    """Makes numbers of the cells of the columns that are wanted; ``columns`` by role, all of one length."""
+
+    def __init__(self, name: str, sheet: Sheet, wanted: Columns, columns: dict[str, Picked]) -> None:
         self._name = name
+        self._sheet = sheet
+        self._wanted = wanted
         self._messages: list[tuple[int, str]] = []
+        self._incomplete: set[int] = set()
         first = columns["x"]
         for one in columns.values():
             if len(one.cells) != len(first.cells):
@@ -223,73 +244,102 @@ class _Reader:
                 role: Picked(one.name, [one.cells[i] for i in filled], one.place) for role, one in columns.items()
             }
 
-    def table(self, columns: Columns) -> Table:
+    def table(self) -> Table:
         """All columns as numbers."""
-        x = self.columns["x"]
+        x, wanted = self.columns["x"], self._wanted
         if not x.cells:
             raise TableError(f"{self._name}: the cells of {x.name} are all empty")
-        zero = None
-        if columns.dates is not None or columns.time is not None or self._looks_like_dates(x):
-            days, zero = self._days(x, columns)
-        elif columns.origin is not None:
+        moments = None
+        if wanted.dates is not None or wanted.time is not None or self._looks_like_dates(x):
+            moments = self._moments(x)
+        elif wanted.origin is not None:
             raise _no_dates(self._name, x)
         values = {
             role: self._numbers(one)
             for role, one in self.columns.items()
-            if role not in ("gross_error", "x_time") and not (role == "x" and zero is not None)
+            if role not in ("gross_error", "x_time") and not (role == "x" and moments is not None)
         }
-        marks = self.columns.get("gross_error")
-        marked = [] if marks is None else [i for i, (_, cell) in enumerate(marks.cells) if _is_mark(cell)]
         self._raise_errors()
+        kept = [i for i in range(len(x.cells)) if i not in self._incomplete]
+        if not kept:
+            raise TableError(f"{self._name}: no row has a number in every column that is wanted")
+        values = {role: [numbers[i] for i in kept] for role, numbers in values.items()}
+        zero = None
+        if moments is not None:
+            zero = wanted.origin or moments[kept[0]]
+            values["x"] = [(moments[i] - zero).total_seconds() / 86400 for i in kept]
+        marks = self.columns.get("gross_error")
+        marked = [] if marks is None else [place for place, i in enumerate(kept) if _is_mark(marks.cells[i][1])]
         y = values["y"]
         if "y_minus" in values:
             y = [one - other for one, other in zip(y, values["y_minus"], strict=True)]
-        x_values = values["x"] if zero is None else days
-        return Table(x_values, y, values.get("weight"), inputs=_inputs(values), gross_errors=marked, zero=zero)
+        return Table(
+            values["x"],
+            y,
+            values.get("weight"),
+            inputs=_inputs(values),
+            gross_errors=marked,
+            zero=zero,
+            left_out=len(self._incomplete),
+        )
 
     @staticmethod
     def _looks_like_dates(x: Picked) -> bool:
         sample = [cell for _, cell in x.cells if cell != ""][:20]
         return sum(moment_in(cell) is not None for cell in sample) * 2 > len(sample)
 
-    def _days(self, x: Picked, columns: Columns) -> tuple[list[float], datetime | None]:
-        """Days since the origin."""
-        clock = self.columns.get("x_time")
-        expected = (
-            DATES_ACCEPTED if columns.dates in (None, "serial") else f"{_AS_WRITTEN[columns.dates]} or {DATES_ACCEPTED}"
-        )
+    def _moments(self, x: Picked) -> list[datetime]:
+        """Date and time of each row."""
+        clock, form = self.columns.get("x_time"), self._wanted.dates
+        expected = DATES_ACCEPTED if form in (None, "serial") else f"{_AS_WRITTEN[form]} or {DATES_ACCEPTED}"
         moments = []
-        for i, (line, cell) in enumerate(x.cells):
-            moment = moment_in(cell, columns.dates)
+        for i, (_, cell) in enumerate(x.cells):
+            moment = moment_in(cell, form)
             if moment is None:
-                self._bad(cell, x, line, f"no date, such as {expected}")
-                continue
-            if clock is not None:
-                line, beside = clock.cells[i]
-                since = time_of_day(beside)
+                self._bad(i, x, f"no date, such as {expected}")
+            elif clock is not None:
+                since = time_of_day(clock.cells[i][1])
                 if since is None:
-                    self._bad(beside, clock, line, "no time of day, such as 08:30 or 08:30:15")
-                    continue
-                moment = day_of(moment) + since
-            moments.append(moment)
-        if not moments:
-            return [], datetime.min  # there are messages
-        zero = columns.origin or moments[0]
-        return [(moment - zero).total_seconds() / 86400 for moment in moments], zero
+                    self._bad(i, clock, "no time of day, such as 08:30 or 08:30:15")
+                else:
+                    moment = day_of(moment) + since
+            moments.append(moment or datetime.min)  # those without one are not used
+        return moments
 
     def _numbers(self, column: Picked) -> list[float]:
+        sign = self._wanted.decimal
+        if sign is None:
+            self._ask(column)
         values = []
-        for line, cell in column.cells:
-            value = number_in(cell)
-            values.append(self._bad(cell, column, line, "no finite number") if value is None else value)
+        for i, (_, cell) in enumerate(column.cells):
+            value = number_in(cell) if sign is None else number_of(cell, sign)
+            if value is None:
+                self._bad(i, column, "no finite number")
+            values.append(0.0 if value is None else value)
         return values
 
-    def _bad(self, cell: Cell, column: Picked, line: int, what: str) -> float:
+    def _ask(self, column: Picked) -> None:
+        """Refuse what may be one number or a thousand times that."""
+        others = (cell for _, cells in self._sheet.rows for cell in cells)
+        doubtful = doubtful_cell([cell for _, cell in column.cells], others)
+        if doubtful is not None:
+            line = next(line for line, cell in column.cells if cell == doubtful)
+            told = (f"decimal_sign: {sign} reads {value:.15g}" for sign, value in two_readings(doubtful).items())
+            what = f"'{doubtful}' may have thousands; say how it is written: {', '.join(told)}"
+            raise TableError(f"{self._name} line {line}, column {column.name}: {what}")
+
+    def _bad(self, row: int, column: Picked, what: str) -> None:
+        line, cell = column.cells[row]
+        formula = isinstance(cell, str) and cell.startswith(FORMULA)
+        if self._wanted.incomplete is not None and not formula:
+            self._incomplete.add(row)
+            return
         problem = f"'{str(cell)[:50]}' is {what}" if cell != "" else "the cell is empty"
-        if what == "no finite number" and (moment_in(cell, "day_first") or moment_in(cell, "month_first")):
+        if formula:
+            problem = f"{str(cell)[:50]} has no stored value; let a spreadsheet program calculate and save the workbook"
+        elif what == "no finite number" and (moment_in(cell, "day_first") or moment_in(cell, "month_first")):
             problem += "; x_dates: day_first or month_first says how a date is written"
         self._messages.append((line, f"{self._name} line {line}, column {column.name}: {problem}"))
-        return 0.0
 
     def _raise_errors(self) -> None:
         if not self._messages:

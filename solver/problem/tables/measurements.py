@@ -1,21 +1,27 @@
-"""Looks into files of measurements before they become observations: columns, their numbers and probable units."""
+"""Looks into files of measurements before they become observations: columns, numbers, probable units and meaning."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells
-from geoswarm.solver.problem.tables.dates import moment_in
+from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_in_comments
-from geoswarm.solver.problem.tables.packed import Cell
+from geoswarm.solver.problem.tables.numerals import doubtful_cell, two_readings
+from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
+from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import TableError
 
 __all__ = ["Column", "Measurements", "read_measurements"]
 
 MAX_ROWS = 200_000
 MAX_COLUMNS = 200
+_FIRST_ROWS = 8
+_MOST_ENTRIES = 50
+_LONGEST_CELL = 60
+_MOST_FORMULAS = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,42 +32,59 @@ class Column:
     ----------
     name
         Heading as it stands, or ``column 3`` without one.
+    letters
+        Of the column, as spreadsheets call it.
     label
         The heading without its unit.
     unit
         Unit that the heading or a comment seems to name, as a problem file writes it; None when none was found.
     base
         Base unit of that dimension (day, m, kPa, degree, dimensionless); None without a unit.
+    quantities
+        What its words may stand for, the likeliest first: ``settlement``, ``time``, ``specimen``.
     kind
-        ``number``; ``time`` for dates, whose values are days since the first; ``text`` for what is no numbers.
+        ``number``; ``time`` for dates, whose values are days since the first; ``clock`` for times of day; ``text``.
     values
-        One a row; None for empty cells and those that are no finite number. Empty for text.
+        One a row; None for empty cells and those that are no finite number, or may be several. Empty for text.
     bad
         How many cells hold something else.
+    doubt
+        A cell that can be read in two ways, a number (``1,000``) or a date (``03/04/2024``): it is to be asked for.
+    entries
+        What its cells hold, where these are a few: specimens; each with the number of its rows, those below it that
+        are empty among them.
+    first
+        The first cells, as they stand.
     """
 
     name: str
+    letters: str
     label: str
     unit: str | None
     base: str | None
-    kind: Literal["number", "time", "text"]
+    quantities: tuple[str, ...]
+    kind: Literal["number", "time", "clock", "text"]
     values: tuple[float | None, ...]
     bad: int
+    doubt: str | None
+    entries: dict[str, int]
+    first: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Measurements:
-    """What a file holds; ``sheets`` is empty for CSV."""
+    """What a file holds; ``sheets`` is empty for CSV. ``formulas`` names cells whose formula nobody has calculated."""
 
     name: str
     sheets: tuple[str, ...]
     sheet: str | None
     rows: int
     columns: tuple[Column, ...]
+    formulas: tuple[str, ...] = ()
 
 
 def read_measurements(content: bytes, name: str, sheet: str | None = None) -> Measurements:
-    """Read a CSV file or one sheet of an XLSX workbook; which of them it is follows from the content.
+    """Read a CSV file or one sheet of a workbook; which of them it is follows from the content.
 
     Parameters
     ----------
@@ -70,20 +93,41 @@ def read_measurements(content: bytes, name: str, sheet: str | None = None) -> Me
     name
         Its name, for messages.
     sheet
-        Of a workbook; the first one with cells unless given.
+        Of a workbook; the first one with numbers unless given. Where it has none there is no error as long as there are
+        other sheets to choose from.
 
     Raises
     ------
     TableError
         It cannot be read or holds no rows of numbers.
     """
-    found = read_cells(content, name, sheet)
+    found = read_cells(content, name, sheet, numbers=True)
     if len(found.rows) > MAX_ROWS:
         raise TableError(f"{name} has {len(found.rows)} rows; at most {MAX_ROWS} are read")
     columns = _columns(found)
-    if all(value is None for column in columns for value in column.values):
-        raise TableError(f"{name} has no column of numbers; a heading with rows of numbers below is expected")
-    return Measurements(name, found.sheets, found.sheet, len(found.rows), columns)
+    formulas = _formulas(found)
+    if len(found.sheets) < 2 and not any(_has_numbers(column) for column in columns):
+        told = f"; these cells hold formulas without a stored value: {', '.join(formulas)}" if formulas else ""
+        raise TableError(f"{name} has no column of numbers; a heading with rows of numbers below is expected{told}")
+    return Measurements(name, found.sheets, found.sheet, len(found.rows), columns, formulas)
+
+
+def _has_numbers(column: Column) -> bool:
+    return column.kind == "number" and (column.doubt is not None or any(value is not None for value in column.values))
+
+
+def _formulas(found: Sheet) -> tuple[str, ...]:
+    """Addresses and text of formulas that nobody has calculated."""
+    named: list[str] = []
+    left = 0
+    for line, cells in found.rows:
+        for place, cell in enumerate(cells):
+            if isinstance(cell, str) and cell.startswith(FORMULA) and found.sheet is not None:
+                if len(named) < _MOST_FORMULAS:
+                    named.append(f"{column_letters(place)}{line} ({cell})")
+                else:
+                    left += 1
+    return (*named, *([f"{left} more"] if left else []))
 
 
 def _columns(found: Sheet) -> tuple[Column, ...]:
@@ -95,22 +139,82 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
         heading = found.header[place] if place < len(found.header) else ""
         cells = [row[place] if place < len(row) else "" for row in body]
         if heading or any(cell != "" for cell in cells):
-            columns.append(_column(heading[:200] or f"column {place + 1}", cells, commented))
+            columns.append(_column(heading[:200] or f"column {place + 1}", place, cells, body, commented))
     return tuple(columns)
 
 
-def _column(heading: str, cells: list[Cell], commented: Mapping[str, str]) -> Column:
+def _column(
+    heading: str, place: int, cells: list[Cell], body: Sequence[Sequence[Cell]], commented: Mapping[str, str]
+) -> Column:
     label, unit, base = guess_unit(heading)
     if unit is None and heading in commented:
         unit, base = known_unit(commented[heading])
-    values = tuple(number_in(cell) for cell in cells)
-    filled = sum(cell != "" for cell in cells)
-    numbers = sum(value is not None for value in values)
-    if numbers * 2 < filled:
+    filled = [cell for cell in cells if cell != ""]
+    kind, doubt = _kind([cell for cell in filled if not str(cell).startswith(FORMULA)], body)
+    values: tuple[float | None, ...] = ()
+    if kind == "number":
+        values = tuple(None if doubt and _is_doubtful(cell) else number_in(cell) for cell in cells)
+    elif kind == "time":
+        unit = base = "day"
         moments = [moment_in(cell) for cell in cells]
-        known = [moment for moment in moments if moment is not None]
-        if not known or len(known) * 2 < filled:
-            return Column(heading, label, unit, base, "text", (), filled)
-        days = tuple(None if moment is None else (moment - known[0]).total_seconds() / 86400 for moment in moments)
-        return Column(heading, label, "day", "day", "time", days, filled - len(known))
-    return Column(heading, label, unit, base, "number", values, filled - numbers)
+        first = next((moment for moment in moments if moment is not None), None)
+        values = tuple(
+            None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
+        )
+    read = sum(value is not None for value in values)
+    shown = tuple(_shown(cell) for cell in cells[:_FIRST_ROWS])
+    return Column(
+        heading,
+        column_letters(place),
+        label,
+        unit,
+        base,
+        quantities_of(label),
+        kind,
+        values,
+        len(filled) - read,
+        doubt,
+        _entries(cells),
+        shown,
+    )
+
+
+def _kind(
+    filled: list[Cell], body: Sequence[Sequence[Cell]]
+) -> tuple[Literal["number", "time", "clock", "text"], str | None]:
+    """What most of the filled cells are, and one that can be read in two ways."""
+    half = len(filled) / 2
+    numbers = sum(number_in(cell) is not None or bool(two_readings(cell)) for cell in filled)
+    if numbers >= half:
+        return "number", doubtful_cell(filled, (cell for row in body for cell in row))
+    if sum(moment_in(cell) is not None for cell in filled) >= half:
+        return "time", None
+    if sum(time_of_day(cell) is not None for cell in filled) >= half:
+        return "clock", None
+    either = [
+        str(cell)
+        for cell in filled
+        if moment_in(cell, "day_first") is not None or moment_in(cell, "month_first") is not None
+    ]
+    return ("time", either[0]) if len(either) >= half else ("text", None)
+
+
+def _is_doubtful(cell: Cell) -> bool:
+    return isinstance(cell, str) and len(set(two_readings(cell).values())) > 1
+
+
+def _entries(cells: Sequence[Cell]) -> dict[str, int]:
+    """How many rows each entry has, an empty cell meaning the one above; empty where there are too many."""
+    counts: dict[str, int] = {}
+    last = ""
+    for cell in cells:
+        last = _shown(cell) if cell != "" else last
+        if last:
+            counts[last] = counts.get(last, 0) + 1
+            if len(counts) > _MOST_ENTRIES:
+                return {}
+    return counts
+
+
+def _shown(cell: Cell) -> str:
+    return f"{cell:.15g}" if isinstance(cell, float) else cell[:_LONGEST_CELL]

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from xml.etree import ElementTree
 
-from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, PackedParts
+from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, PackedParts, formula_text
 
 __all__ = ["ods_names", "ods_rows", "ods_sheets"]
 
@@ -71,6 +71,9 @@ def _repeated(element: ElementTree.Element, what: str) -> int:
 
 def _value(parts: PackedParts, cell: ElementTree.Element) -> Cell:
     kind = cell.get(f"{_OFFICE}value-type")
+    formula = cell.get(f"{_TABLE}formula")
+    if kind is None and formula is not None:
+        return formula_text(formula.partition("=")[2])
     if kind in ("float", "percentage", "currency"):
         return float(cell.get(f"{_OFFICE}value", ""))
     if kind == "date":

@@ -8,10 +8,24 @@ from xml.parsers import expat
 
 from geoswarm.solver.problem.tables.reading import MAX_CELL_CHARACTERS, TableError
 
-__all__ = ["MAX_CELLS", "MAX_COLUMNS", "Cell", "PackedParts", "column_number"]
+__all__ = [
+    "FORMULA",
+    "MAX_CELLS",
+    "MAX_COLUMNS",
+    "Cell",
+    "PackedParts",
+    "column_letters",
+    "column_number",
+    "formula_text",
+]
 
 Cell = str | float
 """Text or a number; a date is text in ISO 8601."""
+
+FORMULA = "="
+"""With what a formula begins that stands for a cell without a stored value."""
+
+_LONGEST_FORMULA = 60
 
 MAX_PART_BYTES = 32 * 2**20
 MAX_UNPACKED_BYTES = 4 * MAX_PART_BYTES
@@ -29,6 +43,25 @@ def column_number(letters: str) -> int:
     for letter in letters.upper():
         number = 26 * number + ord(letter) - ord("A") + 1
     return number - 1
+
+
+def column_letters(number: int) -> str:
+    """Letters of a column from its number, from 0.
+
+    >>> column_letters(27)
+    'AB'
+    """
+    letters = ""
+    number += 1
+    while number > 0:
+        number, place = divmod(number - 1, 26)
+        letters = chr(ord("A") + place) + letters
+    return letters
+
+
+def formula_text(formula: str) -> str:
+    """What stands for a cell whose formula nobody has calculated; blank it would look like no reading."""
+    return FORMULA + " ".join(formula.split())[:_LONGEST_FORMULA]
 
 
 class PackedParts:

@@ -11,7 +11,14 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from geoswarm.solver.problem.tables.opendocument import ods_names, ods_rows, ods_sheets
-from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, PackedParts, column_number
+from geoswarm.solver.problem.tables.packed import (
+    MAX_CELLS,
+    MAX_COLUMNS,
+    Cell,
+    PackedParts,
+    column_number,
+    formula_text,
+)
 from geoswarm.solver.problem.tables.reading import TableError
 
 __all__ = ["named_cells", "read_workbook"]
@@ -22,8 +29,12 @@ _DATE_FORMATS = frozenset({*range(14, 23), *range(45, 48)})  # numbers of the fo
 _QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches to the end: linear in the text
 _SECONDS_A_DAY = 86400
 
+_Suits = Callable[[list[list[Cell]]], bool]
 
-def read_workbook(content: bytes, name: str, sheet: str | None = None) -> tuple[list[str], str, list[list[Cell]]]:
+
+def read_workbook(
+    content: bytes, name: str, sheet: str | None = None, suits: Callable[[list[list[Cell]]], bool] | None = None
+) -> tuple[list[str], str, list[list[Cell]]]:
     """Read one sheet of a workbook.
 
     Parameters
@@ -34,6 +45,9 @@ def read_workbook(content: bytes, name: str, sheet: str | None = None) -> tuple[
         Its name, for messages.
     sheet
         Name of the sheet; the first one that has cells unless given.
+    suits
+        Tells whether the rows of a sheet that nobody has named are what is looked for: then the first such sheet is
+        read, and the first one that has cells only where there is none.
 
     Returns
     -------
@@ -46,7 +60,7 @@ def read_workbook(content: bytes, name: str, sheet: str | None = None) -> tuple[
     """
     with _opened(content, name) as archive, _explained(name):
         parts = PackedParts(archive, name)
-        return _read_ods(parts, sheet) if _is_ods(archive) else _Workbook(parts).read(sheet)
+        return _read_ods(parts, sheet, suits) if _is_ods(archive) else _Workbook(parts).read(sheet, suits)
 
 
 def named_cells(content: bytes, name: str) -> dict[str, str]:
@@ -85,10 +99,10 @@ def _is_ods(archive: zipfile.ZipFile) -> bool:
     return "content.xml" in archive.namelist()
 
 
-def _read_ods(parts: PackedParts, wanted: str | None) -> tuple[list[str], str, list[list[Cell]]]:
+def _read_ods(parts: PackedParts, wanted: str | None, suits: _Suits | None) -> tuple[list[str], str, list[list[Cell]]]:
     tables = ods_sheets(parts)
     sheets = _known(parts.name, wanted, list(tables))
-    return sheets, *_chosen(wanted, sheets, lambda sheet: ods_rows(parts, tables[sheet]))
+    return sheets, *_chosen(wanted, sheets, lambda sheet: ods_rows(parts, tables[sheet]), suits)
 
 
 def _known(name: str, wanted: str | None, sheets: list[str]) -> list[str]:
@@ -101,22 +115,29 @@ def _known(name: str, wanted: str | None, sheets: list[str]) -> list[str]:
 
 
 def _chosen(
-    wanted: str | None, sheets: Sequence[str], rows_of: Callable[[str], Iterable[list[Cell]]]
+    wanted: str | None,
+    sheets: Sequence[str],
+    rows_of: Callable[[str], Iterable[list[Cell]]],
+    suits: _Suits | None,
 ) -> tuple[str, list[list[Cell]]]:
-    """The sheet that is wanted, or the first one with cells, and its rows."""
-    chosen, rows = "", list[list[Cell]]()
-    for chosen in [wanted] if wanted is not None else sheets:  # the one at which it ends
-        rows = list(rows_of(chosen))
+    """The sheet that is wanted, or the first one that suits, or the first one with cells; and its rows."""
+    if wanted is not None:
+        return wanted, list(rows_of(wanted))
+    filled: tuple[str, list[list[Cell]]] | None = None
+    for sheet in sheets:
+        rows = list(rows_of(sheet))
         if any(cell != "" for row in rows for cell in row):
-            break
-    return chosen, rows
+            filled = filled or (sheet, rows)
+            if suits is None or suits(rows):
+                return sheet, rows
+    return filled or (sheets[-1], [])
 
 
 class _Workbook:
     def __init__(self, parts: PackedParts) -> None:
         self._parts = parts
 
-    def read(self, wanted: str | None) -> tuple[list[str], str, list[list[Cell]]]:
+    def read(self, wanted: str | None, suits: _Suits | None) -> tuple[list[str], str, list[list[Cell]]]:
         part = self._parts.part
         book = part("xl/workbook.xml")
         targets = {one.get("Id", ""): one.get("Target", "") for one in part("xl/_rels/workbook.xml.rels")}
@@ -130,7 +151,7 @@ class _Workbook:
         since_1904 = settings is not None and settings.get("date1904") in ("1", "true")
         texts = [self._text(one) for one in part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
         dates = _date_styles(part("xl/styles.xml", optional=True))
-        return names, *_chosen(wanted, names, lambda sheet: self._rows(sheets[sheet], texts, dates, since_1904))
+        return names, *_chosen(wanted, names, lambda sheet: self._rows(sheets[sheet], texts, dates, since_1904), suits)
 
     def _rows(self, place: str, texts: list[str], dates: set[int], since_1904: bool) -> Iterator[list[Cell]]:
         left, line = MAX_CELLS, 0
@@ -159,8 +180,9 @@ class _Workbook:
             holder = cell.find(f"{_MAIN}is")
             return "" if holder is None else self._text(holder)
         stored = cell.findtext(f"{_MAIN}v")
-        if stored is None:
-            return ""
+        formula = cell.find(f"{_MAIN}f")
+        if stored is None or (stored == "" and kind == "n"):
+            return "" if formula is None else formula_text(formula.text or "")
         if kind == "s":
             return texts[int(stored)]
         if kind != "n":  # a formula's text, an error, true or false, a date in ISO 8601

@@ -16,6 +16,7 @@ from geoswarm.solver.report.figures.style import (
     finish,
     head,
     plain_ticks,
+    plot_gross_errors,
     plot_measured,
     with_unit,
 )
@@ -39,6 +40,7 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
         axes.plot(curve.stress, curve.calculated, color=BLUE, linewidth=1.6, label="identified", zorder=3)
         if curve.measured.size:
             plot_measured(axes, curve.measured_stress, curve.measured)
+        plot_gross_errors(axes, curve.gross_stress, curve.gross)
         past = curve.preconsolidation
         ends = curve.stress if past is None else np.append(curve.stress, past)
         set_limits(axes, "x", float(ends.min()) / 1.4, float(ends.max()) * 1.4, log=True)
@@ -64,6 +66,7 @@ def compression_rows(curve: CompressionCurve) -> tuple[list[str], list[list[obje
     """Return header and rows of the figure's numbers: the initial state, then one row a stage."""
     quantity, unit = _quantity(curve)
     measured = dict(zip(curve.measured_stages.tolist(), curve.measured.tolist(), strict=True))
+    struck = dict(zip(curve.gross_stages.tolist(), curve.gross.tolist(), strict=True))
     header = ["stage", "stress_kPa", "quantity", "unit", "measured", "calculated"]
     rows: list[list[object]] = [
         [stage, stress, quantity, unit, measured.get(stage), calculated]
@@ -71,6 +74,9 @@ def compression_rows(curve: CompressionCurve) -> tuple[list[str], list[list[obje
             curve.stages.tolist(), curve.stress.tolist(), curve.calculated.tolist(), strict=True
         )
     ]
+    if struck:
+        header.append("gross error")
+        rows = [[*row, struck.get(stage)] for stage, row in zip(curve.stages.tolist(), rows, strict=True)]
     return header, rows
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.report.curves import SeriesCurve
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.style import (
@@ -15,11 +14,11 @@ from geoswarm.solver.report.figures.style import (
     GREEN,
     GRID,
     MUTED,
-    ORANGE,
     drawing,
     finish,
     head,
     plain_ticks,
+    plot_gross_errors,
     plot_measured,
     with_unit,
 )
@@ -120,18 +119,12 @@ def _fit(axes: Axes, curve: SeriesCurve) -> None:
         axes.plot(curve.x, curve.initial, color=GREEN, linewidth=1.2, linestyle="--", label="initial", zorder=2)
     axes.plot(curve.x, curve.y, color=BLUE, linewidth=1.6, label="identified", zorder=3)
     plot_measured(axes, curve.measured_x, curve.measured_y)
-    _gross_errors(axes, curve.gross_x, curve.gross_y)
+    plot_gross_errors(axes, curve.gross_x, curve.gross_y)
     axes.set_ylabel(with_unit(curve.y_quantity, curve.y_unit))
     axes.set_title(curve.series, loc="left")
     plain_ticks(axes, "y", log=False, most=7)
     finish(axes)
     axes.grid(visible=not curve.breaks.size, axis="x")
-
-
-def _gross_errors(axes: Axes, x: FloatArray, y: FloatArray) -> None:
-    """Readings that do not count: crosses, as they are struck out by hand."""
-    if x.size:
-        axes.plot(x, y, linestyle="none", marker="x", markersize=5, color=ORANGE, label="gross error", zorder=4)
 
 
 def _residuals(axes: Axes, curve: SeriesCurve) -> None:
@@ -154,7 +147,7 @@ def _stage(axes: Axes, curve: SeriesCurve, start: float, end: float) -> None:
     axes.plot(x, curve.y[along], color=BLUE, linewidth=1.5)
     plot_measured(axes, curve.measured_x[inside] - start, curve.measured_y[inside])
     struck = (curve.gross_x > start) & (curve.gross_x <= end)
-    _gross_errors(axes, curve.gross_x[struck] - start, curve.gross_y[struck])
+    plot_gross_errors(axes, curve.gross_x[struck] - start, curve.gross_y[struck])
     first = float((curve.measured_x[inside] - start).min())
     set_limits(axes, "x", first * 0.6, (end - start) * 1.5, log=True)
     shown = np.concatenate([curve.y[along & (curve.x - start >= first * 0.6)], curve.measured_y[inside]])

@@ -45,6 +45,7 @@ __all__ = [
     "head",
     "inline_svg",
     "plain_ticks",
+    "plot_gross_errors",
     "plot_measured",
     "png_of",
     "save_figure",
@@ -158,6 +159,12 @@ def plot_measured(axes: Axes, x: FloatArray, y: FloatArray) -> None:
         label="measured",
         zorder=4,
     )
+
+
+def plot_gross_errors(axes: Axes, x: FloatArray, y: FloatArray) -> None:
+    """Draw readings that do not count, shape (q,) each, as crosses, as they are struck out by hand."""
+    if x.size:
+        axes.plot(x, y, linestyle="none", marker="x", markersize=5, color=ORANGE, label="gross error", zorder=4)
 
 
 def finish(axes: Axes, *, legend: bool = True) -> None:

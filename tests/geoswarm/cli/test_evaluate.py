@@ -154,3 +154,14 @@ def test_check_of_a_model_that_fails_ends_with_one(tmp_path: Path, capsys: pytes
     model = {"kind": "formula", "series": {"y": "ln(-amplitude) * exp(-rate * x)"}}
     assert main(["check", write(tmp_path, forward_model=model)]) == 1
     assert "the test run failed (not_finite)" in capsys.readouterr().err
+
+
+def test_check_tells_what_was_done_to_readings_in_json_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    observed = {"series": "y", "points": {"x": [1.0, 2.0, 3.0], "y": [5.0, 4.0, 3.5]}, "notes": ["borehole 7"]}
+    path = write(tmp_path, observations=[observed | {"y_zero": "first"}])
+    assert main(["check", path, "--json"]) == 0
+    notes = json.loads(capsys.readouterr().out)["notes"]
+    assert notes == {"y": ["borehole 7", "the first reading, 5, was subtracted as the zero reading"]}
+    assert main(["check", path]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert all(note in text for note in notes["y"])

@@ -75,7 +75,13 @@ def test_columns_by_name(tmp_path: Path) -> None:
                 "data.csv line 8, column y: '１' is no finite number",
             ],
         ),
-        ("x;y\n1.234,5;2\n", ["data.csv line 2, column x: '1.234,5' is no finite number"]),
+        (
+            "x;y\n1.234,5;2\n",
+            [
+                "data.csv line 2, column x: '1.234,5' may have thousands; say how it is written: "
+                "decimal_sign: comma reads 1234.5"
+            ],
+        ),
         (
             "x,y\n1,2\n3,1,234\n\n4,5,\n",
             [

@@ -14,6 +14,7 @@ from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.report.compression import compression_curves
 from geoswarm.solver.report.document.build import Report, report_of_result
+from geoswarm.solver.report.figures.compression_plot import compression_figure, compression_rows
 from geoswarm.solver.report.folder.tables import write_result
 from geoswarm.solver.report.laboratory import LaboratoryValue, laboratory_values, preconsolidation_stress
 from geoswarm.solver.runs.local import calibrate
@@ -213,6 +214,43 @@ def test_readings_from_a_later_zero_keep_their_void_ratio() -> None:
     (rest,) = compression_curves(later, later.values([0.0]), None)
     assert rest.calculated == pytest.approx(all_of_it.calculated, abs=1e-9)
     assert rest.calculated[0] == pytest.approx(E0, abs=1e-12)
+
+
+def test_gross_errors_are_crosses_in_the_compression_curve() -> None:
+    """Stage 2 is read wrongly: its strain is drawn as a cross at its stress, and counts nowhere."""
+    stages = [(20.0, 1.0), (40.0, 1.0), (100.0, 1.0)]
+    document = problem_of("oedometer", stages).document()
+    points = {"x": [1, 2, 3], "y": [0.03, 0.5, 0.09]}
+    document["observations"] = [{"series": "stage_axial_strain", "points": points, "gross_errors": [2]}]
+    problem = parse_problem(document)
+    (curve,) = compression_curves(problem, problem.values([0.0]), None)
+    assert curve.measured_stages.tolist() == [1, 3]
+    assert (curve.gross_stages.tolist(), curve.gross_stress.tolist()) == ([2], [40])
+    assert curve.gross == pytest.approx([50.0], rel=1e-12)
+    (axes,) = compression_figure("clay", curve).axes
+    (crosses,) = [line for line in axes.get_lines() if line.get_label() == "gross error"]
+    assert (crosses.get_marker(), crosses.get_xydata().tolist()) == ("x", [[40.0, 50.0]])
+    legend = axes.get_legend()
+    assert legend is not None
+    assert "gross error" in [text.get_text() for text in legend.get_texts()]
+    header, rows = compression_rows(curve)
+    assert header[-1] == "gross error"
+    assert [row[-1] for row in rows] == [None, None, pytest.approx(50.0, rel=1e-12), None]
+
+
+def test_a_gross_error_of_one_gauge_is_one_of_the_volume() -> None:
+    stages = [(20.0, 1.0), (40.0, 1.0)]
+    document = problem_of("isotropic_compression", stages).document()
+    axial, radial = [0.001, 0.002], [0.0001, 0.02]
+    document["observations"] = [
+        {"series": "stage_axial_displacement", "points": {"x": [1, 2], "y": axial}},
+        {"series": "stage_radial_displacement", "points": {"x": [1, 2], "y": radial}, "gross_errors": [2]},
+    ]
+    problem = parse_problem(document)
+    (curve,) = compression_curves(problem, problem.values([0.0]), None)
+    assert (curve.measured_stages.tolist(), curve.gross_stages.tolist()) == ([1], [2])
+    whole = 1.0 - (1.0 - 0.002 / 0.1) * (1.0 - 0.02 / 0.025) ** 2
+    assert curve.gross == pytest.approx([100.0 * whole], rel=1e-12)
 
 
 def test_each_test_of_a_combined_model_has_its_own() -> None:

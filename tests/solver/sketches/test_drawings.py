@@ -12,6 +12,7 @@ import pytest
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import find_spec, parse_spec, sketches_of
 from geoswarm.solver.sketches.drawing import Told, drawings
+from geoswarm.solver.sketches.lengths import ground_length, specimen_length
 from geoswarm.solver.sketches.shapes import Area, Dot, Drawing, Line, Text, text_width
 from geoswarm.solver.sketches.svg import svg_element
 
@@ -146,10 +147,10 @@ def test_the_element_is_sound_and_says_the_same_in_words(case: str) -> None:
     [
         (
             "oedometer",
-            ["h = 0.02 m", "σ′v", "s", "soft soil creep"],
-            "in a ring that holds its side, height h = 0.02 m",
+            ["h = 20 mm", "σ′v", "s", "soft soil creep"],
+            "in a ring that holds its side, height h = 20 mm",
         ),
-        ("isotropic_compression", ["h = 0.1 m", "d = 0.05 m", "p′", "Δr"], "diameter d = 0.05 m"),
+        ("isotropic_compression", ["h = 100 mm", "d = 50 mm", "p′", "Δr"], "diameter d = 50 mm"),
         ("triaxial", ["σ′a = σ′r + q", "σ′r", "q, εa", "εv"], "in a membrane under cell pressure"),
         ("cyclic", ["u", "u₀ =", "300 kPa"], "No water leaves while it is sheared; back pressure u₀ = 300 kPa"),
         ("direct_simple_shear", ["τ, γ", "σ′v"], "While it is sheared its volume stays"),
@@ -224,3 +225,41 @@ def test_a_combined_model_has_the_sketches_of_its_parts() -> None:
         "oedometer": "Oedometer test",
         "column": "Layered ground",
     }
+
+
+@pytest.mark.parametrize(
+    ("metres", "specimen", "ground"),
+    [
+        (0.02021, "20.21 mm", "2.021 cm"),
+        (0.07, "70 mm", "7 cm"),
+        (0.1, "100 mm", "0.1 m"),
+        (1e-6, "0.001 mm", "0.0001 cm"),
+        (0.0, "0 mm", "0 m"),
+        (1.5, "1.5 m", "1.5 m"),
+        (1000.0, "1000 m", "1000 m"),
+    ],
+)
+def test_lengths_have_the_unit_that_is_usual(metres: float, specimen: str, ground: str) -> None:
+    assert specimen_length(metres) == specimen
+    assert ground_length(metres) == ground
+
+
+LOADS = (12.5, 25, 50, 100, 200, 400, 200, 100, 50, 100, 200, 400, 800, 1600, 800, 400, 100, 25)
+
+
+@pytest.mark.parametrize("loads", [LOADS, (25, 50, 100, 75, 50, 75, 100, 125, 150, 175, 200, 100, 50)])
+def test_no_value_of_many_stages_touches_the_staircase(loads: tuple[float, ...]) -> None:
+    example = find_spec("oedometer").example() or {}
+    stages = [{"stress": load, "duration": 1} for load in loads]
+    drawing = told(parse_spec(example | {"initial_stress": 5, "stages": stages}))[1].drawing
+    (staircase,) = [shape.points for shape in drawing.shapes if isinstance(shape, Line) and shape.ink == "load"]
+    top, bottom = min(y for _, y in staircase), max(y for _, y in staircase)
+    inside = [s for s in drawing.shapes if isinstance(s, Text) and s.at[0] > 48 and top - 20 < s.at[1] < bottom + 1]
+    values = [text for text in inside if text.text.replace(".", "").isdigit()]
+    assert len(values) > len(loads) // 2
+    assert str(max(loads)) in [text.text for text in values]
+    for text in values:
+        left, right, upper, lower = extent(text)
+        for (x, y), (next_x, next_y) in itertools.pairwise(staircase):  # level or upright
+            apart = max(x, next_x) <= left or min(x, next_x) >= right or max(y, next_y) <= upper - 1
+            assert apart or min(y, next_y) >= lower + 1, text.text

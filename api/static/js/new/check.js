@@ -61,6 +61,7 @@ export function checkSection(context, place, judged) {
       element("h3", {}, run_.state === "finished" ? "The forward calculation works" : "The forward calculation failed"),
       run_.state === "finished" ? null : element("p", { class: "error", role: "alert" }, `${run_.reason}: ${run_.message}`),
       found.warnings.length ? element("ul", { class: "notes", role: "alert" }, found.warnings.map((text) => element("li", {}, text))) : null,
+      Object.entries(found.notes).map(([series, notes]) => element("p", { class: "help" }, `Readings of ${series}: ${notes.join("; ")}.`)),
       element("dl", {},
         fact("Estimated cost", cost), fact("One calculation", duration(run_.seconds)), fact("Readings", count(found.data_points)),
         run_.objective === null ? null : fact(withUnit("Objective there", unit), number(run_.objective)),
@@ -88,7 +89,8 @@ export function checkSection(context, place, judged) {
       const panel = element("div", {});
       made.append(element("section", { class: "panel", "aria-label": `Test run of ${one.series}` }, element("h3", {}, one.series), panel));
       pointsPlot(panel, () => ({
-        x: given.x, y: given.y, calculated: calculated.y.map((y) => (y === null ? null : y / one.y_factor)), label: one.series,
+        x: given.x, y: given.y, gross: answer.document.observations.find((each) => each.series === one.series).gross_errors,
+        calculated: { x: calculated.x.map((x) => x / one.x_factor), y: calculated.y.map((y) => (y === null ? null : y / one.y_factor)) }, label: one.series,
         xLabel: [about.x_quantity, one.x_unit], yLabel: [about.y_quantity, one.y_unit],
       })).draw();
     }

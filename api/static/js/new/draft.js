@@ -20,10 +20,10 @@ function ordered(document) {
 /**
  * A draft: `read(path)`, `write(path, value)` (undefined removes), `replace(document)`, `edit(yaml)`.
  * Events by `on(name, act)`: "replace" (everything may have changed), "change" (something has), "answer" (the service has
- * judged: `answer`), "failure" (an error: the service could not).
+ * judged: `answer`), "failure" (an error: the service could not), "undo" ({words, restore}: something was replaced).
  */
 export function createDraft() {
-  const listeners = { replace: [], change: [], answer: [], failure: [] };
+  const listeners = { replace: [], change: [], answer: [], failure: [], undo: [] };
   const fire = (name, value) => { for (const act of listeners[name]) act(value); };
   let timer = null, running = null, text = null;
   let model = { kind: null, parameters: [], series: [] };
@@ -51,6 +51,16 @@ export function createDraft() {
       draft.document = clone(document);
       fire("replace");
       changed();
+    },
+    /** Remember the problem as it is; the answer, a function of what was done in words, offers the way back to it. */
+    mark() {
+      const before = clone(draft.document);
+      const restore = () => {
+        const again = draft.mark();
+        draft.replace(before);
+        again("It is as it was before.");
+      };
+      return (words) => fire("undo", { words, restore });
     },
     /** The user writes the YAML; the form follows when it can be read. */
     edit(yaml) {

@@ -12,12 +12,19 @@ export function modelSection(context, place, kinds) {
   const kind = () => draft.read(["forward_model", "kind"]);
   const model = () => draft.read(["forward_model", "model"]);
   const form = element("div", {});
+  const earlier = new Map(); // sections that were left, by kind: who comes back finds them
 
   function choose({ kind: chosen, model: registered }) {
     const old = draft.read(["forward_model"]) ?? {};
     const known = sectionSchema(chosen, registered)?.properties ?? {};
-    const left = Object.fromEntries(Object.entries(old).filter(([key]) => key in known && !["kind", "model", "settings"].includes(key)));
-    draft.write(["forward_model"], { kind: chosen, ...(registered ? { model: registered } : {}), ...left });
+    const fits = ([key, value]) => key in known && !["kind", "model", "settings"].includes(key) && schemas.fits(value, known[key]);
+    const left = Object.fromEntries(Object.entries(old).filter(fits));
+    const lost = Object.keys(old).filter((key) => !(key in left) && !["kind", "model"].includes(key));
+    const before = clone(earlier.get(registered ?? chosen) ?? {});
+    if (old.kind) earlier.set(old.model ?? old.kind, clone(old));
+    const back = draft.mark();
+    draft.write(["forward_model"], { kind: chosen, ...(registered ? { model: registered } : {}), ...before, ...left });
+    if (lost.length) back(`${words(registered ?? chosen)} in place of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were put away.`);
     draw();
   }
 
@@ -33,7 +40,10 @@ export function modelSection(context, place, kinds) {
       const { example } = await get(`/forward-models/${encodeURIComponent(kind())}`);
       if (!example) return announce("This forward model has no example.");
       if (draft.changes !== changes) return announce("The form has changed meanwhile, so the example was left out.");
+      const old = draft.read(["forward_model"]);
+      const back = draft.mark();
       draft.write(["forward_model"], clone(example));
+      if (Object.keys(old).length > 1) back("The small example has replaced the section of the forward model.");
       draw();
     } catch (error) {
       form.prepend(failure(error));

@@ -2,6 +2,7 @@
 import { element, empty, exchange } from "../dom.js";
 import { count, percent } from "../format.js";
 import { errorPlace, field, idOf } from "./fields.js";
+import { leftOut, prepared } from "./import/preparation.js";
 import { pointsPlot } from "./points_plot.js";
 import { button } from "./schema_form.js";
 import { uploader } from "./upload.js";
@@ -20,13 +21,24 @@ export function observationsSection(context, place) {
   const info = (name) => series().find((one) => one.name === name);
   let shownSeries = null, plot = null, drawnFor = "";
 
-  const upload = uploader(series, () => all().map((one) => one.series), (observation) => {
+  const upload = uploader({
+    series,
+    readings: (name) => all().find((one) => one.series === name)?.points?.x?.length ?? 0,
+    openParameters: () => Boolean(draft.answer?.open_parameters),
+  }, take);
+
+  /** New readings in place of old ones keep what does not depend on these: weights and stages, no marks or zero readings. */
+  function take(observation, file) {
     const same = all().findIndex((one) => one.series === observation.series);
     const old = same >= 0 ? all()[same] : {};
-    draft.write(["observations", same >= 0 ? same : all().length], { ...old, ...observation });
+    const kept = Object.fromEntries(["weight", "leave_out_stages"].filter((key) => old[key] !== undefined).map((key) => [key, old[key]]));
+    const back = draft.mark();
+    draft.write(["observations", same >= 0 ? same : all().length], { ...kept, ...observation });
+    if (old.points) back(`${count(old.points.x.length)} readings of ${observation.series} were replaced by those of ${file}.`);
     shownSeries = observation.series;
     draw();
-  });
+    return Boolean(old.points);
+  }
 
   function card(one, i) {
     const path = ["observations", i];
@@ -47,35 +59,17 @@ export function observationsSection(context, place) {
         unit("x"), unit("y"),
         field(draft, [...path, "weight"], { label: "Weight", kind: "number", fallback: 1, onchange: showShares }),
         field(draft, [...path, "error"], { label: "Standard deviation of a reading", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "Where it is known." })),
-      ...leftOut(one, path, about),
+      leftOut(draft, path, one, about), prepared(draft, path, one, about),
       element("div", { class: "share" }, element("span", { dataset: { share: String(i) } }), element("meter", { min: "0", max: "1", value: "0", id: `share-${i}`, "aria-label": `Share of ${one.series ?? "the series"} in the weights` })),
       element("div", { class: "buttons" },
         all().length > 1 ? button(`Show ${one.series}`, () => { shownSeries = one.series; redrawPlot(); }) : null,
-        button(`Remove ${one.series ?? "it"}`, () => { draft.write(path, undefined); draw(); })),
+        button(`Remove ${one.series ?? "it"}`, () => {
+          const back = draft.mark();
+          draft.write(path, undefined);
+          if (points) back(`The ${count(points)} readings of ${one.series ?? "a series"} were removed.`);
+          draw();
+        })),
       errorPlace(path));
-  }
-
-  /** Readings that take no part: by x, and in a test in stages by the time since the load and by stage. */
-  function leftOut(one, path, about) {
-    const unit = one.x_unit ?? about?.x_unit, staged = Array.isArray(draft.read(["forward_model", "stages"])) || draft.read(["forward_model", "parts"]) !== undefined;
-    const some = ["x_from", "x_to", "stage_x_from", "leave_out_stages", "gross_errors"].some((name) => one[name] !== undefined);
-    const settles = staged && !one.series?.split(".").at(-1).startsWith("stage_");
-    return [
-      settles ? element("p", { class: "help" }, "The soil laws do not contain primary consolidation: leave out the readings before its end in every stage, or calibrate the values at the ends of the stages (series stage_…). Checking the problem estimates that end.") : null,
-      element("details", { open: some },
-        element("summary", {}, "Leave readings out"),
-        element("div", { class: "fields" },
-          field(draft, [...path, "x_from"], { label: "From", kind: "number", unit }), field(draft, [...path, "x_to"], { label: "To", kind: "number", unit }),
-          settles ? field(draft, [...path, "stage_x_from"], { label: "Of every stage, from so long after its load", kind: "number", unit }) : null,
-          staged ? field(draft, [...path, "leave_out_stages"], { label: "Stages to leave out", kind: "numbers", help: "Their numbers, from 1." }) : null,
-          field(draft, [...path, "gross_errors"], { label: "Gross errors", kind: "numbers", help: "Numbers of the readings, from 1: shown as crosses, but they do not count." }))),
-      element("details", { open: ["y_zero", "y_factor", "resample"].some((name) => one[name] !== undefined) },
-        element("summary", {}, "Prepare the readings"),
-        element("div", { class: "fields" },
-          field(draft, [...path, "y_zero"], { label: "Zero reading", kind: "select", options: [[undefined, "none"], ["first", "the first reading"]], help: "It is subtracted from all." }),
-          field(draft, [...path, "y_factor"], { label: "Factor of y", kind: "number", fallback: 1, help: "−1 turns the sign." }),
-          field(draft, [...path, "resample", "per_decade"], { label: "Means, so many to a decade of x", kind: "number", onchange: () => { if (!Object.keys(one.resample ?? { none: 1 }).length) draft.write([...path, "resample"], undefined); } }))),
-    ];
   }
 
   function draw() {
@@ -113,7 +107,7 @@ export function observationsSection(context, place) {
       const one = found() ?? { points: { x: [], y: [] } };
       const about = info(one.series);
       return {
-        x: one.points.x, y: one.points.y ?? [], label: one.series,
+        x: one.points.x, y: one.points.y ?? [], gross: one.gross_errors, label: one.series,
         xLabel: [about?.x_quantity ?? "x", one.x_unit ?? about?.x_unit], yLabel: [about?.y_quantity ?? "y", one.y_unit ?? about?.y_unit],
       };
     });

@@ -86,7 +86,20 @@ export function reader(root) {
     }
     return left;
   }
-  return { resolve, present, shape, tag, inner, pruned };
+  /** Whether a value has the form that a schema wants: a number where one is wanted, entries with keys that it knows. */
+  function fits(value, given) {
+    const { schema, nullable } = present(given);
+    if (value === null) return nullable;
+    if (schema.anyOf) return schema.anyOf.some((one) => fits(value, one));
+    if ("const" in schema) return value === schema.const;
+    if (schema.enum) return schema.enum.includes(value);
+    if (Array.isArray(value)) return schema.type === "array" && (!schema.items || value.every((one) => fits(one, schema.items)));
+    if (typeof value !== "object") return !["array", "object"].includes(schema.type);
+    if (schema.type === "array") return false;
+    const known = schema.properties;
+    return !known || Object.entries(value).every(([key, one]) => (known[key] ? fits(one, known[key]) : Boolean(inner(schema))));
+  }
+  return { resolve, present, shape, tag, inner, pruned, fits };
 }
 
 const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);

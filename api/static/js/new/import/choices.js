@@ -1,0 +1,84 @@
+// What is chosen of a file: columns, units, rows; how a problem file would say it, and what is still open.
+import { plainBase } from "../units.js";
+import { columnOfX, columnOfY, conflict, reference } from "./matching.js";
+
+export const CELLS = "cells"; // a column that is told by its letters, cells or name
+
+/** What is chosen at first; `more` holds what few files need. */
+export function beginning() {
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, more: {} };
+}
+
+/** Columns and units for a series that was chosen. */
+export function suit(state, file, info, y = null) {
+  state.y = y ?? (info ? columnOfY(file, info) : null);
+  state.x = info ? columnOfX(file, info, state.y) : null;
+  suitUnits(state, file, info);
+  const weight = file.columns.findIndex((column) => column.name.trim().toLowerCase() === "weight");
+  if (weight >= 0) state.more.weight_column ??= weight;
+  const clocks = file.columns.map((column, i) => [column, i]).filter(([column]) => column.kind === "clock");
+  if (clocks.length === 1 && file.columns[state.x]?.kind === "time") state.more.x_time_column ??= clocks[0][1];
+}
+
+/** The unit that a heading names, whether it fits or not: one that does not fit is never put right silently. */
+export function suitUnits(state, file, info, axes = ["x", "y"]) {
+  for (const axis of axes) {
+    const base = info?.[`${axis}_unit`];
+    state[`${axis}Unit`] = file.columns[state[axis]]?.unit ?? (base === undefined ? "" : plainBase(base));
+  }
+}
+
+/** The column with the entries of specimens, where there are several of them. */
+export function specimenColumn(file) {
+  const found = file.columns.findIndex((column) => column.quantities.includes("specimen") && Object.keys(column.entries).length > 1 && Object.keys(column.entries).length < file.rows);
+  return found < 0 ? null : found;
+}
+
+const chosen = (file, state) => [state.x, state.y, state.more.y_minus, state.more.weight_column].map((i) => file.columns[i]).filter(Boolean);
+
+/** A cell that can be read in two ways, of numbers and of dates, in the columns that are taken; null: none. */
+export function doubts(file, state) {
+  const columns = chosen(file, state);
+  return {
+    numbers: columns.find((column) => column.kind === "number" && column.doubt) ?? null,
+    dates: file.columns[state.x]?.kind === "time" && file.columns[state.x].doubt ? file.columns[state.x] : null,
+  };
+}
+
+/** What is to be said before anything can be taken: sentences. */
+export function open(file, state, info) {
+  const { numbers, dates } = doubts(file, state);
+  const given = (axis) => (state[axis] === CELLS ? state[`${axis}Cells`] : state[axis] !== null);
+  return [
+    info ? null : "Choose the series that these readings belong to.",
+    given("y") ? null : "Choose the column of y.",
+    given("x") ? null : "Choose the column of x.",
+    numbers && !state.decimal ? `“${numbers.doubt}” in ${numbers.name} can be one thousand or one: say how numbers are written.` : null,
+    dates && !state.dates ? `“${dates.doubt}” in ${dates.name} can be read in two ways: say how dates are written.` : null,
+    specimenColumn(file) !== null && state.specimen === null ? "Choose the specimen." : null,
+  ].filter(Boolean);
+}
+
+/** Units of another dimension, by axis. */
+export function conflicts(file, state, info) {
+  return Object.fromEntries(["x", "y"].map((axis) => [axis, conflict(info, axis, state[`${axis}Unit`], file.columns[state[axis]])]));
+}
+
+/** The observation of a problem file that reads these points. */
+export function section(file, state) {
+  const column = (given) => (typeof given === "number" ? reference(file, given) : given || undefined);
+  const axis = (name) => (state[name] === CELLS ? state[`${name}Cells`] : column(state[name]));
+  const named = [state.x, state.y].every((one) => one === CELLS) && ![state.xCells, state.yCells].some((one) => one.includes(":"));
+  const of = state.more;
+  const inputs = Object.fromEntries((of.inputs ?? []).filter(([name, from]) => name && from !== null).map(([name, from]) => [name, column(from)]));
+  const where = specimenColumn(file) !== null && state.specimen ? { [reference(file, specimenColumn(file))]: state.specimen }
+    : typeof of.whereColumn === "number" && of.whereEntry ? { [reference(file, of.whereColumn)]: of.whereEntry } : undefined;
+  return {
+    series: state.series, sheet: file.sheet && !named ? file.sheet : undefined,
+    x_column: axis("x"), y_column: axis("y"), y_minus: column(of.y_minus), weight_column: column(of.weight_column),
+    gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
+    x_dates: state.dates ?? undefined, x_time_column: column(of.x_time_column), x_origin: of.x_origin || undefined,
+    decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
+    notes: of.notes ? [of.notes] : undefined,
+  };
+}

@@ -1,0 +1,38 @@
+// Inputs of the import, which belong to no place of the draft yet, and the first rows of a file.
+import { element } from "../../dom.js";
+import { count } from "../../format.js";
+
+/** A choice among [value, name, disabled?]; a value that is none of them is still to be chosen. */
+export function choice(id, label, options, value, act, { help = null, asked = false, wide = false } = {}) {
+  const known = options.some(([one]) => one === value);
+  const all = known ? options : [[value, "choose …"], ...options];
+  const made = element("select", { id, "aria-describedby": help ? `${id}-help` : null, onchange: () => act(all[Number(made.value)][0]) },
+    all.map(([one, name, disabled], i) => element("option", { value: String(i), selected: one === value, disabled }, name)));
+  return element("div", { class: `field ${asked && !known ? "asked" : ""} ${wide ? "wide-field" : ""}` }, element("label", { for: id }, label), made, help ? element("p", { class: "help", id: `${id}-help` }, help) : null);
+}
+
+export function words(id, label, value, act, { help = null, placeholder = null, list = null, wrong = null } = {}) {
+  const input = element("input", {
+    type: "text", id, value, placeholder, list: list ? `${id}-list` : null, spellcheck: "false", autocomplete: "off",
+    "aria-describedby": help || wrong ? `${id}-help` : null, "aria-invalid": wrong ? "true" : null, oninput: () => act(input.value.trim()),
+  });
+  return element("div", { class: "field" }, element("label", { for: id }, label), input,
+    list ? element("datalist", { id: `${id}-list` }, list.map((one) => element("option", { value: one }))) : null,
+    help || wrong ? element("p", { class: wrong ? "error" : "help", id: `${id}-help` }, wrong ?? help) : null);
+}
+
+export function flag(id, label, on, act) {
+  const input = element("input", { type: "checkbox", id, checked: on, onchange: () => act(input.checked) });
+  return element("div", { class: "field check" }, element("label", { for: id }, input, ` ${label}`));
+}
+
+/** The first rows as they stand in the file; `roles` says of which columns x and y are taken: {index: "x"}. */
+export function firstRows(file, roles) {
+  const shown = Math.max(0, ...file.columns.map((column) => column.first.length));
+  const role = (i) => (roles[i] ? element("span", { class: "role" }, roles[i]) : null);
+  const number = (column) => (column.kind === "number" ? "n" : "");
+  return element("div", { class: "wide first-rows", tabindex: "0", role: "region", "aria-label": "First rows of the file" }, element("table", {},
+    element("caption", {}, file.rows > shown ? `First rows of ${count(file.rows)}` : `${count(file.rows)} rows`),
+    element("thead", {}, element("tr", {}, file.columns.map((column, i) => element("th", { scope: "col", class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.name, role(i))))),
+    element("tbody", {}, Array.from({ length: shown }, (_, row) => element("tr", {}, file.columns.map((column, i) => element("td", { class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.first[row] ?? "")))))));
+}

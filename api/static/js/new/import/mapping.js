@@ -1,0 +1,145 @@
+// One file becomes readings of one series: what is taken is shown, what is in doubt is asked, then it is confirmed.
+import { announce, element, exchange } from "../../dom.js";
+import { count } from "../../format.js";
+import { request } from "../../http.js";
+import { pointsPlot } from "../points_plot.js";
+import { button } from "../schema_form.js";
+import { plainBase, unitsOf } from "../units.js";
+import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits } from "./choices.js";
+import { choice, firstRows, flag, words } from "./inputs.js";
+import { likelySeries, readable } from "./matching.js";
+import { DATES, SIGNS, moreFields } from "./more.js";
+
+const PAUSE = 250; // ms without a change before the file is read again
+
+/**
+ * The form that maps a file. `file`: what the service found in it; `content`: the file itself; `context`: {series(),
+ * readings(name): how many there are already, openParameters()}; `act`: {sheet(name), take(observation), cancel()}.
+ */
+export function mapping(file, content, context, act) {
+  const state = beginning();
+  const known = context.series();
+  const info = () => known.find((one) => one.name === state.series);
+  const top = element("div", {}), fields = element("div", { class: "fields" }), asked = element("div", { class: "fields" }), more = element("div", {}), table = element("div", {});
+  const notes = element("p", { class: "help", role: "status" }), wrong = element("div", { class: "problems" }), order = element("div", {}), preview = element("div", {});
+  const use = button("Take these readings", accept, { class: "", id: "take" });
+  let points = null, refused = [], timer = null, running = null;
+
+  const sign = () => (state.reverse ? -1 : 1);
+  const quantity = (axis) => [info()?.[`${axis}_quantity`] ?? file.columns[state[axis]]?.label ?? axis, state[`${axis}Unit`]];
+  const plot = pointsPlot(preview, () => ({ x: points?.x ?? [], y: (points?.y ?? []).map((y) => sign() * y), gross: points?.gross_errors, label: state.series ?? file.name, xLabel: quantity("x"), yLabel: quantity("y") }));
+
+  /** The points as they would be taken, from the service: it reads files for problems, too, by the same rules. */
+  function load() {
+    clearTimeout(timer);
+    running?.abort();
+    points = null;
+    refused = [];
+    show();
+    if (!open(file, state, info()).length) timer = setTimeout(read, PAUSE);
+  }
+
+  async function read() {
+    const mine = new AbortController();
+    running = mine;
+    try {
+      const query = { name: file.name, observation: JSON.stringify(section(file, state)) };
+      points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
+    } catch (error) {
+      if (error.name === "AbortError") return;
+      refused = error.issues?.length ? error.issues.map(({ message }) => message) : [error.message];
+    }
+    show();
+  }
+
+  const unsorted = () => points !== null && points.x.some((x, i) => i > 0 && x <= points.x[i - 1]);
+
+  /** What is open, wrong or done, and what the button would do. */
+  function show() {
+    const questions = open(file, state, info()), units = Object.values(conflicts(file, state, info())).filter(Boolean);
+    const incomplete = state.incomplete || refused.some((text) => /finite number|is empty|is no date|no time of day/.test(text));
+    exchange(wrong,
+      questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
+      [...units, ...refused].map((text) => element("p", { class: "error", role: "alert" }, text)),
+      incomplete ? flag("map-incomplete", "Leave out rows without a number in every column", state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
+    exchange(order, unsorted() && info()?.x_increasing
+      ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
+        flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
+      : null);
+    notes.textContent = points ? [`${count(points.x.length)} readings.`, points.gross_errors.length ? `${count(points.gross_errors.length)} of them are gross errors.` : "", ...points.notes.map((note) => `${note[0].toUpperCase()}${note.slice(1)}.`)].filter(Boolean).join(" ")
+      : questions.length || refused.length ? "" : "Reading …";
+    const there = state.series ? context.readings(state.series) : 0;
+    use.textContent = !state.series ? "Take these readings" : there ? `Replace ${state.series} (${count(there)} readings)` : `Add ${state.series}`;
+    use.disabled = !points?.x.length || units.length > 0;
+    preview.hidden = !points?.x.length;
+    if (points?.x.length) plot.draw();
+  }
+
+  function draw() {
+    const about = info();
+    const name = (column) => (file.columns.filter((one) => one.name === column.name).length > 1 ? `${column.name} (${column.letters})` : column.name);
+    const columns = (kinds) => [...file.columns.map((column, i) => [i, name(column), !kinds(column)]), [CELLS, "by cells or name …"]];
+    const pick = (axis, kinds) => [
+      choice(`map-${axis}`, `Column of ${axis}`, columns(kinds), state[axis], (value) => { state[axis] = value; suitUnits(state, file, about, [axis]); change(true); }),
+      state[axis] === CELLS ? words(`map-${axis}-cells`, `Cells of ${axis}`, state[`${axis}Cells`], (value) => { state[`${axis}Cells`] = value; change(false); }, { placeholder: "B5:B30", help: "B5:B30, B5:M5 in a row, B:B, or a name of the workbook." }) : null,
+      unit(axis),
+    ];
+    exchange(fields,
+      choice("map-series", "Series", known.map((one) => [one.name, context.readings(one.name) ? `${one.name}: replaces ${count(context.readings(one.name))} readings` : one.name]), state.series,
+        (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true, wide: true }),
+      element("div", { class: "fields wide-field" }, pick("y", (column) => column.kind === "number")),
+      element("div", { class: "fields wide-field" }, pick("x", readable)));
+    const { numbers, dates } = doubts(file, state), specimens = specimenColumn(file);
+    exchange(asked,
+      numbers ? choice("map-sign", "How are numbers written?", SIGNS, state.decimal, (value) => { state.decimal = value; change(true); }, { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true }) : null,
+      dates ? choice("map-dates", "How are dates written?", DATES, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${dates.doubt}” can be read in two ways.`, asked: true }) : null,
+      specimens !== null
+        ? choice("map-specimen", `Which ${file.columns[specimens].name}?`, [...Object.entries(file.columns[specimens].entries).map(([entry, rows]) => [entry, `${entry} (${count(rows)} rows)`]), ["", "all rows"]], state.specimen, (value) => { state.specimen = value; change(true); }, { asked: true })
+        : null);
+    exchange(more, moreFields(file, state, change, context.openParameters()));
+    exchange(table, file.columns.length ? firstRows(file, { [state.x]: "x", [state.y]: "y" }) : null);
+    load();
+  }
+
+  function change(redraw) {
+    if (redraw) draw();
+    else load();
+  }
+
+  function unit(axis) {
+    const base = info()?.[`${axis}_unit`];
+    const listed = unitsOf(base ?? file.columns[state[axis]]?.base ?? "");
+    const dates = axis === "x" && file.columns[state.x]?.kind === "time";
+    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; show(); }, { list: listed, help: dates ? "Dates are read as days." : null });
+    if (dates) made.querySelector("input").readOnly = true;
+    return made;
+  }
+
+  function accept() {
+    const { x, y, weight, inputs, gross_errors: gross, notes: told } = points;
+    const observation = { series: state.series };
+    for (const axis of ["x", "y"]) if (state[`${axis}Unit`] && plainBase(state[`${axis}Unit`]) !== plainBase(info()?.[`${axis}_unit`])) observation[`${axis}_unit`] = state[`${axis}Unit`];
+    observation.points = { x, y, ...(weight ? { weight } : {}), ...(Object.keys(inputs).length ? { inputs } : {}) };
+    if (state.reverse) observation.y_factor = -1;
+    if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
+    if (gross.length) observation.gross_errors = gross;
+    if (told.length) observation.notes = told;
+    plot.remove();
+    if (!act.take(observation, file.name)) announce(`${count(x.length)} readings of ${observation.series} were taken from ${file.name}.`);
+  }
+
+  const likely = likelySeries(file, known);
+  state.series = likely.series ?? (known.length === 1 ? known[0].name : null);
+  suit(state, file, info(), likely.y);
+  exchange(top,
+    file.sheets.length > 1 ? element("div", { class: "fields" }, choice("map-sheet", "Sheet", file.sheets.map((one) => [one, one]), file.sheet, act.sheet, { help: `${file.sheets.length} sheets: ${file.sheets.join(", ")}` })) : null,
+    known.length ? null : element("p", { class: "error", role: "alert" }, "Describe the forward model first: then its series are known, and a file can be given to one of them."),
+    file.columns.some((column) => column.kind === "number") ? null : element("p", { class: "error", role: "alert" }, `Sheet “${file.sheet}” has no column of numbers: choose another one.`),
+    file.formulas.length ? element("p", { class: "error", role: "alert" }, `Formulas without a stored value, which cannot be read: ${file.formulas.join(", ")}. Let a spreadsheet program calculate and save the workbook.`) : null);
+  const made = element("fieldset", { class: "group mapping" }, element("legend", {}, file.name), top, table, fields, asked,
+    element("details", { class: "more" }, element("summary", {}, "More about these columns"), more),
+    wrong, notes, order, preview,
+    element("div", { class: "buttons" }, use, button("Cancel", () => { running?.abort(); plot.remove(); act.cancel(); })));
+  draw();
+  return made;
+}

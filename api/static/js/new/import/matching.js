@@ -1,0 +1,79 @@
+// Which column of a file suits which series: by the words of headings, which the service knows, and by dimension.
+import { plainBase, unitsOf } from "../units.js";
+
+const PREFIX = /^(stage|time|path|consolidation)_/;
+
+const key = (words) => words.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "_");
+const short = (name) => name.split(".").at(-1).replace(PREFIX, "");
+const heading = (column) => column.name.trim().replace(/\s+/g, " ").toLowerCase();
+
+/** Whether a column can be read as numbers or dates. */
+export const readable = (column) => column.kind === "number" || column.kind === "time";
+
+/** How a problem file calls a column: by its heading where no other has it, else by its letters. */
+export function reference(file, i) {
+  const column = file.columns[i];
+  const alone = file.columns.filter((one) => heading(one) === heading(column)).length === 1;
+  return alone && column.name.length < 200 && !/^column \d+$/.test(column.name) ? column.name : `${column.letters}:${column.letters}`;
+}
+
+/** Models that know no quantities (formulas, programs) take numbers as they are where they declare no unit. */
+const unitless = (info, axis) => info.x_quantity === "x" && plainBase(info[`${axis}_unit`]) === "dimensionless";
+
+/** The dimension that a unit belongs to, of those that are offered; null for one that is not known here. */
+function dimensionOf(unit) {
+  return ["day", "m", "kPa", "degree", "dimensionless"].find((base) => unitsOf(base).includes(plainBase(unit))) ?? null;
+}
+
+/** What is wrong with a unit for an axis of a series; null where nothing is known to be. */
+export function conflict(info, axis, unit, column) {
+  if (!info || unitless(info, axis)) return null;
+  const wanted = plainBase(info[`${axis}_unit`]);
+  const base = column?.unit === unit ? column.base : dimensionOf(unit);
+  if (!unit || base === null || base === undefined || base === wanted || dimensionOf(wanted) === null) return null;
+  const what = column?.unit === unit ? `“${column.name}” is in ${unit}` : `${unit} is given`;
+  const needed = wanted === "dimensionless" ? "has no unit but % or 1" : `needs a unit such as ${unitsOf(wanted).slice(0, 3).join(", ")}`;
+  return `${what}, but ${info[`${axis}_quantity`]} of ${info.name} ${needed}. Choose another column or series; correct the unit only if the heading is wrong.`;
+}
+
+/** Place among what a heading may mean, of a series' quantity; -1: none. */
+function meaning(column, info) {
+  const names = [short(info.name), key(info.y_quantity)];
+  const place = column.quantities.findIndex((one) => names.includes(one));
+  return place >= 0 || !names.includes(key(column.label)) ? place : 0;
+}
+
+const meansX = (column, info) => column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`));
+
+/** The column of x for a series, null where it is not plain. */
+export function columnOfX(file, info, y) {
+  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column, i }) => readable(column) && i !== y);
+  const found = usable.find(({ column }) => meansX(column, info))
+    ?? usable.find(({ column }) => column.base !== null && column.base === plainBase(info.x_unit) && column.base !== "dimensionless")
+    ?? usable.find(({ column }) => key(column.label) === "x")
+    ?? (info.x_quantity === "x" || usable.length === 1 ? usable[0] : undefined);
+  return found?.i ?? null;
+}
+
+/** The column of y for a series, null where no heading says so. */
+export function columnOfY(file, info) {
+  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => column.kind === "number");
+  const named = usable.map((one) => ({ ...one, place: meaning(one.column, info) })).filter(({ place }) => place >= 0);
+  named.sort((one, other) => one.place - other.place || one.i - other.i);
+  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit));
+  return named[0]?.i ?? (alike.length === 1 ? alike[0].i : null) ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
+}
+
+/** Series and column of y that a file seems to be about: {series, y}; both null where its headings do not say. */
+export function likelySeries(file, known) {
+  const pairs = known.flatMap((info, place) => file.columns.map((column, y) => ({ info, place, column, y, meant: column.kind === "number" ? meaning(column, info) : -1 })));
+  const rank = ({ info, place, column, y, meant }) => {
+    const x = file.columns.some((one, i) => i !== y && readable(one) && meansX(one, info));
+    const fits = column.base === null || column.base === plainBase(info.y_unit);
+    return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name) ? 1 : 0, y, place];
+  };
+  const ranked = pairs.filter(({ meant }) => meant >= 0).map((pair) => ({ pair, order: rank(pair) }));
+  ranked.sort((one, other) => one.order.map((value, i) => value - other.order[i]).find((step) => step !== 0) ?? 0);
+  const best = ranked[0]?.pair;
+  return { series: best?.info.name ?? null, y: best?.y ?? null };
+}

@@ -1,0 +1,118 @@
+"""Numbers as people write them: the sign before decimals, that between thousands, and where either may be meant."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import Literal, TypeAlias
+
+from geoswarm.solver.problem.tables.packed import Cell
+from geoswarm.solver.problem.tables.reading import cell_number
+
+__all__ = ["DecimalSign", "doubtful_cell", "evidence", "number_of", "two_readings"]
+
+DecimalSign: TypeAlias = Literal["comma", "point"]
+"""What stands before the decimals; the other sign may then stand between thousands."""
+
+Evidence: TypeAlias = frozenset[DecimalSign]
+
+_MOST = 60  # characters of a number with thousands
+_SIGNS: dict[DecimalSign, str] = {"comma": ",", "point": "."}
+_OTHER: dict[DecimalSign, DecimalSign] = {"comma": "point", "point": "comma"}
+_GROUPS = {  # 1,000 and 12.345.678: one to three figures, then groups of three; 0,125 is none
+    sign: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:{re.escape(mark)}\d{{3}})+", re.ASCII) for sign, mark in _SIGNS.items()
+}
+_DECIMALS = {
+    sign: re.compile(rf"[+-]?(?:\d+{re.escape(mark)}\d*|{re.escape(mark)}\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+    for sign, mark in _SIGNS.items()
+}
+_WHOLE = {  # groups by the other sign, an apostrophe or a blank, then decimals
+    sign: re.compile(
+        rf"([+-]?\d{{1,3}})((?:[{re.escape(_SIGNS[_OTHER[sign]])}'\u2019 \u00a0\u2009\u202f]\d{{3}})+)"
+        rf"(?:{re.escape(mark)}(\d*))?",
+        re.ASCII,
+    )
+    for sign, mark in _SIGNS.items()
+}
+
+
+def number_of(cell: Cell, sign: DecimalSign) -> float | None:
+    """The finite number in a cell whose decimals follow this sign; None for anything else.
+
+    >>> number_of("1,000", "point"), number_of("1,000", "comma"), number_of("1.234,5", "comma")
+    (1000.0, 1.0, 1234.5)
+    """
+    if isinstance(cell, float):
+        return cell if math.isfinite(cell) else None
+    if len(cell) <= _MOST and (found := _WHOLE[sign].fullmatch(cell)) is not None:
+        digits = "".join(figure for figure in found[2] if figure.isdigit())
+        return cell_number(f"{found[1]}{digits}.{found[3] or ''}")
+    return None if _SIGNS[_OTHER[sign]] in cell else cell_number(cell)
+
+
+def two_readings(cell: Cell) -> dict[DecimalSign, float]:
+    """What a cell may mean, by the sign before its decimals: ``1,000`` is 1 or 1000."""
+    both = {sign: number_of(cell, sign) for sign in _OTHER}
+    return {sign: value for sign, value in both.items() if value is not None}
+
+
+def evidence(cells: Iterable[Cell]) -> Evidence:
+    """Signs that certainly stand before decimals somewhere: ``0,25`` says comma, ``1,000`` nothing."""
+    return frozenset(
+        sign
+        for cell in cells
+        if isinstance(cell, str) and len(cell) <= _MOST and ("," in cell or "." in cell)
+        for sign in _signs(cell)
+    )
+
+
+def _signs(cell: str) -> list[DecimalSign]:
+    found: list[DecimalSign] = []
+    for sign, mark in _SIGNS.items():
+        known: DecimalSign = "comma" if sign == "comma" else "point"
+        if mark not in cell:
+            continue
+        plain = _DECIMALS[known].fullmatch(cell) and not _GROUPS[known].fullmatch(cell)
+        mixed = _SIGNS[_OTHER[known]] in cell and _WHOLE[known].fullmatch(cell)  # 1.234,5
+        if plain or mixed:
+            found.append(known)
+    return found
+
+
+def doubtful_cell(cells: Sequence[Cell], others: Iterable[Cell]) -> str | None:
+    """First cell of a column that can be read in two ways, or has thousands that must be asked for; None without any.
+
+    Parameters
+    ----------
+    cells
+        Of the column. One of them that is certain, such as 0,25 beside 1,000, decides.
+    others
+        All cells of the file: they decide where the column does not.
+    """
+    commas = _first(cells, _GROUPS["comma"])
+    points = _first(cells, _GROUPS["point"])
+    apart = next((cell for cell in cells if isinstance(cell, str) and _apart(cell)), None)
+    if commas is None and points is None:
+        return apart
+    own = evidence(cells)
+    if len(own) == 1:  # 0,25 and 1,000: decimals; but 0.25 and 1,000: thousands
+        (sign,) = own
+        return _first(cells, _GROUPS[_OTHER[sign]]) or apart
+    whole = evidence(others)
+    if commas is not None and whole != {"comma"}:
+        return commas
+    if points is not None and (whole == {"comma"} or points.count(".") > 1):
+        return points
+    if commas is not None and commas.count(",") > 1:
+        return commas
+    return apart
+
+
+def _first(cells: Sequence[Cell], form: re.Pattern[str]) -> str | None:
+    return next((cell for cell in cells if isinstance(cell, str) and form.fullmatch(cell)), None)
+
+
+def _apart(cell: str) -> bool:
+    """Whether only the reader with a sign understands a cell: 1'000, 1 000, 1.234,5."""
+    return len(cell) <= _MOST and cell_number(cell) is None and bool(two_readings(cell))

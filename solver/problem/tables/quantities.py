@@ -1,0 +1,76 @@
+"""What a column holds, from the words of its heading, German or English, as laboratories write them."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["quantities_of"]
+
+_RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
+    (
+        r"probe(n?(nummer|bezeichnung|nr))?\b|prüfkörper|specimen|sample|versuch(s?nummer)?\b|bohrung|borehole",
+        ("specimen",),
+    ),
+    (r"uhrzeit|time of day|\bclock", ("clock",)),
+    (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
+    (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
+    (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
+    (r"überdruck|ueberdruck|excess pore|excess pwp", ("excess_pore_pressure", "pore_pressure")),
+    (r"porenwasser|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u(_?w)?$", ("pore_pressure",)),
+    (r"zeit\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
+    (r"porenzahl|void[ _-]ratio|^e$", ("void_ratio", "e")),
+    (r"stress[ _-]ratio|spannungsverhältnis|^q ?/ ?p|^η$", ("stress_ratio",)),
+    (
+        r"radial\w*[ _-]?(dehnung|stauchung|strain)|querdehnung|(horizontal|lateral) strain|^[εe]_?[r3]$",
+        ("radial_strain",),
+    ),
+    (r"radial\w*[ _-]?(verschiebung|verformung|displacement)|durchmesser(ände)", ("radial_displacement",)),
+    (
+        r"volum\w*[ _-]?(dehnung|stauchung|strain|verformung|änderung)|\bvol\.? strain|^(ε|eps(ilon)?)_?v(ol)?$",
+        ("volumetric_strain",),
+    ),
+    (r"scherdehnung|schubverzerrung|gleitung|scherverformung|shear[ _-]strain|^(γ|gamma)$", ("shear_strain",)),
+    (r"scherspannung|schubspannung|shear[ _-]stress|^(τ|tau)$", ("shear_stress",)),
+    (r"deviator|^q$", ("q",)),
+    (r"mittlere \w*[ ]?(haupt)?spannung|mean (effective )?stress|^p['’′]?$", ("p", "mean_effective_stress")),
+    (
+        r"(horizontal|seiten|radial|zell)\w*[ ]?(spannung|druck)|(horizontal|lateral|radial|cell) (stress|pressure)",
+        ("lateral_stress", "radial_stress", "horizontal_stress"),
+    ),
+    (r"ruhedruckbeiwert|^k_?0$", ("K0",)),
+    (
+        r"(effektive|wirksame) \w*[ ]?(vertikal|normal)?spannung|effective (vertical )?stress",
+        ("effective_stress", "normal_stress", "axial_stress"),
+    ),
+    (r"normalspannung|normal stress", ("normal_stress",)),
+    (
+        r"(bezogene|spezifische|relative) (setzung|verformung|zusammendrückung)|dehnung|stauchung|strain"
+        r"|^(ε|eps(ilon)?)",
+        ("axial_strain", "vertical_strain"),
+    ),
+    (
+        r"setzung|settlement|zusammendrückung|höhenänderung|(change of|change in) height|^s$",
+        ("settlement", "axial_displacement"),
+    ),
+    (
+        r"verformung|verschiebung|\bweg\b|wegaufnehmer|displacement|deformation|dial|gauge|messuhr|ablesung",
+        ("settlement", "axial_displacement"),
+    ),
+    (r"spannung|stress|auflast|\blast\b|^(σ|sigma)", ("axial_stress", "normal_stress", "effective_stress")),
+)
+"""Patterns of headings and what they mean, the likeliest first; the first pattern that is found counts."""
+
+_KNOWN = tuple((re.compile(pattern), meant) for pattern, meant in _RULES)
+_LONGEST = 200
+
+
+def quantities_of(label: str) -> tuple[str, ...]:
+    """What a heading without its unit may stand for, in the words of series; the likeliest first.
+
+    >>> quantities_of("Setzung")
+    ('settlement', 'axial_displacement')
+    >>> quantities_of("Zeit seit Laststufe")
+    ('stage',)
+    """
+    plain = " ".join(label.replace("_", " ").split())[:_LONGEST].casefold()
+    return next((meant for pattern, meant in _KNOWN if pattern.search(plain)), ())
