@@ -51,26 +51,52 @@ class Local:
 
 
 @dataclass(frozen=True, slots=True)
+class Trust:
+    """The lowest new minimum of a surface inside the trust region, whose half width is taken ``reach`` times."""
+
+    compression: float | None = None
+    reach: float = 1
+
+    def __str__(self) -> str:
+        compression = "plain" if self.compression is None else f"{self.compression:g}"
+        return f"trust:{compression}:{self.reach:g}"
+
+
+@dataclass(frozen=True, slots=True)
 class Plain:
     """An arm without settings.
 
     ``valley``: a low point far from all good runs; ``scalar_surface``: of log f; ``covariance``: a move of an evolution
     strategy; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer parameter;
-    ``probe``: a point for better slopes, from the best.
+    ``probe``: a point for better slopes, from the best; ``poise``: one in a direction that runs in the trust region do
+    not span; ``begin``: where a new descent begins.
     """
 
-    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe"]
+    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe", "poise", "begin"]
 
     def __str__(self) -> str:
         return self.name
 
 
-Arm: TypeAlias = Surface | Local | Plain
+Arm: TypeAlias = Surface | Local | Trust | Plain
 """A way to propose; as text it is what snapshots keep."""
 Pattern: TypeAlias = tuple[Arm, ...]
 
 VALLEY, SCALAR_SURFACE, COVARIANCE = Plain("valley"), Plain("scalar_surface"), Plain("covariance")
 NEAR, FAR, STEP, PROBE = Plain("near"), Plain("far"), Plain("step"), Plain("probe")
+POISE, BEGIN = Plain("poise"), Plain("begin")
+
+DESCENT_PATTERN: Pattern = (
+    Trust(),
+    Trust(1),
+    Trust(reach=0.3),
+    Surface(1),
+    Trust(10),
+    POISE,
+    Surface(),
+    Trust(0.1),
+    Local("gauss_newton", 0, 1),
+)
 
 VECTOR_PATTERN: Pattern = (
     Surface(1),

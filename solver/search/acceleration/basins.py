@@ -85,8 +85,12 @@ class Basins:
             return Basins(current.finished, best, 0, current.restarts, gained=current.best is not None)
         if current.waiting + 1 < patience:
             return Basins(current.finished, current.best, current.waiting + 1, current.restarts)
-        finished = (*current.finished, tuple(points[lowest].tolist()))[-_REMEMBERED:]
-        return Basins(finished, None, 0, current.restarts + 1)
+        return current.left(points[lowest])
+
+    def left(self, centre: FloatArray) -> Basins:
+        """Return the state when the basin around a point, shape (d,), is finished."""
+        finished = (*self.finished, tuple(centre.tolist()))[-_REMEMBERED:]
+        return Basins(finished, None, 0, self.restarts + 1)
 
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form."""

@@ -15,13 +15,17 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.search.acceleration.arms import (
+    BEGIN,
     COVARIANCE,
+    DESCENT_PATTERN,
     LATE_PATTERN,
     MISLED_PATTERN,
     NEAR,
+    POISE,
     RESTARTED_PATTERN,
     SCALAR_PATTERN,
     STEP,
+    Trust,
     VECTOR_PATTERN,
     Arm,
     Pattern,
@@ -33,6 +37,7 @@ from geoswarm.solver.search.acceleration.candidates import Arms, Knowledge, sele
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.acceleration.trust_region import BEGUN, SETTLED, TrustRegion
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import proposer_generator
 from geoswarm.solver.search.space import SearchSpace
@@ -44,6 +49,9 @@ MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
 CURVED, MISLEADING = 0.3, 1.0  # unexplained share of a surface
 TELLING, LATE = 4, 6  # runs for each of its slopes before that tells much, and from which it is searched around runs
+NARROW = 8
+BASE_EDGE = 0.3
+LEAST_GAIN = 1e-3
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -62,6 +70,7 @@ class ProposerState:
     covariance: dict[str, Any] | None = None
     polishing: Polishing | None = None
     hold_out: float | None = None
+    region: TrustRegion = field(default_factory=TrustRegion)
 
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form that :meth:`from_json` restores exactly."""
@@ -72,6 +81,7 @@ class ProposerState:
             "covariance": self.covariance,
             "polishing": None if self.polishing is None else self.polishing.to_json(),
             "hold_out": self.hold_out,
+            "region": self.region.to_json(),
         }
 
     @classmethod
@@ -86,6 +96,7 @@ class ProposerState:
             data["covariance"],
             None if polishing is None else Polishing(**polishing),
             data["hold_out"],
+            TrustRegion(**data.get("region", {})),  # absent in what earlier versions stored
         )
 
 
@@ -132,6 +143,10 @@ class Proposer:
         """
         random = proposer_generator(self._seed, 0)
         chosen = list(self._unit(drawn[: max(keep, 1)]))
+        if len(drawn) <= NARROW:
+            if not keep:
+                chosen = [self._base(random, chosen[0])]
+            chosen += self._simplex(random, chosen[0])[: len(drawn) - 1]
         for fallback in self._unit(drawn[len(chosen) :]):
             draws = [u for u in random.random((FIRST_DRAWS, fallback.size)) if self._feasible(u)]
             points = np.array([*draws, fallback])
@@ -139,7 +154,29 @@ class Proposer:
             chosen.append(points[int(np.argmax(nearest))])
         return self._search(np.array(chosen))
 
-    def propose(self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs) -> dict[int, FloatArray]:
+    def _base(self, random: np.random.Generator, fallback: FloatArray) -> FloatArray:
+        for u in BASE_EDGE + (1.0 - 2.0 * BASE_EDGE) * random.random((FIRST_DRAWS, fallback.size)):
+            point = self._snapped(u)
+            if self._feasible(point):
+                return point
+        return fallback
+
+    def _simplex(self, random: np.random.Generator, base: FloatArray) -> list[FloatArray]:
+        found = []
+        signs = np.where(random.random(base.size) < 0.5, -1.0, 1.0)
+        for i in random.permutation(base.size):
+            for step in BEGUN * signs[i] * np.array([1.0, -1.0, 0.5, -0.5, 0.25, -0.25]):
+                point = base.copy()
+                point[i] += step
+                point = self._snapped(point)
+                if 0.0 <= point[i] <= 1.0 and point[i] != base[i] and self._feasible(point):
+                    found.append(point)
+                    break
+        return found
+
+    def propose(
+        self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, told: int | None = None
+    ) -> dict[int, FloatArray]:
         """Return where particles are aimed instead of where the swarm moved them, search coordinates by particle.
 
         Parameters
@@ -153,18 +190,24 @@ class Proposer:
         runs
             All evaluations so far; the last n of them are the generation before, in particle order. Before the first
             generation: those that earlier jobs offer.
+        told
+            So many of the runs are the generation before; as many as are moved if None.
         """
         with one_thread():
-            return self._propose(generation, moved, worst_first, runs)
+            return self._propose(generation, moved, worst_first, runs, len(moved) if told is None else told)
 
-    def _propose(self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs) -> dict[int, FloatArray]:
+    def _propose(
+        self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, told: int
+    ) -> dict[int, FloatArray]:
         objectives = runs.objectives
-        covariance = self._tell_covariance(runs.positions[-len(moved) :], objectives[-len(moved) :])
-        order = np.argsort(objectives, kind="stable")[: int(runs.succeeded.sum())]
-        if order.size < 2:
-            self.state = replace(self.state, aimed={})
-            return {}
+        covariance = self._tell_covariance(runs.positions[-told:], objectives[-told:])
         every = self._unit(self._space.to_search(runs.positions))
+        steps = [particle for particle, arm in self.state.aimed.items() if arm.startswith("trust")]
+        region = self.state.region.after(every, objectives, told, steps)
+        order = np.argsort(objectives, kind="stable")[: int(runs.succeeded.sum())]
+        if order.size < 1:
+            self.state = replace(self.state, aimed={}, region=region)
+            return {}
         before = self.state.basins
         chosen = order[selection(before.open_runs(every[order]))]
         known, values, residuals = every[chosen], objectives[chosen], runs.residuals(chosen)
@@ -181,34 +224,49 @@ class Proposer:
             polishing = Polishing(float(objectives[order[0]]))
         if polishing is not None:
             basins = before  # it stays where it is
-        failed, open_ = every[~runs.succeeded], basins.open_runs(known)
+        failed = every[~runs.succeeded]
+        whole = self._space.integer.any()
+        descending = not (scalar or whole or polishing) and len(moved) <= NARROW
 
-        def admissible(point: FloatArray) -> bool:
-            return (
-                basins.admits(point, known, open_)
-                and self._feasible(point)
-                and not self._likely_to_fail(point, every, failed)
-                and not self._repeats(self._search(point), runs)
+        def arms_with(basins: Basins) -> Arms:
+            open_ = basins.open_runs(known)
+
+            def admissible(point: FloatArray) -> bool:
+                return (
+                    basins.admits(point, known, open_)
+                    and self._feasible(point)
+                    and not self._likely_to_fail(point, every, failed)
+                    and not self._repeats(self._search(point), runs)
+                )
+
+            knowledge = Knowledge(
+                known, values, residuals, open_, every, admissible, self._snapped, self._space.integer, chosen
             )
+            return Arms(knowledge, proposer_generator(self._seed, generation), covariance, region)
 
-        knowledge = Knowledge(known, values, residuals, open_, every, admissible, self._snapped, self._space.integer)
-        arms = Arms(knowledge, proposer_generator(self._seed, generation), covariance)
+        if descending:
+            basins = before
+        arms = arms_with(basins)
         hold_out = None if scalar or polishing else arms.unexplained
-        share = 1.0 if polishing else self._share(basins)
+        share = 1.0 if polishing or descending else self._share(basins)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
         if polishing:
             pattern = polish_pattern(len(moved))
+        elif descending:
+            region, left, pattern = self._descent(arms, len(every))
+            if left is not None:
+                basins = basins.left(left)
+                arms = arms_with(basins)
         else:
-            whole = self._space.integer.any()
             # responses jump between whole numbers, which says nothing of the slopes along the other parameters
-            error, told = (0.0, 0.0) if whole else (hold_out, order.size / (known.shape[1] + 1))
+            error, done = (0.0, 0.0) if whole else (hold_out, order.size / (known.shape[1] + 1))
             pattern = (
-                SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, told)
+                SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, done)
             )
             if whole:
                 pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
-        proposals = self._fill(arms, pattern, slots + len(repeated), generation)
+        proposals = self._fill(arms, pattern, slots + len(repeated), 0 if descending else generation)
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
         aimed = dict(zip(particles, proposals, strict=False))
@@ -219,8 +277,35 @@ class Proposer:
             covariance=None if arms.covariance is None else arms.covariance.state(),
             polishing=polishing,
             hold_out=hold_out,
+            region=replace(arms.region, promised=arms.promised),
         )
         return {particle: point for particle, (_, point) in aimed.items()}
+
+    @staticmethod
+    def _descent(arms: Arms, count: int) -> tuple[TrustRegion, FloatArray | None, Pattern]:
+        known = arms.knowledge
+        d = known.points.shape[1]
+        if arms.centre is None:
+            return arms.region, None, (BEGIN,)
+        lacking = d + 1 - int((known.numbers >= arms.region.since).sum())
+        if lacking > 0:
+            return arms.region, None, ((POISE,) * lacking) + DESCENT_PATTERN
+        while arms.region.radius >= SETTLED:
+            if arms.region.missed:
+                if arms.missing() is not None:
+                    return arms.region, None, (POISE, *DESCENT_PATTERN)
+                arms.region = arms.region.narrower()
+                continue
+            gain, length = arms.promise()
+            if gain < LEAST_GAIN:
+                arms.region = replace(arms.region, missed=True)
+                continue
+            if length < 0.05 * arms.region.radius:
+                arms.region = replace(arms.region, radius=max(0.3 * arms.region.radius, 2.0 * length))
+            return arms.region, None, DESCENT_PATTERN
+        centre = known.points[arms.centre]
+        arms.region = TrustRegion(since=count)
+        return arms.region, centre, (BEGIN,)
 
     def _fill(self, arms: Arms, pattern: Pattern, slots: int, generation: int) -> list[tuple[Arm, FloatArray]]:
         # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
