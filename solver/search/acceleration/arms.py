@@ -112,6 +112,7 @@ VECTOR_PATTERN: Pattern = (
     COVARIANCE,
     Surface(),
 )
+BEGIN_PATTERN: Pattern = (FAR,)
 SCALAR_PATTERN: Pattern = (
     Local("quadratic", 0, 1),
     SCALAR_SURFACE,

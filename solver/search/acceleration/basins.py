@@ -11,7 +11,7 @@ from geoswarm.solver.arrays import BoolArray, FloatArray
 
 __all__ = ["Basins"]
 
-_RADIUS = 0.05  # half the width of a finished basin in the unit box
+RADIUS = 0.02  # half the width of a finished basin in the unit box
 _WORTH = 0.02  # a relative decrease of the objective that counts
 _CLUSTERED = 200  # best runs
 _REMEMBERED = 6  # finished basins: an older one may have been left too early and is tried again
@@ -35,7 +35,7 @@ class Basins:
         """Tell which points, shape (n, d), are in no finished basin."""
         inside = np.zeros(len(points), dtype=np.bool_)
         for centre in self.finished:
-            inside |= np.abs(points - np.array(centre)).max(axis=1) <= _RADIUS
+            inside |= np.abs(points - np.array(centre)).max(axis=1) <= RADIUS
         return ~inside
 
     def open_runs(self, points: FloatArray) -> BoolArray:
@@ -51,7 +51,7 @@ class Basins:
             distances = np.abs(best[:, None, :] - best[None]).max(axis=2)
             for i in range(1, len(best)):
                 better = int(np.argmin(distances[i, :i]))
-                if not open_[better] and distances[i, better] <= _RADIUS:
+                if not open_[better] and distances[i, better] <= RADIUS:
                     open_[i] = False
         return open_
 
@@ -61,7 +61,7 @@ class Basins:
             return True
         distances = np.abs(runs - point).max(axis=1)
         nearest = int(np.argmin(distances))
-        beside = not open_[nearest] and bool(distances[nearest] <= _RADIUS)
+        beside = not open_[nearest] and bool(distances[nearest] <= RADIUS)
         return not beside and bool(self.outside(point[None])[0])
 
     def after(self, points: FloatArray, objectives: FloatArray, patience: int) -> Basins:

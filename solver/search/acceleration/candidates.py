@@ -285,6 +285,11 @@ class Arms:
         mine = np.nonzero(known.open & (known.numbers >= self.region.since))[0]
         return int(mine[0]) if mine.size else None
 
+    @property
+    def first(self) -> int:
+        """The best run of the descent under way, also in a finished basin."""
+        return int(np.argmax(self.knowledge.numbers >= self.region.since))
+
     def missing(self) -> FloatArray | None:
         """Direction that runs in the trust region do not span, those of this generation included."""
         assert self.centre is not None

@@ -15,7 +15,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.search.acceleration.arms import (
-    BEGIN,
+    BEGIN_PATTERN,
     COVARIANCE,
     DESCENT_PATTERN,
     LATE_PATTERN,
@@ -51,7 +51,8 @@ CURVED, MISLEADING = 0.3, 1.0  # unexplained share of a surface
 TELLING, LATE = 4, 6  # runs for each of its slopes before that tells much, and from which it is searched around runs
 NARROW = 8
 BASE_EDGE = 0.3
-LEAST_GAIN = 1e-3
+LEAST_GAIN = 1e-2
+WORSE_GAIN, WORSE_RADIUS, ASPIRE = 0.1, 0.15, 1.0
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -285,18 +286,28 @@ class Proposer:
     def _descent(arms: Arms, count: int) -> tuple[TrustRegion, FloatArray | None, Pattern]:
         known = arms.knowledge
         d = known.points.shape[1]
-        if arms.centre is None:
-            return arms.region, None, (BEGIN,)
         lacking = d + 1 - int((known.numbers >= arms.region.since).sum())
-        if lacking > 0:
+        if arms.region.since:
+            if lacking > 0 or arms.centre is None:
+                k = (count - arms.region.since) % len(BEGIN_PATTERN)
+                return arms.region, None, BEGIN_PATTERN[k:] + BEGIN_PATTERN[:k]
+        elif lacking > 0 or arms.centre is None:
             return arms.region, None, ((POISE,) * lacking) + DESCENT_PATTERN
         while arms.region.radius >= SETTLED:
+            if not known.open[arms.first]:
+                arms.region = TrustRegion(since=count)
+                return arms.region, None, BEGIN_PATTERN
             if arms.region.missed:
                 if arms.missing() is not None:
                     return arms.region, None, (POISE, *DESCENT_PATTERN)
                 arms.region = arms.region.narrower()
                 continue
             gain, length = arms.promise()
+            worse = known.objectives[arms.centre] * (1.0 - gain) > ASPIRE * known.objectives[0]
+            if worse and gain < WORSE_GAIN and arms.region.radius < WORSE_RADIUS:
+                break
+            if gain < LEAST_GAIN and arms.region.radius < 0.02 and arms.missing() is None:
+                break
             if gain < LEAST_GAIN:
                 arms.region = replace(arms.region, missed=True)
                 continue
@@ -305,7 +316,7 @@ class Proposer:
             return arms.region, None, DESCENT_PATTERN
         centre = known.points[arms.centre]
         arms.region = TrustRegion(since=count)
-        return arms.region, centre, (BEGIN,)
+        return arms.region, centre, BEGIN_PATTERN
 
     def _fill(self, arms: Arms, pattern: Pattern, slots: int, generation: int) -> list[tuple[Arm, FloatArray]]:
         # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
