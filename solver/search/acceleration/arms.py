@@ -88,16 +88,25 @@ POISE, BEGIN = Plain("poise"), Plain("begin")
 
 DESCENT_PATTERN: Pattern = (
     Trust(),
-    Trust(1),
-    Trust(reach=0.3),
-    Surface(1),
-    Trust(10),
-    POISE,
-    Surface(),
-    Trust(0.1),
     Local("gauss_newton", 0, 1),
+    Trust(1),
+    Trust(reach=2),
+    Surface(1),
+    Surface(),
+    Trust(reach=0.3),
+    Surface(10),
+    Trust(10),
+    Local("gauss_newton", 1, 1),
+    Surface(0.1),
+    FAR,
+    VALLEY,
+    Trust(0.1),
+    Local("around", 0, 0.1),
+    Local("gauss_newton", 2, 1),
+    Trust(reach=4),
+    FAR,
+    Local("around", 1, 0.1),
 )
-
 VECTOR_PATTERN: Pattern = (
     Surface(1),
     Surface(),

@@ -50,6 +50,7 @@ PATIENCE, SCALAR_PATIENCE = 3, 6
 CURVED, MISLEADING = 0.3, 1.0  # unexplained share of a surface
 TELLING, LATE = 4, 6  # runs for each of its slopes before that tells much, and from which it is searched around runs
 NARROW = 8
+LATEDES = 1
 BASE_EDGE = 0.3
 LEAST_GAIN = 1e-2
 WORSE_GAIN, WORSE_RADIUS, ASPIRE = 0.1, 0.15, 1.0
@@ -144,10 +145,9 @@ class Proposer:
         """
         random = proposer_generator(self._seed, 0)
         chosen = list(self._unit(drawn[: max(keep, 1)]))
-        if len(drawn) <= NARROW:
-            if not keep:
-                chosen = [self._base(random, chosen[0])]
-            chosen += self._simplex(random, chosen[0])[: len(drawn) - 1]
+        if not keep:
+            chosen = [self._base(random, chosen[0])]
+        chosen += self._simplex(random, chosen[0])[: len(drawn) - 1]
         for fallback in self._unit(drawn[len(chosen) :]):
             draws = [u for u in random.random((FIRST_DRAWS, fallback.size)) if self._feasible(u)]
             points = np.array([*draws, fallback])
@@ -227,7 +227,8 @@ class Proposer:
             basins = before  # it stays where it is
         failed = every[~runs.succeeded]
         whole = self._space.integer.any()
-        descending = not (scalar or whole or polishing) and len(moved) <= NARROW
+        done = order.size / (known.shape[1] + 1)
+        descending = not (scalar or whole or polishing)
 
         def arms_with(basins: Basins) -> Arms:
             open_ = basins.open_runs(known)
@@ -246,7 +247,7 @@ class Proposer:
             return Arms(knowledge, proposer_generator(self._seed, generation), covariance, region)
 
         if descending:
-            basins = before
+            basins = before  # a descent ends by its trust region
         arms = arms_with(basins)
         hold_out = None if scalar or polishing else arms.unexplained
         share = 1.0 if polishing or descending else self._share(basins)
@@ -259,9 +260,11 @@ class Proposer:
             if left is not None:
                 basins = basins.left(left)
                 arms = arms_with(basins)
+            if done >= LATE and LATEDES and pattern == DESCENT_PATTERN and len(moved) > NARROW:
+                pattern = (*DESCENT_PATTERN[:3], *LATE_PATTERN)
         else:
             # responses jump between whole numbers, which says nothing of the slopes along the other parameters
-            error, done = (0.0, 0.0) if whole else (hold_out, order.size / (known.shape[1] + 1))
+            error, done = (0.0, 0.0) if whole else (hold_out, done)
             pattern = (
                 SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, done)
             )
