@@ -21,7 +21,7 @@ POLISH_UNFINISHED = "polish_unfinished"
 _LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
 
 Particles: TypeAlias = Annotated[
-    Annotated[int, Field(ge=2, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
+    Annotated[int, Field(ge=1, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
     Discriminator(lambda value: "auto" if isinstance(value, str) else "number"),
 ]
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 __all__ = [
+    "BEGIN_PATTERN",
     "COVARIANCE",
+    "DESCENT_PATTERN",
+    "LATE_DESCENT_PATTERN",
     "LATE_PATTERN",
-    "MISLED_PATTERN",
     "NEAR",
+    "POISE",
     "RESTARTED_PATTERN",
     "SCALAR_PATTERN",
     "STEP",
@@ -19,8 +22,8 @@ __all__ = [
     "Pattern",
     "Plain",
     "Surface",
+    "Trust",
     "polish_pattern",
-    "with_like_slopes",
 ]
 
 
@@ -148,20 +151,6 @@ RESTARTED_PATTERN: Pattern = (
     Local("gauss_newton", 0, 0.4),
     COVARIANCE,
 )
-MISLED_PATTERN: Pattern = (
-    Local("gauss_newton", 0, 1),
-    Surface(1),
-    PROBE,
-    Surface(),
-    Local("gauss_newton", 1, 1),
-    PROBE,
-    Local("gauss_newton", 2, 1),
-    Surface(10),
-    PROBE,
-    Local("gauss_newton", 0, 0.4),
-    FAR,
-    COVARIANCE,
-)
 LATE_PATTERN: Pattern = (
     Local("around", 0, 0.03),
     Surface(10),
@@ -174,17 +163,10 @@ LATE_PATTERN: Pattern = (
     Local("gauss_newton", 0, 0.4),
     Local("around", 2, 0.1),
 )
+LATE_DESCENT_PATTERN: Pattern = (*DESCENT_PATTERN[:3], *LATE_PATTERN)
 
 
 def polish_pattern(particles: int) -> Pattern:
     """Arms of a polishing generation: at most half of it steps of quadratic models, the rest probes."""
     steps = tuple(Local("quadratic", 0, reach) for reach in (1, 0.3, 0.1))[: max(1, particles // 2)]
     return (*steps, *[PROBE] * (particles - len(steps)))
-
-
-def with_like_slopes(pattern: Pattern) -> Pattern:
-    """Return a pattern whose Gauss-Newton steps take their slopes from runs of like responses."""
-    return tuple(
-        replace(arm, model="alike") if isinstance(arm, Local) and arm.model == "gauss_newton" else arm
-        for arm in pattern
-    )

@@ -15,29 +15,26 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.search.acceleration.arms import (
-    BEGIN_PATTERN,
     COVARIANCE,
     DESCENT_PATTERN,
+    LATE_DESCENT_PATTERN,
     LATE_PATTERN,
-    MISLED_PATTERN,
     NEAR,
-    POISE,
     RESTARTED_PATTERN,
     SCALAR_PATTERN,
     STEP,
-    Trust,
     VECTOR_PATTERN,
     Arm,
     Pattern,
     polish_pattern,
-    with_like_slopes,
 )
 from geoswarm.solver.search.acceleration.basins import Basins
 from geoswarm.solver.search.acceleration.candidates import Arms, Knowledge, selection
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
 from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.runs import Runs
-from geoswarm.solver.search.acceleration.trust_region import BEGUN, SETTLED, TrustRegion
+from geoswarm.solver.search.acceleration.trust_region import TrustRegion
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import proposer_generator
 from geoswarm.solver.search.space import SearchSpace
@@ -47,13 +44,8 @@ __all__ = ["Proposer", "ProposerState"]
 FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
-CURVED, MISLEADING = 0.3, 1.0  # unexplained share of a surface
-TELLING, LATE = 4, 6  # runs for each of its slopes before that tells much, and from which it is searched around runs
-NARROW = 8
-LATEDES = 1
-BASE_EDGE = 0.3
-LEAST_GAIN = 1e-2
-WORSE_GAIN, WORSE_RADIUS, ASPIRE = 0.1, 0.15, 1.0
+LATE = 6  # runs for each slope of a surface from which it is searched around runs, too
+NARROW = 8  # particles up to which a generation has no room for that
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -134,7 +126,9 @@ class Proposer:
         return self.state.polishing is not None and self.state.polishing.done
 
     def first(self, drawn: FloatArray, keep: int) -> FloatArray:
-        """Spread the first generation: each particle is the farthest of 40 random points from those before it.
+        """Return the first generation: a simplex of d + 1 runs, as far as they are that many, then spread-out ones.
+
+        Each of the others is the farthest of 40 random points from those before it.
 
         Parameters
         ----------
@@ -146,34 +140,14 @@ class Proposer:
         random = proposer_generator(self._seed, 0)
         chosen = list(self._unit(drawn[: max(keep, 1)]))
         if not keep:
-            chosen = [self._base(random, chosen[0])]
-        chosen += self._simplex(random, chosen[0])[: len(drawn) - 1]
+            chosen = [base_of_simplex(random, chosen[0], self._snapped, self._feasible)]
+        chosen += simplex(random, chosen[0], self._snapped, self._feasible)[: len(drawn) - 1]
         for fallback in self._unit(drawn[len(chosen) :]):
             draws = [u for u in random.random((FIRST_DRAWS, fallback.size)) if self._feasible(u)]
             points = np.array([*draws, fallback])
             nearest = ((points[:, None, :] - np.array(chosen)[None]) ** 2).sum(axis=2).min(axis=1)
             chosen.append(points[int(np.argmax(nearest))])
         return self._search(np.array(chosen))
-
-    def _base(self, random: np.random.Generator, fallback: FloatArray) -> FloatArray:
-        for u in BASE_EDGE + (1.0 - 2.0 * BASE_EDGE) * random.random((FIRST_DRAWS, fallback.size)):
-            point = self._snapped(u)
-            if self._feasible(point):
-                return point
-        return fallback
-
-    def _simplex(self, random: np.random.Generator, base: FloatArray) -> list[FloatArray]:
-        found = []
-        signs = np.where(random.random(base.size) < 0.5, -1.0, 1.0)
-        for i in random.permutation(base.size):
-            for step in BEGUN * signs[i] * np.array([1.0, -1.0, 0.5, -0.5, 0.25, -0.25]):
-                point = base.copy()
-                point[i] += step
-                point = self._snapped(point)
-                if 0.0 <= point[i] <= 1.0 and point[i] != base[i] and self._feasible(point):
-                    found.append(point)
-                    break
-        return found
 
     def propose(
         self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, told: int | None = None
@@ -213,8 +187,11 @@ class Proposer:
         chosen = order[selection(before.open_runs(every[order]))]
         known, values, residuals = every[chosen], objectives[chosen], runs.residuals(chosen)
         scalar = residuals.shape[1] == 1 and bool((residuals >= 0.0).all() or (residuals <= 0.0).all())
+        whole = bool(self._space.integer.any())
+        # responses jump between whole numbers: no descent follows them. Else one ends by its trust region
+        descending = not (scalar or whole)
         patience = SCALAR_PATIENCE if scalar else PATIENCE
-        basins = before.after(every[order], objectives[order], patience)
+        basins = before if descending else before.after(every[order], objectives[order], patience)
         polishing = self.state.polishing
         if polishing is not None:
             polishing = polishing.after(float(objectives[order[0]]))
@@ -226,10 +203,6 @@ class Proposer:
         if polishing is not None:
             basins = before  # it stays where it is
         failed = every[~runs.succeeded]
-        whole = self._space.integer.any()
-        done = order.size / (known.shape[1] + 1)
-        descending = not (scalar or whole or polishing)
-
         def arms_with(basins: Basins) -> Arms:
             open_ = basins.open_runs(known)
 
@@ -246,30 +219,31 @@ class Proposer:
             )
             return Arms(knowledge, proposer_generator(self._seed, generation), covariance, region)
 
-        if descending:
-            basins = before  # a descent ends by its trust region
         arms = arms_with(basins)
         hold_out = None if scalar or polishing else arms.unexplained
+        told_of = order.size / (known.shape[1] + 1)  # runs for each slope of the surface
         share = 1.0 if polishing or descending else self._share(basins)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
         if polishing:
             pattern = polish_pattern(len(moved))
         elif descending:
-            region, left, pattern = self._descent(arms, len(every))
-            if left is not None:
-                basins = basins.left(left)
+            descent = next_of_descent(arms, len(every))
+            if descent.left is not None:
+                if self._polish:
+                    self.leaving = True
+                    return {}
+                basins = basins.left(descent.left)
                 arms = arms_with(basins)
-            if done >= LATE and LATEDES and pattern == DESCENT_PATTERN and len(moved) > NARROW:
-                pattern = (*DESCENT_PATTERN[:3], *LATE_PATTERN)
+            arms.region, pattern = descent.region, descent.pattern
+            if pattern == DESCENT_PATTERN and told_of >= LATE and len(moved) > NARROW:
+                pattern = LATE_DESCENT_PATTERN
+        elif scalar:
+            pattern = SCALAR_PATTERN
         else:
-            # responses jump between whole numbers, which says nothing of the slopes along the other parameters
-            error, done = (0.0, 0.0) if whole else (hold_out, done)
-            pattern = (
-                SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, done)
-            )
-            if whole:
-                pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
+            # what the surface misses between whole numbers says nothing of the slopes along the other parameters
+            pattern = self._whole_pattern(basins, generation, told_of)
+            pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
         proposals = self._fill(arms, pattern, slots + len(repeated), 0 if descending else generation)
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
@@ -284,42 +258,6 @@ class Proposer:
             region=replace(arms.region, promised=arms.promised),
         )
         return {particle: point for particle, (_, point) in aimed.items()}
-
-    @staticmethod
-    def _descent(arms: Arms, count: int) -> tuple[TrustRegion, FloatArray | None, Pattern]:
-        known = arms.knowledge
-        d = known.points.shape[1]
-        lacking = d + 1 - int((known.numbers >= arms.region.since).sum())
-        if arms.region.since:
-            if lacking > 0 or arms.centre is None:
-                k = (count - arms.region.since) % len(BEGIN_PATTERN)
-                return arms.region, None, BEGIN_PATTERN[k:] + BEGIN_PATTERN[:k]
-        elif lacking > 0 or arms.centre is None:
-            return arms.region, None, ((POISE,) * lacking) + DESCENT_PATTERN
-        while arms.region.radius >= SETTLED:
-            if not known.open[arms.first]:
-                arms.region = TrustRegion(since=count)
-                return arms.region, None, BEGIN_PATTERN
-            if arms.region.missed:
-                if arms.missing() is not None:
-                    return arms.region, None, (POISE, *DESCENT_PATTERN)
-                arms.region = arms.region.narrower()
-                continue
-            gain, length = arms.promise()
-            worse = known.objectives[arms.centre] * (1.0 - gain) > ASPIRE * known.objectives[0]
-            if worse and gain < WORSE_GAIN and arms.region.radius < WORSE_RADIUS:
-                break
-            if gain < LEAST_GAIN and arms.region.radius < 0.02 and arms.missing() is None:
-                break
-            if gain < LEAST_GAIN:
-                arms.region = replace(arms.region, missed=True)
-                continue
-            if length < 0.05 * arms.region.radius:
-                arms.region = replace(arms.region, radius=max(0.3 * arms.region.radius, 2.0 * length))
-            return arms.region, None, DESCENT_PATTERN
-        centre = known.points[arms.centre]
-        arms.region = TrustRegion(since=count)
-        return arms.region, centre, BEGIN_PATTERN
 
     def _fill(self, arms: Arms, pattern: Pattern, slots: int, generation: int) -> list[tuple[Arm, FloatArray]]:
         # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
@@ -340,23 +278,18 @@ class Proposer:
         return proposals
 
     @staticmethod
-    def _vector_pattern(basins: Basins, generation: int, hold_out: float, told: float) -> Pattern:
-        """Arms by what is known of the surface's error, and of the residuals; ``told``: runs for each of its slopes.
+    def _whole_pattern(basins: Basins, generation: int, told_of: float) -> Pattern:
+        """Arms with whole numbers, from ``told_of`` runs for each slope of the surface.
 
         After many runs the surface is searched around the best few that lie apart, and along its valley: in a long one
-        what is far from there is known no better by then. Before that, where the mean would predict better than the
-        surface, probes around the best take the place of some arms: they make its slopes known. Where the surface
-        misses much, slopes are fitted to runs with like responses. After a restart the residuals have misled once:
-        every other generation trusts the objective alone.
+        what is far from there is known no better by then. After a restart the residuals have misled once: every other
+        generation trusts the objective alone.
         """
-        if told >= LATE:
+        if told_of >= LATE:
             return LATE_PATTERN
-        pattern = VECTOR_PATTERN
-        if told >= TELLING and hold_out > MISLEADING:
-            pattern = MISLED_PATTERN
-        elif basins.restarts:
-            pattern = RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
-        return with_like_slopes(pattern) if hold_out > CURVED else pattern
+        if basins.restarts:
+            return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
+        return VECTOR_PATTERN
 
     def _share(self, basins: Basins) -> float:
         """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step."""
