@@ -41,11 +41,10 @@ class Surface:
 class Local:
     """A point near a centre, of which 0 is the best run, as far as ``reach``.
 
-    ``around``: lowest minimum of the surface in a box; ``gauss_newton``, ``quadratic``: of a local model; ``alike``:
-    Gauss-Newton with slopes from runs of like responses.
+    ``around``: lowest minimum of the surface in a box; ``gauss_newton``, ``quadratic``: of a local model.
     """
 
-    model: Literal["around", "gauss_newton", "alike", "quadratic"]
+    model: Literal["around", "gauss_newton", "quadratic"]
     centre: int
     reach: float
 
@@ -72,10 +71,10 @@ class Plain:
     ``valley``: a low point far from all good runs; ``scalar_surface``: of log f; ``covariance``: a move of an evolution
     strategy; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer parameter;
     ``probe``: a point for better slopes, from the best; ``poise``: one in a direction that runs in the trust region do
-    not span; ``begin``: where a new descent begins.
+    not span.
     """
 
-    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe", "poise", "begin"]
+    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe", "poise"]
 
     def __str__(self) -> str:
         return self.name
@@ -87,7 +86,7 @@ Pattern: TypeAlias = tuple[Arm, ...]
 
 VALLEY, SCALAR_SURFACE, COVARIANCE = Plain("valley"), Plain("scalar_surface"), Plain("covariance")
 NEAR, FAR, STEP, PROBE = Plain("near"), Plain("far"), Plain("step"), Plain("probe")
-POISE, BEGIN = Plain("poise"), Plain("begin")
+POISE = Plain("poise")
 
 DESCENT_PATTERN: Pattern = (
     Trust(),

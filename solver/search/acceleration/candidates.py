@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.search.acceleration.arms import Arm, Local, Plain, Surface, Trust
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.knowledge import Knowledge
 from geoswarm.solver.search.acceleration.local_models import (
     gauss_newton_point,
     neighbour_distance,
@@ -18,9 +19,8 @@ from geoswarm.solver.search.acceleration.local_models import (
 from geoswarm.solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion, missing_direction
 
-__all__ = ["Arms", "Knowledge", "selection"]
+__all__ = ["Arms"]
 
-_BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fitted to
 _RANDOM_STARTS, _STARTS = 64, 14
 _CENTRES, _APART, _SCALAR_APART = 4, 0.25, 0.08
 _SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
@@ -30,62 +30,6 @@ _TRIES, _ASKED, _STEP_DRAWS = 60, 20, 200
 _CONTRACTION, _SHORTEST_PROBE = 0.3, 1e-5
 _TAKEN_APART = 0.1  # of half the width of the trust region
 _PULLED_BACK = (1.0, 0.7, 0.5, 0.3, 0.1)  # parts of a step that are tried where its end is not admissible
-
-
-@dataclass(frozen=True, slots=True)
-class Knowledge:
-    """What the arms learn from: successful evaluations, best first, and where nothing new is to be found.
-
-    Parameters
-    ----------
-    points, objectives
-        In the unit box, shape (n, d), and f, shape (n,).
-    residuals
-        Shape (n, m); m = 1 when only the objective is known.
-    open
-        Whether a point is in no finished basin, shape (n,).
-    evaluated
-        All points so far, failed ones included, shape (N, d).
-    admissible
-        Whether a point of the unit box may be proposed.
-    snapped
-        The point of the unit box that is evaluated instead of a given one: integer parameters are rounded.
-    integer
-        Which parameters that concerns, shape (d,).
-    numbers
-        Of the evaluations among all, in the order in which they were made, shape (n,).
-    """
-
-    points: FloatArray
-    objectives: FloatArray
-    residuals: FloatArray
-    open: BoolArray
-    evaluated: FloatArray
-    admissible: Callable[[FloatArray], bool]
-    snapped: Callable[[FloatArray], FloatArray]
-    integer: BoolArray
-    numbers: IntArray
-
-
-def selection(open_: BoolArray) -> IntArray:
-    """Choose the runs that models are fitted to, as indices of all successful ones, best first: at most 140.
-
-    The best 60; the best 40 others outside finished basins (else a converged basin would fill the models alone); and,
-    evenly over the rest, 40 that hold a surface down elsewhere.
-
-    Parameters
-    ----------
-    open_
-        Whether a run is in no finished basin, shape (n,), best first.
-    """
-    n = open_.size
-    if n <= _BEST_POINTS + _OPEN_POINTS + _SPREAD_POINTS:
-        return np.arange(n)
-    others = np.arange(_BEST_POINTS, n)
-    first = others[np.argsort(~open_[_BEST_POINTS:], kind="stable")[:_OPEN_POINTS]]
-    rest = np.setdiff1d(others, first)
-    spread = rest[np.linspace(0, rest.size - 1, _SPREAD_POINTS).round().astype(np.int64)]
-    return np.unique(np.concatenate([np.arange(_BEST_POINTS), first, spread]))
 
 
 @dataclass
@@ -145,7 +89,6 @@ class Arms:
                     "step": self._other_whole_number,
                     "probe": self._probe,
                     "poise": self._poise,
-                    "begin": self._far_point,
                 }[name]()
 
     @property
@@ -233,7 +176,7 @@ class Arms:
         points, rows, centre = self._like(self._centres[number])
         if kind != "quadratic":
             values = self._components.values[rows]
-            point = gauss_newton_point(points, values, centre, reach, alike=kind == "alike")
+            point = gauss_newton_point(points, values, centre, reach)
         else:
             found = quadratic_point(points, known.objectives[rows], centre, reach)
             if found is None:

@@ -29,9 +29,10 @@ from geoswarm.solver.search.acceleration.arms import (
     polish_pattern,
 )
 from geoswarm.solver.search.acceleration.basins import Basins
-from geoswarm.solver.search.acceleration.candidates import Arms, Knowledge, selection
+from geoswarm.solver.search.acceleration.candidates import Arms
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
+from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
 from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion
@@ -45,7 +46,8 @@ FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
 LATE = 6  # runs for each slope of a surface from which it is searched around runs, too
-NARROW = 8  # particles up to which a generation has no room for that
+NARROW = 8  # particles up to which a generation has no room for that, and below which patience is counted in these
+CLOSE = 0.02  # half the width of the box around the end of a descent, of which the place is well known
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -190,8 +192,11 @@ class Proposer:
         whole = bool(self._space.integer.any())
         # responses jump between whole numbers: no descent follows them. Else one ends by its trust region
         descending = not (scalar or whole)
-        patience = SCALAR_PATIENCE if scalar else PATIENCE
-        basins = before if descending else before.after(every[order], objectives[order], patience)
+        if descending:
+            basins = replace(before, radius=CLOSE)
+        else:
+            patience = (SCALAR_PATIENCE if scalar else PATIENCE) * -(-NARROW // len(moved))
+            basins = before.after(every[order], objectives[order], patience)
         polishing = self.state.polishing
         if polishing is not None:
             polishing = polishing.after(float(objectives[order[0]]))
@@ -203,6 +208,7 @@ class Proposer:
         if polishing is not None:
             basins = before  # it stays where it is
         failed = every[~runs.succeeded]
+
         def arms_with(basins: Basins) -> Arms:
             open_ = basins.open_runs(known)
 

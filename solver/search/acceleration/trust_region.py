@@ -1,7 +1,7 @@
 """A trust region on the response surface: how far from the best run of a descent the surface is believed.
 
-As in derivative-free least squares (Powell 2009; Cartis, Fiala, Marteau & Roberts 2019, "DFO-LS"): a descent begins with
-a simplex of d + 1 runs, each step is the minimum of the model in a box, the box grows or shrinks by how much of the
+As in derivative-free least squares (DFO-LS: Cartis, Fiala, Marteau & Roberts 2019): a descent begins with a simplex of
+d + 1 runs, each step is the minimum of the model in a box, the box grows or shrinks by how much of the
 promised decrease came true, and where the runs nearby do not span all directions, a run that does is made before the
 box shrinks. The model is the interpolating surface of all runs, so no simplex of its own has to be kept.
 """
