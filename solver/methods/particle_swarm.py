@@ -38,8 +38,8 @@ class ParticleSwarmMethod(SearchMethod):
     kind: Literal["particle_swarm"] = "particle_swarm"
     particles: Particles = Field(
         10,
-        description="particles in a generation, 1 for one run after the other; auto: chosen once, at the start, from the evaluations that can run at "
-        "once then (a multiple of them, at least 8)",
+        description="particles in a generation, 1 for one run after the other; auto: chosen once, at the start, from "
+        "the evaluations that can run at once then (a multiple of them, at least 8)",
     )
     form: Literal["constriction", "inertia_weight"] = Field("constriction", description="form of the velocity equation")
     inertia_weight: float | None = Field(
