@@ -1,7 +1,8 @@
 """Re-aims some particles of a generation at points that all runs so far make promising.
 
 The proposer goes through a pattern of arms and takes one point from each until its share of the generation is used;
-the other particles fly on as a textbook swarm. Its share shrinks while its proposals do not pay and grows when they do.
+the other particles fly on as a textbook swarm. Its share shrinks while its proposals do not pay and grows when they do;
+where residuals are known it aims all particles, and a trust region tells how far (``descending``).
 It is a pure function of the seed, the generation, the history and its own JSON-able state.
 """
 
@@ -18,7 +19,6 @@ from geoswarm.solver.search.acceleration.arms import (
     COVARIANCE,
     DESCENT_PATTERN,
     LATE_DESCENT_PATTERN,
-    LATE_PATTERN,
     NEAR,
     RESTARTED_PATTERN,
     SCALAR_PATTERN,
@@ -227,7 +227,6 @@ class Proposer:
 
         arms = arms_with(basins)
         hold_out = None if scalar or polishing else arms.unexplained
-        told_of = order.size / (known.shape[1] + 1)  # runs for each slope of the surface
         share = 1.0 if polishing or descending else self._share(basins)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
@@ -242,13 +241,12 @@ class Proposer:
                 basins = basins.left(descent.left)
                 arms = arms_with(basins)
             arms.region, pattern = descent.region, descent.pattern
-            if pattern == DESCENT_PATTERN and told_of >= LATE and len(moved) > NARROW:
+            if pattern == DESCENT_PATTERN and order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:
                 pattern = LATE_DESCENT_PATTERN
         elif scalar:
             pattern = SCALAR_PATTERN
         else:
-            # what the surface misses between whole numbers says nothing of the slopes along the other parameters
-            pattern = self._whole_pattern(basins, generation, told_of)
+            pattern = self._whole_pattern(basins, generation)
             pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
         proposals = self._fill(arms, pattern, slots + len(repeated), 0 if descending else generation)
         # in particle order, so that the most promising runs come first where runs go one by one
@@ -284,15 +282,9 @@ class Proposer:
         return proposals
 
     @staticmethod
-    def _whole_pattern(basins: Basins, generation: int, told_of: float) -> Pattern:
-        """Arms with whole numbers, from ``told_of`` runs for each slope of the surface.
-
-        After many runs the surface is searched around the best few that lie apart, and along its valley: in a long one
-        what is far from there is known no better by then. After a restart the residuals have misled once: every other
-        generation trusts the objective alone.
-        """
-        if told_of >= LATE:
-            return LATE_PATTERN
+    def _whole_pattern(basins: Basins, generation: int) -> Pattern:
+        """Arms with whole numbers: after a restart the residuals have misled once, and every other generation trusts
+        the objective alone."""
         if basins.restarts:
             return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
         return VECTOR_PATTERN
