@@ -9,6 +9,7 @@ __all__ = [
     "BEGIN_PATTERN",
     "COVARIANCE",
     "DESCENT_PATTERN",
+    "LATE_BEGIN_PATTERN",
     "LATE_DESCENT_PATTERN",
     "LATE_PATTERN",
     "NEAR",
@@ -162,6 +163,7 @@ LATE_PATTERN: Pattern = (
     Local("gauss_newton", 0, 0.4),
     Local("around", 2, 0.1),
 )
+LATE_BEGIN_PATTERN: Pattern = tuple(arm for late in LATE_PATTERN[:5] for arm in (FAR, late))
 LATE_DESCENT_PATTERN: Pattern = (*DESCENT_PATTERN[:3], *LATE_PATTERN)
 
 

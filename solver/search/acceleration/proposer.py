@@ -16,8 +16,10 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.search.acceleration.arms import (
+    BEGIN_PATTERN,
     COVARIANCE,
     DESCENT_PATTERN,
+    LATE_BEGIN_PATTERN,
     LATE_DESCENT_PATTERN,
     NEAR,
     RESTARTED_PATTERN,
@@ -241,8 +243,8 @@ class Proposer:
                 basins = basins.left(descent.left)
                 arms = arms_with(basins)
             arms.region, pattern = descent.region, descent.pattern
-            if pattern == DESCENT_PATTERN and order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:
-                pattern = LATE_DESCENT_PATTERN
+            if order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:
+                pattern = {DESCENT_PATTERN: LATE_DESCENT_PATTERN, BEGIN_PATTERN: LATE_BEGIN_PATTERN}.get(pattern, pattern)
         elif scalar:
             pattern = SCALAR_PATTERN
         else:
