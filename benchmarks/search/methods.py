@@ -77,9 +77,11 @@ class Counter:
         return Outcome(self.solved, self.evaluations, generations, own / max(generations, 1))
 
 
-def swarm(task: Task, seed: int, acceleration: Literal["none", "response_surface"]) -> Outcome:
+def swarm(
+    task: Task, seed: int, acceleration: Literal["none", "response_surface"], particles: int = PARTICLES
+) -> Outcome:
     """Run our swarm; evaluations count up to the one that reached the target, generations are whole."""
-    settings = SwarmSettings(particles=PARTICLES, acceleration=acceleration)
+    settings = SwarmSettings(particles=particles, acceleration=acceleration)
     search = ParticleSwarm(task.calibration.space, settings, seed)
     outputs = 1 if task.scalar else task.outputs
     positions, rows, overhead, generations = np.empty((0, task.dimension)), np.empty((0, outputs)), 0.0, 0
@@ -120,6 +122,51 @@ def least_squares_multistart(counter: Counter, seed: int) -> None:
         least_squares(counter.residuals, random.random(d), bounds=(0, 1), x_scale=0.1)
 
 
+def dfo_ls(counter: Counter, seed: int) -> None:
+    """Restarted from random points; the settings are those that suit this suite best."""
+    import dfols
+
+    quiet()
+    random, d = np.random.default_rng(seed), counter.task.dimension
+    np.random.seed(seed)  # noqa: NPY002  the library knows no other way
+    while True:
+        dfols.solve(
+            counter.residuals,
+            random.random(d),
+            bounds=(np.zeros(d), np.ones(d)),
+            rhobeg=0.2,
+            rhoend=1e-5,
+            maxfun=300,
+            do_logging=False,
+        )
+
+
+def py_bobyqa(counter: Counter, seed: int) -> None:
+    """The same for the objective alone."""
+    import pybobyqa
+
+    quiet()
+    random, d = np.random.default_rng(seed), counter.task.dimension
+    np.random.seed(seed)  # noqa: NPY002  the library knows no other way
+    while True:
+        pybobyqa.solve(
+            counter.objective,
+            random.random(d),
+            bounds=(np.zeros(d), np.ones(d)),
+            rhobeg=0.2,
+            rhoend=1e-5,
+            maxfun=300,
+            do_logging=False,
+        )
+
+
+def quiet() -> None:
+    """Keep libraries from logging."""
+    import logging
+
+    logging.disable(logging.CRITICAL)
+
+
 def pymoo_swarm(counter: Counter, seed: int) -> None:
     from pymoo.algorithms.soo.nonconvex.pso import PSO
     from pymoo.core.problem import ElementwiseProblem
@@ -136,11 +183,9 @@ def pymoo_swarm(counter: Counter, seed: int) -> None:
 
 
 def pyswarms_swarm(counter: Counter, seed: int) -> None:
-    import logging
-
     from pyswarms.single.global_best import GlobalBestPSO
 
-    logging.disable(logging.CRITICAL)
+    quiet()
     np.random.seed(seed)  # noqa: NPY002  the library knows no other way
     d = counter.task.dimension
     options = {"c1": 1.49618, "c2": 1.49618, "w": 0.7298}
@@ -183,12 +228,16 @@ LIBRARIES: dict[str, Callable[[Counter, int], None]] = {
     "Optuna TPE": optuna_with("tpe"),
     "pycma": pycma,
     "least_squares": least_squares_multistart,
+    "DFO-LS": dfo_ls,
+    "Py-BOBYQA": py_bobyqa,
 }
+SEQUENTIAL = ("least_squares", "DFO-LS", "Py-BOBYQA")
+WIDTHS = (1, 2, 4, 40)  # of our generations, beside ten
 
 
 def library(name: str) -> Callable[[Task, int], Outcome]:
     def run(task: Task, seed: int) -> Outcome:
-        counter = Counter(task, sequential=name == "least_squares")
+        counter = Counter(task, sequential=name in SEQUENTIAL)
         with contextlib.suppress(SolvedError):
             LIBRARIES[name](counter, seed)
         return counter.outcome()
@@ -196,7 +245,13 @@ def library(name: str) -> Callable[[Task, int], Outcome]:
     return run
 
 
-METHODS: dict[str, Callable[[Task, int], Outcome]] = {
-    "geoswarm": lambda task, seed: swarm(task, seed, "response_surface"),
-    "textbook swarm": lambda task, seed: swarm(task, seed, "none"),
-} | {name: library(name) for name in LIBRARIES}
+def geoswarm(particles: int) -> Callable[[Task, int], Outcome]:
+    return lambda task, seed: swarm(task, seed, "response_surface", particles)
+
+
+METHODS: dict[str, Callable[[Task, int], Outcome]] = (
+    {"geoswarm": geoswarm(PARTICLES)}
+    | {f"geoswarm, {particles} at once": geoswarm(particles) for particles in WIDTHS}
+    | {"textbook swarm": lambda task, seed: swarm(task, seed, "none")}
+    | {name: library(name) for name in LIBRARIES}
+)

@@ -1,4 +1,4 @@
-"""Own time of a generation: ``python -m benchmarks.search.overhead``. Ten particles, runs with long responses."""
+"""Own time of a generation: ``python -m benchmarks.search.overhead``. Runs with long responses."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from geoswarm.solver.search import ParticleSwarm, Runs, SearchSpace, SwarmSettin
 
 __all__ = ["measure"]
 
-PARTICLES, DIMENSION, REPEATS = 10, 5, 7
+DIMENSION, REPEATS = 5, 7
 
 
-def measure(count: int, outputs: int) -> tuple[float, float]:
+def measure(count: int, outputs: int, particles: int = 10) -> tuple[float, float]:
     """Median and largest processor time of closing one generation [s], with ``count`` stored runs."""
     random = np.random.default_rng(1)
     names = tuple(f"p{i}" for i in range(DIMENSION))
@@ -33,7 +33,7 @@ def measure(count: int, outputs: int) -> tuple[float, float]:
     near = np.clip(0.4 + 0.05 * random.standard_normal((count - count // 2, DIMENSION)), 0.0, 1.0)
     positions = np.concatenate([far, near])
     objectives = np.concatenate([(residuals(part) ** 2).sum(axis=1) for part in np.array_split(positions, 20)])
-    swarm = ParticleSwarm(space, SwarmSettings(PARTICLES, acceleration="response_surface"), 1)
+    swarm = ParticleSwarm(space, SwarmSettings(particles, acceleration="response_surface"), 1)
     spent = []
     for _ in range(REPEATS):
         asked = swarm.ask()
@@ -53,6 +53,8 @@ def measure(count: int, outputs: int) -> tuple[float, float]:
 
 if __name__ == "__main__":
     with threadpool_limits(limits=1):
-        for count, outputs in ((500, 200), (500, 2000), (20_000, 200), (20_000, 2000)):
-            median, largest = measure(count, outputs)
-            print(f"{count:6d} runs x {outputs:4d} outputs: {1e3 * median:6.1f} ms, at most {1e3 * largest:6.1f} ms")
+        for particles in (1, 10, 40):
+            for count, outputs in ((500, 200), (500, 2000), (20_000, 200), (20_000, 2000)):
+                median, largest = measure(count, outputs, particles)
+                took = f"{1e3 * median:6.1f} ms, at most {1e3 * largest:6.1f} ms"
+                print(f"{particles:3d} particles, {count:6d} runs x {outputs:4d} outputs: {took}")

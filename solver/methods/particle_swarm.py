@@ -21,7 +21,7 @@ POLISH_UNFINISHED = "polish_unfinished"
 _LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
 
 Particles: TypeAlias = Annotated[
-    Annotated[int, Field(ge=2, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
+    Annotated[int, Field(ge=1, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
     Discriminator(lambda value: "auto" if isinstance(value, str) else "number"),
 ]
 
@@ -38,8 +38,8 @@ class ParticleSwarmMethod(SearchMethod):
     kind: Literal["particle_swarm"] = "particle_swarm"
     particles: Particles = Field(
         10,
-        description="particles in a generation; auto: chosen once, at the start, from the evaluations that can run at "
-        "once then (a multiple of them, at least 8)",
+        description="particles in a generation, 1 for one run after the other; auto: chosen once, at the start, from "
+        "the evaluations that can run at once then (a multiple of them, at least 8)",
     )
     form: Literal["constriction", "inertia_weight"] = Field("constriction", description="form of the velocity equation")
     inertia_weight: float | None = Field(
@@ -73,6 +73,13 @@ class ParticleSwarmMethod(SearchMethod):
     def _only_with_its_form(cls, value: float | None, info: Any) -> float | None:
         if value is not None and info.data.get("form") == "constriction":
             raise PydanticCustomError("form", "only used with form: inertia_weight; leave it out or set form")
+        return value
+
+    @field_validator("acceleration")
+    @classmethod
+    def _one_particle_is_aimed(cls, value: str, info: Any) -> str:
+        if value == "none" and info.data.get("particles") == 1:
+            raise PydanticCustomError("acceleration", "one particle alone is no swarm: set particles to 2 at least")
         return value
 
     @field_validator("polish")

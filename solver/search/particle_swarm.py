@@ -174,10 +174,11 @@ class ParticleSwarm:
             return None
         return self._space.to_natural(self._position)
 
-    def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
+    def tell(self, objectives: FloatArray, runs: Runs | None = None, *, particles: int | None = None) -> None:
         """Take the objectives of the current generation, shape (n,), and move every particle.
 
-        ``runs``, all evaluations so far, lets an accelerated swarm aim some of them.
+        ``runs``, all evaluations so far, lets an accelerated swarm aim them. ``particles`` is how many the next
+        generation has, as many as this one if None: the best stay, new ones are drawn. The history depends on it.
         """
         if self._ending is not None:
             if runs is None:
@@ -191,6 +192,8 @@ class ParticleSwarm:
         better = objectives < self._best_objective
         self._best_objective = np.where(better, objectives, self._best_objective)
         self._best_position = np.where(better[:, None], self._position, self._best_position)
+        if particles is not None:
+            self._resize(particles)
         self.generation += 1
         before = self._position.copy()
         informants = [self._informant(i) for i in range(len(before))]
@@ -202,7 +205,7 @@ class ParticleSwarm:
                 self._position[i], self._velocity[i] = self._draw(random, None)
         if self._proposer is not None and runs is not None:
             worst_first = np.argsort(-self._best_objective, kind="stable").astype(np.int64)
-            aimed = self._proposer.propose(self.generation, self._position, worst_first, runs)
+            aimed = self._proposer.propose(self.generation, self._position, worst_first, runs, len(objectives))
             for i, point in aimed.items():
                 self._position[i], self._velocity[i] = point, self._limit(point - before[i])
             if self._proposer.leaving:
@@ -215,6 +218,19 @@ class ParticleSwarm:
     def converged(self) -> bool:
         """Whether a polished search ended at a minimum, as far as it can tell."""
         return self._ending is None or self._ending.converged
+
+    def _resize(self, particles: int) -> None:
+        """Keep the particles with the best personal bests, or draw more, so that there are so many."""
+        if particles < 1:
+            raise ValueError(f"particles must be at least 1, got {particles}")
+        n = len(self._position)
+        kept = np.sort(np.argsort(self._best_objective, kind="stable")[:particles])
+        new = [self._draw(particle_generator(self._seed, self.generation, i), None) for i in range(n, particles)]
+        drawn = np.array(new).reshape(-1, 2, self._space.dimension)
+        self._position = np.concatenate([self._position[kept], drawn[:, 0]])
+        self._velocity = np.concatenate([self._velocity[kept], drawn[:, 1]])
+        self._best_position = np.concatenate([self._best_position[kept], drawn[:, 0]])
+        self._best_objective = np.concatenate([self._best_objective[kept], np.full(len(drawn), np.inf)])
 
     def _take_offer(self, proposer: Proposer, offered: Runs, first: int) -> None:
         """Aim generation 0 by offered runs; of the particles from ``first`` on, the first one repeats the best run."""

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 __all__ = [
+    "BEGIN_PATTERN",
     "COVARIANCE",
+    "DESCENT_PATTERN",
+    "LATE_BEGIN_PATTERN",
+    "LATE_DESCENT_PATTERN",
     "LATE_PATTERN",
-    "MISLED_PATTERN",
     "NEAR",
+    "POISE",
     "RESTARTED_PATTERN",
     "SCALAR_PATTERN",
     "STEP",
@@ -19,8 +23,8 @@ __all__ = [
     "Pattern",
     "Plain",
     "Surface",
+    "Trust",
     "polish_pattern",
-    "with_like_slopes",
 ]
 
 
@@ -38,11 +42,10 @@ class Surface:
 class Local:
     """A point near a centre, of which 0 is the best run, as far as ``reach``.
 
-    ``around``: lowest minimum of the surface in a box; ``gauss_newton``, ``quadratic``: of a local model; ``alike``:
-    Gauss-Newton with slopes from runs of like responses.
+    ``around``: lowest minimum of the surface in a box; ``gauss_newton``, ``quadratic``: of a local model.
     """
 
-    model: Literal["around", "gauss_newton", "alike", "quadratic"]
+    model: Literal["around", "gauss_newton", "quadratic"]
     centre: int
     reach: float
 
@@ -51,27 +54,62 @@ class Local:
 
 
 @dataclass(frozen=True, slots=True)
+class Trust:
+    """The lowest new minimum of a surface inside the trust region, whose half width is taken ``reach`` times."""
+
+    compression: float | None = None
+    reach: float = 1
+
+    def __str__(self) -> str:
+        compression = "plain" if self.compression is None else f"{self.compression:g}"
+        return f"trust:{compression}:{self.reach:g}"
+
+
+@dataclass(frozen=True, slots=True)
 class Plain:
     """An arm without settings.
 
     ``valley``: a low point far from all good runs; ``scalar_surface``: of log f; ``covariance``: a move of an evolution
     strategy; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer parameter;
-    ``probe``: a point for better slopes, from the best.
+    ``probe``: a point for better slopes, from the best; ``poise``: one in a direction that runs in the trust region do
+    not span.
     """
 
-    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe"]
+    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe", "poise"]
 
     def __str__(self) -> str:
         return self.name
 
 
-Arm: TypeAlias = Surface | Local | Plain
+Arm: TypeAlias = Surface | Local | Trust | Plain
 """A way to propose; as text it is what snapshots keep."""
 Pattern: TypeAlias = tuple[Arm, ...]
 
 VALLEY, SCALAR_SURFACE, COVARIANCE = Plain("valley"), Plain("scalar_surface"), Plain("covariance")
 NEAR, FAR, STEP, PROBE = Plain("near"), Plain("far"), Plain("step"), Plain("probe")
+POISE = Plain("poise")
 
+DESCENT_PATTERN: Pattern = (
+    Trust(),
+    Local("gauss_newton", 0, 1),
+    Trust(1),
+    Trust(reach=2),
+    Surface(1),
+    Surface(),
+    Trust(reach=0.3),
+    Surface(10),
+    Trust(10),
+    Local("gauss_newton", 1, 1),
+    Surface(0.1),
+    FAR,
+    VALLEY,
+    Trust(0.1),
+    Local("around", 0, 0.1),
+    Local("gauss_newton", 2, 1),
+    Trust(reach=4),
+    FAR,
+    Local("around", 1, 0.1),
+)
 VECTOR_PATTERN: Pattern = (
     Surface(1),
     Surface(),
@@ -86,6 +124,7 @@ VECTOR_PATTERN: Pattern = (
     COVARIANCE,
     Surface(),
 )
+BEGIN_PATTERN: Pattern = (FAR,)
 SCALAR_PATTERN: Pattern = (
     Local("quadratic", 0, 1),
     SCALAR_SURFACE,
@@ -112,20 +151,6 @@ RESTARTED_PATTERN: Pattern = (
     Local("gauss_newton", 0, 0.4),
     COVARIANCE,
 )
-MISLED_PATTERN: Pattern = (
-    Local("gauss_newton", 0, 1),
-    Surface(1),
-    PROBE,
-    Surface(),
-    Local("gauss_newton", 1, 1),
-    PROBE,
-    Local("gauss_newton", 2, 1),
-    Surface(10),
-    PROBE,
-    Local("gauss_newton", 0, 0.4),
-    FAR,
-    COVARIANCE,
-)
 LATE_PATTERN: Pattern = (
     Local("around", 0, 0.03),
     Surface(10),
@@ -138,17 +163,11 @@ LATE_PATTERN: Pattern = (
     Local("gauss_newton", 0, 0.4),
     Local("around", 2, 0.1),
 )
+LATE_BEGIN_PATTERN: Pattern = tuple(arm for late in LATE_PATTERN[:5] for arm in (FAR, late))
+LATE_DESCENT_PATTERN: Pattern = (*DESCENT_PATTERN[:3], *LATE_PATTERN)
 
 
 def polish_pattern(particles: int) -> Pattern:
     """Arms of a polishing generation: at most half of it steps of quadratic models, the rest probes."""
     steps = tuple(Local("quadratic", 0, reach) for reach in (1, 0.3, 0.1))[: max(1, particles // 2)]
     return (*steps, *[PROBE] * (particles - len(steps)))
-
-
-def with_like_slopes(pattern: Pattern) -> Pattern:
-    """Return a pattern whose Gauss-Newton steps take their slopes from runs of like responses."""
-    return tuple(
-        replace(arm, model="alike") if isinstance(arm, Local) and arm.model == "gauss_newton" else arm
-        for arm in pattern
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,8 @@ class Basins:
     """Finished basins (centres in the unit box) and the state of the one being worked on.
 
     ``best`` is None before its first evaluation; ``waiting`` counts generations without a worthwhile decrease,
-    ``gained`` tells whether the last one had it.
+    ``gained`` tells whether the last one had it; ``radius`` is half the width of a finished basin's box, which the
+    search knows and the JSON-able form leaves out.
     """
 
     finished: tuple[tuple[float, ...], ...] = ()
@@ -30,12 +31,13 @@ class Basins:
     waiting: int = 0
     restarts: int = 0
     gained: bool = False
+    radius: float = _RADIUS
 
     def outside(self, points: FloatArray) -> BoolArray:
         """Tell which points, shape (n, d), are in no finished basin."""
         inside = np.zeros(len(points), dtype=np.bool_)
         for centre in self.finished:
-            inside |= np.abs(points - np.array(centre)).max(axis=1) <= _RADIUS
+            inside |= np.abs(points - np.array(centre)).max(axis=1) <= self.radius
         return ~inside
 
     def open_runs(self, points: FloatArray) -> BoolArray:
@@ -51,7 +53,7 @@ class Basins:
             distances = np.abs(best[:, None, :] - best[None]).max(axis=2)
             for i in range(1, len(best)):
                 better = int(np.argmin(distances[i, :i]))
-                if not open_[better] and distances[i, better] <= _RADIUS:
+                if not open_[better] and distances[i, better] <= self.radius:
                     open_[i] = False
         return open_
 
@@ -61,7 +63,7 @@ class Basins:
             return True
         distances = np.abs(runs - point).max(axis=1)
         nearest = int(np.argmin(distances))
-        beside = not open_[nearest] and bool(distances[nearest] <= _RADIUS)
+        beside = not open_[nearest] and bool(distances[nearest] <= self.radius)
         return not beside and bool(self.outside(point[None])[0])
 
     def after(self, points: FloatArray, objectives: FloatArray, patience: int) -> Basins:
@@ -76,17 +78,21 @@ class Basins:
         """
         current, open_ = self, self.open_runs(points)
         if not open_.any():  # nothing left: begin again
-            current = Basins(restarts=self.restarts + 1)
+            current = Basins(restarts=self.restarts + 1, radius=self.radius)
             open_ = current.open_runs(points)
         candidates = np.where(open_, objectives, np.inf)
         lowest = int(np.argmin(candidates))
         best = float(candidates[lowest])
         if current.best is None or best < current.best * (1.0 - _WORTH):
-            return Basins(current.finished, best, 0, current.restarts, gained=current.best is not None)
+            return replace(current, best=best, waiting=0, gained=current.best is not None)
         if current.waiting + 1 < patience:
-            return Basins(current.finished, current.best, current.waiting + 1, current.restarts)
-        finished = (*current.finished, tuple(points[lowest].tolist()))[-_REMEMBERED:]
-        return Basins(finished, None, 0, current.restarts + 1)
+            return replace(current, waiting=current.waiting + 1, gained=False)
+        return current.left(points[lowest])
+
+    def left(self, centre: FloatArray) -> Basins:
+        """Return the state when the basin around a point, shape (d,), is finished."""
+        finished = (*self.finished, tuple(centre.tolist()))[-_REMEMBERED:]
+        return Basins(finished, None, 0, self.restarts + 1, radius=self.radius)
 
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form."""

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
-from geoswarm.solver.search.acceleration.arms import Arm, Local, Plain, Surface
+from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.search.acceleration.arms import Arm, Local, Plain, Surface, Trust
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.knowledge import Knowledge
 from geoswarm.solver.search.acceleration.local_models import (
     gauss_newton_point,
     neighbour_distance,
     quadratic_point,
 )
 from geoswarm.solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
+from geoswarm.solver.search.acceleration.trust_region import TrustRegion, missing_direction
 
-__all__ = ["Arms", "Knowledge", "selection"]
+__all__ = ["Arms"]
 
-_BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fitted to
 _RANDOM_STARTS, _STARTS = 64, 14
 _CENTRES, _APART, _SCALAR_APART = 4, 0.25, 0.08
 _SURFACE_APART, _LOCAL_APART = 0.02, 1e-5
@@ -27,59 +28,8 @@ _NEAR_STARTS, _NEAR_APART = 6, 0.1
 _DESCENTS, _DESCENT_STEPS, _FLOOR, _GOOD = 40, 8, 1.5, 4.0  # of a valley; the last two: times the best objective
 _TRIES, _ASKED, _STEP_DRAWS = 60, 20, 200
 _CONTRACTION, _SHORTEST_PROBE = 0.3, 1e-5
-
-
-@dataclass(frozen=True, slots=True)
-class Knowledge:
-    """What the arms learn from: successful evaluations, best first, and where nothing new is to be found.
-
-    Parameters
-    ----------
-    points, objectives
-        In the unit box, shape (n, d), and f, shape (n,).
-    residuals
-        Shape (n, m); m = 1 when only the objective is known.
-    open
-        Whether a point is in no finished basin, shape (n,).
-    evaluated
-        All points so far, failed ones included, shape (N, d).
-    admissible
-        Whether a point of the unit box may be proposed.
-    snapped
-        The point of the unit box that is evaluated instead of a given one: integer parameters are rounded.
-    integer
-        Which parameters that concerns, shape (d,).
-    """
-
-    points: FloatArray
-    objectives: FloatArray
-    residuals: FloatArray
-    open: BoolArray
-    evaluated: FloatArray
-    admissible: Callable[[FloatArray], bool]
-    snapped: Callable[[FloatArray], FloatArray]
-    integer: BoolArray
-
-
-def selection(open_: BoolArray) -> IntArray:
-    """Choose the runs that models are fitted to, as indices of all successful ones, best first: at most 140.
-
-    The best 60; the best 40 others outside finished basins (else a converged basin would fill the models alone); and,
-    evenly over the rest, 40 that hold a surface down elsewhere.
-
-    Parameters
-    ----------
-    open_
-        Whether a run is in no finished basin, shape (n,), best first.
-    """
-    n = open_.size
-    if n <= _BEST_POINTS + _OPEN_POINTS + _SPREAD_POINTS:
-        return np.arange(n)
-    others = np.arange(_BEST_POINTS, n)
-    first = others[np.argsort(~open_[_BEST_POINTS:], kind="stable")[:_OPEN_POINTS]]
-    rest = np.setdiff1d(others, first)
-    spread = rest[np.linspace(0, rest.size - 1, _SPREAD_POINTS).round().astype(np.int64)]
-    return np.unique(np.concatenate([np.arange(_BEST_POINTS), first, spread]))
+_TAKEN_APART = 0.1  # of half the width of the trust region
+_PULLED_BACK = (1.0, 0.7, 0.5, 0.3, 0.1)  # parts of a step that are tried where its end is not admissible
 
 
 @dataclass
@@ -89,6 +39,8 @@ class Arms:
     knowledge: Knowledge
     random: np.random.Generator
     covariance: CovarianceMoves | None
+    region: TrustRegion = field(default_factory=TrustRegion)
+    promised: float | None = None
     taken: list[FloatArray] = field(default_factory=list)
     _table: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 1)))
     _minima: dict[float | None, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
@@ -96,6 +48,7 @@ class Arms:
     _searched: int = 0
     _probed: int = 0
     _stepped: int = 0
+    _steps: dict[tuple[float | None, float], tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _directions: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def __post_init__(self) -> None:
@@ -124,6 +77,8 @@ class Arms:
                 return self._surface_minimum(compression)
             case Local(model, centre, reach):
                 return self._local(model, centre, reach)
+            case Trust(compression, reach):
+                return self._trusted(compression, reach)
             case Plain(name):
                 return {
                     "valley": self._along_valley,
@@ -133,6 +88,7 @@ class Arms:
                     "far": self._far_point,
                     "step": self._other_whole_number,
                     "probe": self._probe,
+                    "poise": self._poise,
                 }[name]()
 
     @property
@@ -167,11 +123,13 @@ class Arms:
                 break
         return centres
 
-    def _new(self, candidate: FloatArray, apart: float) -> FloatArray | None:
+    def _new(self, candidate: FloatArray, apart: float, from_taken: float = 0.0) -> FloatArray | None:
         """Return the point that would be evaluated, if it may be and lies apart from all others."""
         known = self.knowledge
         point = known.snapped(candidate)
-        if _any_within(known.evaluated, point, apart) or _any_within(self._taken_points(), point, apart):
+        if _any_within(known.evaluated, point, apart) or _any_within(
+            self._taken_points(), point, max(apart, from_taken)
+        ):
             return None
         return point if known.admissible(point) else None
 
@@ -218,7 +176,7 @@ class Arms:
         points, rows, centre = self._like(self._centres[number])
         if kind != "quadratic":
             values = self._components.values[rows]
-            point = gauss_newton_point(points, values, centre, reach, alike=kind == "alike")
+            point = gauss_newton_point(points, values, centre, reach)
         else:
             found = quadratic_point(points, known.objectives[rows], centre, reach)
             if found is None:
@@ -262,6 +220,92 @@ class Arms:
             mean = self._bases[0] if self.random.random() < 0.5 else np.asarray(self.random.random(d))
             self.covariance = CovarianceMoves.begin(mean, 0.2)
         return self._first_new((self.covariance.ask(self.random) for _ in range(_ASKED)), 0.0)
+
+    @property
+    def centre(self) -> int | None:
+        """The best run of the descent under way, None before its first success."""
+        known = self.knowledge
+        mine = np.nonzero(known.open & (known.numbers >= self.region.since))[0]
+        return int(mine[0]) if mine.size else None
+
+    @property
+    def first(self) -> int:
+        """The best run of the descent under way, also in a finished basin."""
+        return int(np.argmax(self.knowledge.numbers >= self.region.since))
+
+    def missing(self) -> FloatArray | None:
+        """Direction that runs in the trust region do not span, those of this generation included."""
+        assert self.centre is not None
+        made = np.concatenate([self.knowledge.points, *[p[None] for p in self.taken]])
+        return missing_direction(made, self.knowledge.points[self.centre], self.region.radius)
+
+    def promise(self) -> tuple[float, float]:
+        """Relative decrease of the objective that the surface promises in the trust region, and the step's length."""
+        assert self.centre is not None
+        ends, values = self._in_region(None, 1.0)
+        at = self.knowledge.points[self.centre]
+        now = float(self._surface(None).objective(at[None])[0])
+        gain = (now - float(values[0])) / max(now, 1e-300)
+        return gain, float(np.abs(ends[0] - at).max())
+
+    def _in_region(self, compression: float | None, reach: float) -> tuple[FloatArray, FloatArray]:
+        """Minima of a surface in the box of the trust region, lowest first."""
+        key = (compression, reach * self.region.radius)
+        if key not in self._steps:
+            known = self.knowledge
+            assert self.centre is not None
+            middle, half = known.points[self.centre], reach * self.region.radius
+            lower, upper = np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+            inside = known.points[(np.abs(known.points - middle) <= half).all(axis=1)][:4]
+            drawn = lower + (upper - lower) * self.random.random((_NEAR_STARTS, middle.size))
+            starts = np.concatenate([middle[None], inside, drawn])
+            ends, values = minimise(self._surface(compression), starts, lower, upper)
+            order = np.argsort(values, kind="stable")
+            self._steps[key] = ends[order], values[order]
+        return self._steps[key]
+
+    def _trusted(self, compression: float | None, reach: float) -> FloatArray | None:
+        """The lowest new minimum in the trust region, pulled back towards its centre where it is not admissible."""
+        if self.centre is None:
+            return None
+        ends, _ = self._in_region(compression, reach)
+        middle = self.knowledge.points[self.centre]
+        apart = self.taken and _TAKEN_APART * reach * self.region.radius
+        for end in ends:
+            for part in _PULLED_BACK:
+                point = self._new(middle + part * (end - middle), _LOCAL_APART, float(apart or 0.0))
+                if point is not None:
+                    self._note(point)
+                    return point
+        return None
+
+    def _note(self, point: FloatArray) -> None:
+        """Keep the lowest promise of the steps taken."""
+        known = self.knowledge
+        assert self.centre is not None
+        values = self._surface(None).objective(np.stack([known.points[self.centre], point]))
+        promised = float(known.objectives[self.centre] - (values[0] - values[1]))
+        self.promised = promised if self.promised is None else min(self.promised, promised)
+
+    def _poise(self) -> FloatArray | None:
+        """A point in a direction that the runs in the trust region do not span, towards the lower side."""
+        if self.centre is None:
+            return None
+        direction = self.missing()
+        if direction is None:
+            return None
+        middle, half = self.knowledge.points[self.centre], self.region.radius
+        for part in (1.0, 0.5, 0.25):
+            ends = np.clip(middle + part * half * np.stack([direction, -direction]), 0.0, 1.0)
+            if len(self.knowledge.points) > 1:
+                ends = ends[np.argsort(self._surface(None).objective(ends), kind="stable")]
+            elif self.random.random() < 0.5:
+                ends = ends[::-1]
+            far = ends[np.abs(ends - middle).max(axis=1) > 0.3 * part * half]
+            point = self._first_new(far, _LOCAL_APART)
+            if point is not None:
+                return point
+        return None
 
     def _near_point(self) -> FloatArray | None:
         """A point around one of the best, at a random distance of all orders: local models need it."""

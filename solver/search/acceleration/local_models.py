@@ -11,13 +11,10 @@ from geoswarm.solver.search.one_thread import one_thread
 __all__ = ["gauss_newton_point", "neighbour_distance", "quadratic_point"]
 
 _LARGEST_RADIUS = 0.3
-_POOL = 3  # times as many nearest points, of which those with like components are taken
-_SOFTENING, _SOFTENING_ALIKE = 0.3, 0.1  # of the weights, as a fraction of the largest distance
+_SOFTENING = 0.3  # of the weights, as a fraction of the largest distance
 
 
-def gauss_newton_point(
-    points: FloatArray, components: FloatArray, centre: int, reach: float, *, alike: bool = False
-) -> FloatArray:
+def gauss_newton_point(points: FloatArray, components: FloatArray, centre: int, reach: float) -> FloatArray:
     """Minimum of the linear model through an evaluation, in a box around it.
 
     Parameters
@@ -28,11 +25,8 @@ def gauss_newton_point(
         Index of the evaluation in the middle; the slopes are fitted to its nearest neighbours.
     reach
         Half the width of the box as a fraction of the distance to the farthest neighbour used.
-    alike
-        Of the nearest evaluations take and weigh those whose components differ least. Where one parameter changes the
-        response much faster than another, they lie where it is still linear; in a curved valley they do not.
     """
-    slopes, farthest = _slopes(points, components, centre, alike=alike)
+    slopes, farthest = _slopes(points, components, centre)
     middle = points[centre]
     half = reach * min(farthest, _LARGEST_RADIUS)
     lower, upper = np.maximum(-half, -middle), np.minimum(half, 1.0 - middle)
@@ -47,19 +41,15 @@ def neighbour_distance(points: FloatArray, centre: int) -> float:
     return float(np.sort(distances)[min(points.shape[1] + 1, len(points) - 1)])
 
 
-def _slopes(points: FloatArray, components: FloatArray, centre: int, *, alike: bool) -> tuple[FloatArray, float]:
+def _slopes(points: FloatArray, components: FloatArray, centre: int) -> tuple[FloatArray, float]:
     """Slopes, shape (d, k), fitted to neighbours of an evaluation, and the distance to the farthest of them."""
     middle, d = points[centre], points.shape[1]
     distances = np.sqrt(((points - middle) ** 2).sum(axis=1))
     count = max(2 * d + 2, 6)
-    near = np.argsort(distances, kind="stable")[: _POOL * count if alike else count]
-    apart, softening = distances[near], _SOFTENING
-    if alike:
-        changes = np.sqrt(((components[near] - components[centre]) ** 2).sum(axis=1))
-        chosen = np.argsort(changes, kind="stable")[:count]
-        near, apart, softening = near[chosen], changes[chosen], _SOFTENING_ALIKE
+    near = np.argsort(distances, kind="stable")[:count]
+    apart = distances[near]
     farthest = max(float(distances[near].max()), 1e-12)
-    weights = 1.0 / (apart / max(float(apart[-1]), 1e-300) + softening) ** 2
+    weights = 1.0 / (apart / max(float(apart[-1]), 1e-300) + _SOFTENING) ** 2
     steps = (points[near] - middle) / farthest
     normal = (steps * weights[:, None]).T @ steps + 1e-9 * weights.max() * np.eye(d)
     change = components[near] - components[centre]

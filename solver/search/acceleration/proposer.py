@@ -1,7 +1,8 @@
 """Re-aims some particles of a generation at points that all runs so far make promising.
 
 The proposer goes through a pattern of arms and takes one point from each until its share of the generation is used;
-the other particles fly on as a textbook swarm. Its share shrinks while its proposals do not pay and grows when they do.
+the other particles fly on as a textbook swarm. Its share shrinks while its proposals do not pay and grows when they do;
+where residuals are known it aims all particles, and a trust region tells how far (``descending``).
 It is a pure function of the seed, the generation, the history and its own JSON-able state.
 """
 
@@ -15,9 +16,11 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.search.acceleration.arms import (
+    BEGIN_PATTERN,
     COVARIANCE,
-    LATE_PATTERN,
-    MISLED_PATTERN,
+    DESCENT_PATTERN,
+    LATE_BEGIN_PATTERN,
+    LATE_DESCENT_PATTERN,
     NEAR,
     RESTARTED_PATTERN,
     SCALAR_PATTERN,
@@ -26,13 +29,15 @@ from geoswarm.solver.search.acceleration.arms import (
     Arm,
     Pattern,
     polish_pattern,
-    with_like_slopes,
 )
 from geoswarm.solver.search.acceleration.basins import Basins
-from geoswarm.solver.search.acceleration.candidates import Arms, Knowledge, selection
+from geoswarm.solver.search.acceleration.candidates import Arms
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
+from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
 from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.acceleration.trust_region import TrustRegion
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import proposer_generator
 from geoswarm.solver.search.space import SearchSpace
@@ -42,8 +47,9 @@ __all__ = ["Proposer", "ProposerState"]
 FIRST_DRAWS = 40
 MOST_SHARE, LEAST_SHARE = 0.9, 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
-CURVED, MISLEADING = 0.3, 1.0  # unexplained share of a surface
-TELLING, LATE = 4, 6  # runs for each of its slopes before that tells much, and from which it is searched around runs
+LATE = 6  # runs for each slope of a surface from which it is searched around runs, too
+NARROW = 8  # particles up to which a generation has no room for that, and below which patience is counted in these
+CLOSE = 0.02  # half the width of the box around the end of a descent, of which the place is well known
 NEIGHBOURS, MOST_FAILED = 5, 0.7
 
 
@@ -62,6 +68,7 @@ class ProposerState:
     covariance: dict[str, Any] | None = None
     polishing: Polishing | None = None
     hold_out: float | None = None
+    region: TrustRegion = field(default_factory=TrustRegion)
 
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form that :meth:`from_json` restores exactly."""
@@ -72,6 +79,7 @@ class ProposerState:
             "covariance": self.covariance,
             "polishing": None if self.polishing is None else self.polishing.to_json(),
             "hold_out": self.hold_out,
+            "region": self.region.to_json(),
         }
 
     @classmethod
@@ -86,6 +94,7 @@ class ProposerState:
             data["covariance"],
             None if polishing is None else Polishing(**polishing),
             data["hold_out"],
+            TrustRegion(**data.get("region", {})),  # absent in what earlier versions stored
         )
 
 
@@ -121,7 +130,9 @@ class Proposer:
         return self.state.polishing is not None and self.state.polishing.done
 
     def first(self, drawn: FloatArray, keep: int) -> FloatArray:
-        """Spread the first generation: each particle is the farthest of 40 random points from those before it.
+        """Return the first generation: a simplex of d + 1 runs, as far as they are that many, then spread-out ones.
+
+        Each of the others is the farthest of 40 random points from those before it.
 
         Parameters
         ----------
@@ -132,6 +143,9 @@ class Proposer:
         """
         random = proposer_generator(self._seed, 0)
         chosen = list(self._unit(drawn[: max(keep, 1)]))
+        if not keep:
+            chosen = [base_of_simplex(random, chosen[0], self._snapped, self._feasible)]
+        chosen += simplex(random, chosen[0], self._snapped, self._feasible)[: len(drawn) - 1]
         for fallback in self._unit(drawn[len(chosen) :]):
             draws = [u for u in random.random((FIRST_DRAWS, fallback.size)) if self._feasible(u)]
             points = np.array([*draws, fallback])
@@ -139,7 +153,9 @@ class Proposer:
             chosen.append(points[int(np.argmax(nearest))])
         return self._search(np.array(chosen))
 
-    def propose(self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs) -> dict[int, FloatArray]:
+    def propose(
+        self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, told: int | None = None
+    ) -> dict[int, FloatArray]:
         """Return where particles are aimed instead of where the swarm moved them, search coordinates by particle.
 
         Parameters
@@ -153,24 +169,36 @@ class Proposer:
         runs
             All evaluations so far; the last n of them are the generation before, in particle order. Before the first
             generation: those that earlier jobs offer.
+        told
+            So many of the runs are the generation before; as many as are moved if None.
         """
         with one_thread():
-            return self._propose(generation, moved, worst_first, runs)
+            return self._propose(generation, moved, worst_first, runs, len(moved) if told is None else told)
 
-    def _propose(self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs) -> dict[int, FloatArray]:
+    def _propose(
+        self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, told: int
+    ) -> dict[int, FloatArray]:
         objectives = runs.objectives
-        covariance = self._tell_covariance(runs.positions[-len(moved) :], objectives[-len(moved) :])
-        order = np.argsort(objectives, kind="stable")[: int(runs.succeeded.sum())]
-        if order.size < 2:
-            self.state = replace(self.state, aimed={})
-            return {}
+        covariance = self._tell_covariance(runs.positions[-told:], objectives[-told:])
         every = self._unit(self._space.to_search(runs.positions))
+        steps = [particle for particle, arm in self.state.aimed.items() if arm.startswith("trust")]
+        region = self.state.region.after(every, objectives, told, steps)
+        order = np.argsort(objectives, kind="stable")[: int(runs.succeeded.sum())]
+        if order.size < 1:
+            self.state = replace(self.state, aimed={}, region=region)
+            return {}
         before = self.state.basins
         chosen = order[selection(before.open_runs(every[order]))]
         known, values, residuals = every[chosen], objectives[chosen], runs.residuals(chosen)
         scalar = residuals.shape[1] == 1 and bool((residuals >= 0.0).all() or (residuals <= 0.0).all())
-        patience = SCALAR_PATIENCE if scalar else PATIENCE
-        basins = before.after(every[order], objectives[order], patience)
+        whole = bool(self._space.integer.any())
+        # responses jump between whole numbers: no descent follows them. Else one ends by its trust region
+        descending = not (scalar or whole)
+        if descending:
+            basins = replace(before, radius=CLOSE)
+        else:
+            patience = (SCALAR_PATIENCE if scalar else PATIENCE) * -(-NARROW // len(moved))
+            basins = before.after(every[order], objectives[order], patience)
         polishing = self.state.polishing
         if polishing is not None:
             polishing = polishing.after(float(objectives[order[0]]))
@@ -181,34 +209,48 @@ class Proposer:
             polishing = Polishing(float(objectives[order[0]]))
         if polishing is not None:
             basins = before  # it stays where it is
-        failed, open_ = every[~runs.succeeded], basins.open_runs(known)
+        failed = every[~runs.succeeded]
 
-        def admissible(point: FloatArray) -> bool:
-            return (
-                basins.admits(point, known, open_)
-                and self._feasible(point)
-                and not self._likely_to_fail(point, every, failed)
-                and not self._repeats(self._search(point), runs)
+        def arms_with(basins: Basins) -> Arms:
+            open_ = basins.open_runs(known)
+
+            def admissible(point: FloatArray) -> bool:
+                return (
+                    basins.admits(point, known, open_)
+                    and self._feasible(point)
+                    and not self._likely_to_fail(point, every, failed)
+                    and not self._repeats(self._search(point), runs)
+                )
+
+            knowledge = Knowledge(
+                known, values, residuals, open_, every, admissible, self._snapped, self._space.integer, chosen
             )
+            return Arms(knowledge, proposer_generator(self._seed, generation), covariance, region)
 
-        knowledge = Knowledge(known, values, residuals, open_, every, admissible, self._snapped, self._space.integer)
-        arms = Arms(knowledge, proposer_generator(self._seed, generation), covariance)
+        arms = arms_with(basins)
         hold_out = None if scalar or polishing else arms.unexplained
-        share = 1.0 if polishing else self._share(basins)
+        share = 1.0 if polishing or descending else self._share(basins)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
         if polishing:
             pattern = polish_pattern(len(moved))
+        elif descending:
+            descent = next_of_descent(arms, len(every))
+            if descent.left is not None:
+                if self._polish:
+                    self.leaving = True
+                    return {}
+                basins = basins.left(descent.left)
+                arms = arms_with(basins)
+            arms.region, pattern = descent.region, descent.pattern
+            if order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:
+                pattern = {DESCENT_PATTERN: LATE_DESCENT_PATTERN, BEGIN_PATTERN: LATE_BEGIN_PATTERN}.get(pattern, pattern)
+        elif scalar:
+            pattern = SCALAR_PATTERN
         else:
-            whole = self._space.integer.any()
-            # responses jump between whole numbers, which says nothing of the slopes along the other parameters
-            error, told = (0.0, 0.0) if whole else (hold_out, order.size / (known.shape[1] + 1))
-            pattern = (
-                SCALAR_PATTERN if scalar or error is None else self._vector_pattern(basins, generation, error, told)
-            )
-            if whole:
-                pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
-        proposals = self._fill(arms, pattern, slots + len(repeated), generation)
+            pattern = self._whole_pattern(basins, generation)
+            pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
+        proposals = self._fill(arms, pattern, slots + len(repeated), 0 if descending else generation)
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
         aimed = dict(zip(particles, proposals, strict=False))
@@ -219,6 +261,7 @@ class Proposer:
             covariance=None if arms.covariance is None else arms.covariance.state(),
             polishing=polishing,
             hold_out=hold_out,
+            region=replace(arms.region, promised=arms.promised),
         )
         return {particle: point for particle, (_, point) in aimed.items()}
 
@@ -241,23 +284,12 @@ class Proposer:
         return proposals
 
     @staticmethod
-    def _vector_pattern(basins: Basins, generation: int, hold_out: float, told: float) -> Pattern:
-        """Arms by what is known of the surface's error, and of the residuals; ``told``: runs for each of its slopes.
-
-        After many runs the surface is searched around the best few that lie apart, and along its valley: in a long one
-        what is far from there is known no better by then. Before that, where the mean would predict better than the
-        surface, probes around the best take the place of some arms: they make its slopes known. Where the surface
-        misses much, slopes are fitted to runs with like responses. After a restart the residuals have misled once:
-        every other generation trusts the objective alone.
-        """
-        if told >= LATE:
-            return LATE_PATTERN
-        pattern = VECTOR_PATTERN
-        if told >= TELLING and hold_out > MISLEADING:
-            pattern = MISLED_PATTERN
-        elif basins.restarts:
-            pattern = RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
-        return with_like_slopes(pattern) if hold_out > CURVED else pattern
+    def _whole_pattern(basins: Basins, generation: int) -> Pattern:
+        """Arms with whole numbers: after a restart the residuals have misled once, and every other generation trusts
+        the objective alone."""
+        if basins.restarts:
+            return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
+        return VECTOR_PATTERN
 
     def _share(self, basins: Basins) -> float:
         """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step."""

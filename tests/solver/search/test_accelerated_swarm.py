@@ -68,10 +68,11 @@ def shares_of(problem: Problem, generations: int) -> list[float]:
     return shares
 
 
-def test_the_share_stays_while_aiming_pays_and_falls_to_its_least_when_it_does_not() -> None:
-    assert shares_of(decay_problem(method=ACCELERATED), 4) == [0.9] * 4
+def test_all_particles_descend_and_with_an_objective_alone_aiming_gives_way_where_it_does_not_pay() -> None:
+    assert shares_of(decay_problem(method=ACCELERATED), 4) == [1.0] * 4
     flat = {"kind": "formula", "series": {"y": "0 * amplitude + 0 * rate + 0 * x"}}
-    falling = shares_of(decay_problem(forward_model=flat, method=ACCELERATED), 12)
+    one = [{"series": "y", "points": {"x": [1.0], "y": [2.0]}}]
+    falling = shares_of(decay_problem(forward_model=flat, observations=one, method=ACCELERATED), 12)
     assert falling == sorted(falling, reverse=True)
     assert (falling[0], falling[-1]) == (0.9, 0.4)
 

@@ -17,33 +17,6 @@ def test_gauss_newton_solves_linear_residuals_at_once(dimension: int) -> None:
     np.testing.assert_allclose(gauss_newton_point(points, residuals, centre, 10.0), target, atol=1e-3)
 
 
-def test_like_responses_tell_the_slopes_where_one_parameter_is_fast() -> None:
-    """Residuals oscillate along the first parameter: the nearest points lie in other periods."""
-    x = np.linspace(0.0, 1.0, 20)
-
-    def oscillation(at: np.ndarray) -> np.ndarray:
-        return np.sin(40.0 * at[:, :1] * x) * (1.0 + at[:, 1:])
-
-    target, errors = np.array([[0.5, 0.5]]), {True: [], False: []}
-    for seed in range(60):
-        random = np.random.default_rng(seed)
-        points = np.concatenate([target + np.array([[0.012, 0.15]]), random.random((60, 2))])
-        points[1:9, 0] = 0.5 + 0.02 * random.standard_normal(8)  # some runs are in the same period, at any amplitude
-        residuals = oscillation(points) - oscillation(target)
-        for alike, found in errors.items():
-            found.append(float(np.abs(gauss_newton_point(points, residuals, 0, 1.0, alike=alike) - target).max()))
-    assert np.median(errors[True]) < 0.6 * np.median(errors[False])
-
-
-@pytest.mark.parametrize("dimension", [1, 2, 5, 12])
-def test_like_responses_solve_linear_residuals_at_once(dimension: int) -> None:
-    target = np.full(dimension, 0.45)
-    points = 0.4 + 0.1 * RANDOM.random((6 * dimension + 12, dimension))
-    residuals = (points - target) @ RANDOM.normal(size=(dimension, dimension + 4))
-    centre = int(np.argmin((residuals**2).sum(axis=1)))
-    np.testing.assert_allclose(gauss_newton_point(points, residuals, centre, 10.0, alike=True), target, atol=1e-3)
-
-
 def test_a_step_stays_in_reach_and_inside_the_bounds() -> None:
     points = 0.9 + 0.1 * RANDOM.random((8, 2))
     far = points - 5.0
