@@ -17,6 +17,7 @@ from geoswarm.solver.constitutive.hardening_soil.surfaces import hardening_soil_
 from geoswarm.solver.laws.base import Setting, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.hardening_soil import HardeningSoilLaw
+from geoswarm.solver.laws.sources import BRINKGREVE_SAND
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["HardeningSoilSmallLaw"]
@@ -38,6 +39,7 @@ _PARAMETERS = (
         lower=0.0,
         lower_open=True,
         typical=(6.0e4, 1.28e5),
+        source=BRINKGREVE_SAND,
     ),
     ParameterInfo(
         "gamma_07",
@@ -48,6 +50,7 @@ _PARAMETERS = (
         lower_open=True,
         upper=1.0,
         typical=(1.0e-4, 2.0e-4),
+        source=BRINKGREVE_SAND,
     ),
 )
 

@@ -244,7 +244,9 @@ class Proposer:
                 arms = arms_with(basins)
             arms.region, pattern = descent.region, descent.pattern
             if order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:
-                pattern = {DESCENT_PATTERN: LATE_DESCENT_PATTERN, BEGIN_PATTERN: LATE_BEGIN_PATTERN}.get(pattern, pattern)
+                pattern = {DESCENT_PATTERN: LATE_DESCENT_PATTERN, BEGIN_PATTERN: LATE_BEGIN_PATTERN}.get(
+                    pattern, pattern
+                )
         elif scalar:
             pattern = SCALAR_PATTERN
         else:

@@ -51,6 +51,7 @@ print(json.dumps(answers))
 # command: arguments, exit code, extra that it names
 CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "check": [(["problem.json"], 0, None), (["meshed.json"], 2, "mesh"), (["sobol.json"], 2, "statistics")],
+    "estimate": [(["problem.json"], 0, None)],
     "evaluate": [(["problem.json", "--set", "amplitude=1", "--set", "rate=1"], 0, None)],
     "run": [(["problem.json", "--output", "again", "--json"], 0, "plots"), (["sobol.json"], 2, "statistics")],
     "paper": [(["A", "--output", "paper"], 2, "plots")],
