@@ -72,7 +72,8 @@ def test_a_registered_model_is_chosen_set_and_run(site: Site, visit: Visit, tmp_
     csv = tmp_path / "readings.csv"
     csv.write_text("day,mm\n1,0.5\n2,1.0\n4,2.0\n")
     page.locator("#file").set_input_files(csv)
-    page.locator(".mapping").locator("#take").click()
+    page.locator(".mapping").get_by_label("Column of y").select_option("mm")
+    page.locator(".mapping").get_by_role("button", name="Add y", exact=True).click()
     check_accessibility(page)
     page.get_by_role("button", name=re.compile("Start", re.IGNORECASE)).last.click()
     page.wait_for_url(re.compile("/jobs/"), timeout=CALM)
