@@ -48,6 +48,15 @@ def test_owners_are_served_in_turn_whatever_priorities_they_choose(service: JobS
     assert len({job for owner, job in order if owner == "alice"}) == 6  # each of hers in turn
 
 
+def test_turns_are_kept_where_the_clock_stands_still_or_is_set_back(service: JobService) -> None:
+    submit(service, ALICE, 3)
+    submit(service, BOB, 3)
+    served(service, 2)
+    service.store.write(lambda c: c.execute(update(turns).values(served_at=turns.c.served_at + 3600.0)))
+    owners = [owner for owner, _ in served(service, 8)]
+    assert owners in (["alice", "bob"] * 4, ["bob", "alice"] * 4)
+
+
 def test_priority_orders_ones_own_jobs(service: JobService) -> None:
     usual = submit(service, ALICE)
     urgent = submit(service, ALICE, priority=3)

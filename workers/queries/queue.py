@@ -35,6 +35,7 @@ from geoswarm.workers.store.tables import OPEN, evaluations, jobs, turns
 __all__ = ["REOPENED", "claimable_jobs", "first_place", "mark_rung", "most_urgent_job", "note_served"]
 
 SECONDS_A_PRIORITY = 10.0
+CLOCK_STEP = 1e-6  # [s], four times what a float of seconds since 1970 can tell apart
 
 REOPENED = "evaluations.state = 'pending' AND evaluations.reason IS NOT NULL"
 """Failed evaluations that are to be run again; word for word as in their index."""
@@ -119,7 +120,7 @@ def claimable_jobs(
 
 def note_served(connection: Connection, row: Record) -> None:
     """Note that a worker turns to this job now: it goes to the end of its line, and its line waits for the others."""
-    now = database_now()
+    now = _later_than_any()
     values = {"served_at": now, "place": now - SECONDS_A_PRIORITY * row.priority}
     connection.execute(update(jobs).where(jobs.c.id == row.id).values(values))
     connection.execute(update(turns).where(turns.c.line == row.line).values(served_at=now))
@@ -128,6 +129,13 @@ def note_served(connection: Connection, row: Record) -> None:
 def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:
     """Note that a sweep rings for these jobs now, so that other sweeps need not."""
     connection.execute(update(jobs).where(jobs.c.id.in_(job_ids)).values(rung_at=database_now()))
+
+
+def _later_than_any() -> ColumnElement[float]:
+    """Return now [s], but later than any line was served: SQLite's clock has milliseconds, and clocks are set back."""
+    now = database_now()
+    next_after = select(func.coalesce(func.max(turns.c.served_at), 0.0) + CLOCK_STEP).scalar_subquery()
+    return case((next_after > now, next_after), else_=now)
 
 
 def _of_job(value: ColumnElement[Any], job_id: ColumnElement[str]) -> ScalarSelect[Any]:
