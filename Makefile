@@ -17,7 +17,7 @@ PYTEST := $(BIN)/python -m pytest
 JOBS ?= 3
 export PYTHON
 
-.PHONY: help setup servers engines engines-all demo test test-all check format lock bench clean
+.PHONY: help setup servers servers-all engines engines-all demo test test-all check docs format lock bench clean
 
 help:  ## list the commands
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 20
@@ -36,6 +36,9 @@ $(WARM): $(INSTALLED) $(KERNELS)
 
 servers:  ## install the PostgreSQL, Redis and browser that tests and benchmarks start for themselves
 	@scripts/install_servers.sh
+
+servers-all:
+	@scripts/install_servers.sh --all
 
 engines:  ## install the programs of others that the examples call
 	@scripts/install_engines.sh
@@ -56,6 +59,10 @@ check: $(INSTALLED)  ## format, lint, generated client, types, import rules, spe
 	$(BIN)/codespell
 	echo 'check: format, lint, generated client, types, import rules and spelling are in order'
 
+docs: $(INSTALLED)  ## the documentation as a site in build/site, links and anchors checked
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	echo 'docs: open build/site/index.html, or read it as you write with `.venv/bin/mkdocs serve`'
+
 format: $(INSTALLED)  ## put the sources in the house's format and renew the generated client
 	@$(BIN)/ruff check --fix --quiet . || true
 	$(BIN)/ruff format --quiet .
@@ -64,7 +71,7 @@ format: $(INSTALLED)  ## put the sources in the house's format and renew the gen
 test: setup servers engines check  ## all checks and the tests, without the long studies
 	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "not slow"
 
-test-all: setup servers engines-all check  ## all checks and all tests, with the long studies
+test-all: setup servers-all engines-all check  ## all checks and all tests, with the long studies
 	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "slow or not slow"
 
 lock: $(INSTALLED)  ## renew requirements/: the newest versions that pyproject.toml admits, and their licences

@@ -16,14 +16,17 @@ from geoswarm.api.access.limits import Shares
 from geoswarm.api.assets import Assets
 from geoswarm.api.errors import ProblemDetail, install_error_handlers
 from geoswarm.api.events.feed import EventFeed
+from geoswarm.api.events.open_work import OpenWorkWatch
 from geoswarm.api.heavy.middleware import HeavyWork
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
 from geoswarm.api.paths import API_PREFIX
 from geoswarm.api.routes import api_router, health_router, metrics_router
+from geoswarm.api.schemas.agents import Brought
 from geoswarm.api.settings import ApiSettings
 from geoswarm.solver.problem import problem_schema
+from geoswarm.workers.agents.handed_out import HandedOut
 from geoswarm.workers.service.job_service import JobService
 
 if TYPE_CHECKING:
@@ -74,6 +77,8 @@ def create_app(
     app.state.feed = EventFeed(
         service, poll_seconds=settings.poll_seconds, heartbeat_seconds=settings.heartbeat_seconds
     )
+    app.state.open_work = OpenWorkWatch(service, poll_seconds=settings.poll_seconds)
+    app.state.handed_out = HandedOut(settings.signed_models)
     app.state.streams = Shares(settings.event_streams, settings.event_streams_per_key)
     app.include_router(health_router)
     app.include_router(metrics_router)
@@ -120,6 +125,9 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
         detail = ProblemDetail.model_json_schema(ref_template="#/components/schemas/{model}")
         schemas |= detail.pop("$defs", {})
         schemas["ProblemDetail"] = detail
+        brought = Brought.model_json_schema(ref_template="#/components/schemas/{model}")
+        schemas |= brought.pop("$defs", {})
+        schemas["Brought"] = brought
         components["securitySchemes"] = {
             "bearer": {"type": "http", "scheme": "bearer"},
             "apiKey": {"type": "apiKey", "in": "header", "name": "X-API-Key"},

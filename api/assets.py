@@ -1,4 +1,4 @@
-"""Static files: read once, compressed once, kept for ever by browsers.
+"""Static files: read once, compressed once, cached permanently by browsers.
 
 The address of a file holds the digest of all files (``/static/v-DIGEST/js/http.js``), so a browser never asks twice and
 never mixes two versions; modules import each other by relative addresses and so stay under the digest of their page.

@@ -1,4 +1,4 @@
-"""Judges problems in the making, and finds the examples to begin with."""
+"""Checks drafts of problems, and finds the starter examples."""
 
 from __future__ import annotations
 

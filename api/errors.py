@@ -1,4 +1,4 @@
-"""What can go wrong at the HTTP side, and how it is told: RFC 9457 problem details, never a traceback.
+"""Errors of the HTTP side and their form: RFC 9457 problem details, never a traceback.
 
 ::
 
@@ -31,15 +31,21 @@ from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.workers.errors import (
     BrokerUnavailableError,
     EvaluationNotFoundError,
+    HookNotFoundError,
+    HookRefusedError,
     IdempotencyConflictError,
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    LeaseOverError,
+    ModelsUnavailableError,
     NoOptimumError,
+    NotHandedOutError,
     NothingLeftError,
     NothingToRetryError,
     QuotaExceededError,
     StoreUnavailableError,
+    UnknownAgentError,
 )
 
 __all__ = [
@@ -67,7 +73,7 @@ class ApiError(Exception):
 
 
 class PortInUseError(ApiError):
-    """The address to listen on cannot be had."""
+    """The address to listen on cannot be used."""
 
 
 class ApiSettingsError(ApiError):
@@ -187,6 +193,19 @@ def translate(error: Exception) -> DetailError:
             return DetailError(422, str(error), kind="invalid-statistics", title="Statistics not possible")
         case InvalidCursorError():
             return DetailError(400, str(error), kind="invalid-cursor", title="Invalid cursor")
+        case UnknownAgentError():
+            return DetailError(404, f"{error}.", kind="unknown-agent", title="Unknown agent")
+        case LeaseOverError():
+            return DetailError(410, f"{error}.", kind="lease-over", title="Lease over")
+        case NotHandedOutError():
+            return DetailError(404, f"{error}.", kind="not-handed-out", title="Not handed out")
+        case ModelsUnavailableError():
+            return DetailError(409, f"{error}.", kind="models-unavailable", title="Models unavailable")
+        case HookNotFoundError():
+            return DetailError(404, str(error), kind="hook-not-found", title="Hook not found")
+        case HookRefusedError():
+            issues = [Issue(error.field, str(error))]
+            return DetailError(422, str(error), kind="invalid-hook", title="Invalid hook", issues=issues)
         case QuotaExceededError():
             return DetailError(403, f"{error}.", kind="quota-exceeded", title="Quota exceeded")
         case StoreUnavailableError() | BrokerUnavailableError():
@@ -206,6 +225,8 @@ TRANSLATED: tuple[type[Exception], ...] = (
     RequestValidationError,
     JobNotFoundError,
     EvaluationNotFoundError,
+    HookNotFoundError,
+    HookRefusedError,
     InvalidTransitionError,
     NoOptimumError,
     NothingLeftError,
@@ -214,6 +235,10 @@ TRANSLATED: tuple[type[Exception], ...] = (
     InvalidCursorError,
     StatisticsError,
     QuotaExceededError,
+    LeaseOverError,
+    ModelsUnavailableError,
+    NotHandedOutError,
+    UnknownAgentError,
     StoreUnavailableError,
     BrokerUnavailableError,
 )
@@ -261,7 +286,7 @@ def install_error_handlers(app: FastAPI, pages: Callable[[Request, DetailError],
     async def unexpected(request: Request, error: Exception) -> JSONResponse:
         occurrence = f"urn:uuid:{uuid.uuid4()}"
         logger.error("unexpected error %s at %s %s", occurrence, request.method, request.url.path, exc_info=error)
-        detail = "Something went wrong in the service. The log has the cause under the given instance."
+        detail = "An internal error occurred. The server's log has its cause under this instance."
         response = detail_response(DetailError(500, detail), instance=occurrence)
         add_security_headers(response.headers)  # this answer does not pass the gate
         response.headers["Connection"] = "close"  # which the server does after an error that it did not expect

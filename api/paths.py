@@ -1,4 +1,4 @@
-"""Where the routes of the API begin."""
+"""Prefix of the routes of the API."""
 
 from __future__ import annotations
 

@@ -18,6 +18,7 @@ from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.report.jsonable import jsonable
+from geoswarm.solver.units import convert
 
 __all__ = ["MEDIA_TYPE", "compressed", "points_block"]
 
@@ -91,7 +92,17 @@ def _head(problem: Problem, samples: Samples) -> dict[str, Any]:
                 "x_unit": series[observed.series].x_unit,
                 "y_quantity": series[observed.series].y_quantity,
                 "y_unit": series[observed.series].y_unit,
+                "shown": _shown(observed.x_unit, series[observed.series].x_unit)
+                + _shown(observed.y_unit, series[observed.series].y_unit),
             }
             for observed in problem.observations
         ],
     }
+
+
+def _shown(given: str | None, base: str) -> list[Any]:
+    """The unit that a user gave and the number of it in one base unit."""
+    if given is None or given == base:
+        return [base, 1.0]
+    zero, one = convert(np.array([0.0, 1.0]), base, given)
+    return [given, float(one - zero)] if zero == 0.0 else [base, 1.0]

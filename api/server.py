@@ -18,6 +18,7 @@ from geoswarm.api.app import create_app
 from geoswarm.api.assets import Assets
 from geoswarm.api.errors import PortInUseError
 from geoswarm.api.events.feed import EventFeed
+from geoswarm.api.events.open_work import OpenWorkWatch
 from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.api.settings import ApiSettings
 from geoswarm.workers.service.job_service import JobService
@@ -39,7 +40,7 @@ def bind(host: str, port: int) -> socket.socket:
         When it is taken, forbidden or unknown.
     """
     if not 0 <= port <= MAX_PORT:
-        raise PortInUseError(f"cannot listen on {host}:{port}: a port from 0 (any free one) to {MAX_PORT} is accepted")
+        raise PortInUseError(f"cannot listen on {host}:{port}: the port must be from 0 (any free one) to {MAX_PORT}")
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except OSError as error:
@@ -63,7 +64,7 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 class Server(uvicorn.Server):
-    """uvicorn that watches its connections, ends event streams first when it stops, and returns after a signal."""
+    """uvicorn that watches its connections, lets go of who waits when it stops, and returns after a signal."""
 
     config: Config
 
@@ -71,6 +72,7 @@ class Server(uvicorn.Server):
         self,
         config: Config,
         feed: EventFeed,
+        open_work: OpenWorkWatch,
         assets: Assets,
         on_started: Callable[[], None] | None = None,
         pool: HeavyPool | None = None,
@@ -80,6 +82,7 @@ class Server(uvicorn.Server):
         self._beginning: asyncio.Future[None] | None = None
         self._assets = assets
         self._feed = feed
+        self._open_work = open_work
         self._on_started = on_started
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -98,6 +101,7 @@ class Server(uvicorn.Server):
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self.config.connections.close()
         self._feed.close()
+        self._open_work.close()
         if self._beginning is not None:
             self._beginning.cancel()
         await super().shutdown(sockets)
@@ -196,7 +200,7 @@ def build_server(
     )
     url = base_url(listener)
     told = None if on_started is None else lambda: on_started(url)
-    return Server(config, app.state.feed, app.state.assets, told, pool)
+    return Server(config, app.state.feed, app.state.open_work, app.state.assets, told, pool)
 
 
 def base_url(listener: socket.socket) -> str:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import ipaddress
+from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr, ValidationError, field_validator
 
 from geoswarm.api.errors import ApiSettingsError
+from geoswarm.api.schemas.agents import LONGEST_WAIT
 from geoswarm.environment import SecretFileError, given_settings, listed, settings_mistakes
+from geoswarm.workers.agents.handed_out import read_list
+from geoswarm.workers.errors import ModelsUnavailableError
 
 __all__ = ["LOOPBACK_HOSTS", "ApiSettings"]
 
@@ -28,6 +32,9 @@ VARIABLES: dict[str, str] = {
     "requests_at_once": "GEOSWARM_REQUESTS_AT_ONCE",
     "requests_per_second": "GEOSWARM_REQUESTS_PER_SECOND",
     "request_burst": "GEOSWARM_REQUEST_BURST",
+    "agent_requests_per_second": "GEOSWARM_AGENT_REQUESTS_PER_SECOND",
+    "agent_wait_seconds": "GEOSWARM_AGENT_WAIT_SECONDS",
+    "signed_models": "GEOSWARM_SIGNED_MODELS",
     "heavy_processes": "GEOSWARM_HEAVY_PROCESSES",
     "heavy_seconds": "GEOSWARM_HEAVY_SECONDS",
     "heavy_memory_mb": "GEOSWARM_HEAVY_MEMORY_MB",
@@ -69,6 +76,12 @@ class ApiSettings(BaseModel):
         Unanswered requests of one key, event streams among them.
     requests_per_second, request_burst
         What one API key may ask for in the long run [1/s] (0: anything) and at once, in each process of the service.
+    agent_requests_per_second
+        The same [1/s] for a key of agents, which all agents of a group may share; twice as many at once.
+    agent_wait_seconds
+        How long agents are asked to wait for work in one request [s]; less than proxies in between wait for an answer.
+    signed_models
+        File with the signed list of the registered models that agents may fetch; None: they are given none.
     heavy_processes
         Processes for requests that calculate: test runs, statistics, reports, problems that are read; 0: none, these
         requests are worked on in the process of the service.
@@ -99,6 +112,9 @@ class ApiSettings(BaseModel):
     requests_at_once: int = Field(default=300, ge=1)
     requests_per_second: float = Field(default=50.0, ge=0.0, allow_inf_nan=False)
     request_burst: int = Field(default=500, ge=1)
+    agent_requests_per_second: float = Field(default=1000.0, ge=0.0, allow_inf_nan=False)
+    agent_wait_seconds: float = Field(default=50.0, ge=5.0, le=LONGEST_WAIT)
+    signed_models: Path | None = None
     heavy_processes: int = Field(default=3, ge=0, le=64)
     heavy_seconds: float = Field(default=120.0, gt=0.0)
     heavy_memory_mb: float = Field(default=2048.0, ge=256.0)
@@ -115,6 +131,16 @@ class ApiSettings(BaseModel):
                 raise ValueError("needs at least 8 printable ASCII characters without spaces")
         return key
 
+    @field_validator("signed_models")
+    @classmethod
+    def _list_can_be_read(cls, file: Path | None) -> Path | None:
+        if file is not None:
+            try:
+                read_list(file)
+            except ModelsUnavailableError as error:
+                raise ValueError(f"{error}; name a file that 'geoswarm models sign' has made") from None
+        return file
+
     @field_validator("trusted_proxies")
     @classmethod
     def _proxies_are_addresses(cls, proxies: tuple[str, ...]) -> tuple[str, ...]:
@@ -124,7 +150,7 @@ class ApiSettings(BaseModel):
             except ValueError:
                 accepted = "192.0.2.7, 10.0.0.0/8, 2001:db8::/32"
                 raise ValueError(
-                    f"must hold addresses: {proxy!r} is no address or network; accepted: {accepted}"
+                    f"must hold addresses: {proxy!r} is not an address or network; accepted: {accepted}"
                 ) from None
         return proxies
 

@@ -1,4 +1,4 @@
-"""What of a job's statistics is looked at: threshold, known noise, posterior sample; the same for all their routes."""
+"""The view of a job's statistics: threshold, known noise, posterior sample; the same for all their routes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _noise(
         except ValueError:
             value = math.nan
         if not (math.isfinite(value) and value > 0.0) or bool(series) != bool(named):
-            issue = Issue("query.noise", f"{item[:80]!r}: a number above 0, or SERIES=NUMBER, is accepted")
+            issue = Issue("query.noise", f"must be a number above 0, or SERIES=NUMBER; got {item[:80]!r}")
             raise DetailError(422, str(issue), kind="invalid-request", title="Invalid request", issues=[issue])
         found[series] = value
     if "" in found and len(found) > 1:
@@ -64,7 +64,7 @@ def _view(
     noise: Noise,
     threshold: Annotated[
         float | None,
-        Query(gt=0, allow_inf_nan=False, description="objective up to which a fit is good; proposed if absent"),
+        Query(gt=0, allow_inf_nan=False, description="objective up to which a fit counts as good; proposed if absent"),
     ] = None,
     posterior: Annotated[bool, Query(description="sample the posterior, too; takes seconds")] = False,
 ) -> View:

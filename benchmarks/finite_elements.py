@@ -22,8 +22,8 @@ from geoswarm.solver.fem.phases import Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.setup import elements_of, fronts_of
 from geoswarm.solver.fem.solve import solve_phases
-from tests.soils import creeping, mohr_coulomb
-from tests.verification.fem.bodies import block, slope
+from geoswarm.verification.specimens.bodies import block, slope
+from geoswarm.verification.specimens.soils import creeping, mohr_coulomb
 
 HELD = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))
 SOIL = mohr_coulomb(1.0e5, 0.3, 10.0, 20.0, tension_cutoff=None, unit_weight=20.0)

@@ -27,7 +27,7 @@ import numpy as np
 
 from benchmarks.finite_elements import weight
 from geoswarm.solver.fem.mesh.mesh import Mesh
-from tests.verification.fem.bodies import slope
+from geoswarm.verification.specimens.bodies import slope
 
 STEPS = 20
 ROUNDS = 3

@@ -128,7 +128,7 @@ limits: {seconds_per_evaluation: 600, memory_mb: 2000}
 """
 
 FAILURES = """
-A failed evaluation is data: it has a reason, the search takes it for infinitely bad and goes on. A job without one
+A failed evaluation is data: it has a reason, the search treats it as infinitely bad and continues. A job without one
 success ends failed.
 
 | reason | meaning |

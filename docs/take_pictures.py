@@ -1,4 +1,4 @@
-"""Take the pictures of the dashboard that the README shows.
+"""Take the pictures of the dashboard that README and documentation show.
 
     python docs/take_pictures.py
 
@@ -53,6 +53,7 @@ def main() -> None:
         chromium() as browser,
     ):
         calibrated = client.wait(client.submit(document).id).id
+        client.wait(client.sensitivity(calibrated).id)
         cloud = client.wait(client.submit(sampled).id).id
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
         take(page, f"{server.url}/jobs/{calibrated}", "job", ".main-svg")

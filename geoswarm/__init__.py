@@ -1,19 +1,19 @@
 """Finds the parameters of geotechnical models from measurements.
 
-A function of yours is calibrated by :func:`calibrate` (``docs/python.md``):
+:func:`calibrate` calibrates your own function (``docs/python.md``):
 
 >>> import geoswarm as gs
 >>> result = gs.calibrate(curve, parameters={"E": gs.free(1e3, 1e5)}, observations=gs.observed(x, y))  # doctest: +SKIP
 
-and a service is reached by :class:`Client` (``docs/python-client.md``):
+and :class:`Client` talks to a service (``docs/python-client.md``):
 
 >>> from geoswarm import Client
 >>> with Client() as client:                              # doctest: +SKIP
 ...     job = client.submit(Path("problem.yaml"))
 ...     print(client.wait(job.id).parameters)
 
-Beside the client there is what a forward model of one's own is made of (``docs/plug-ins.md``). The names below are
-loaded when they are used, so importing the package costs nothing.
+The other names are for writing forward models (``docs/plug-ins.md``). All names are loaded on first use, so importing
+the package costs nothing.
 """
 
 from __future__ import annotations

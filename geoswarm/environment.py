@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SECRETS", "SecretFileError", "given_settings", "listed", "secret", "settings_mistakes", "without_secrets"]
 
-SECRETS = ("GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL", "GEOSWARM_API_KEY")
+SECRETS = ("GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL", "GEOSWARM_API_KEY", "GEOSWARM_KEY", "GEOSWARM_SMTP_PASSWORD")
 """Variables with passwords and keys."""
 
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # PostgreSQL and Redis for the tests, which start servers of their own on free loopback ports, Chromium, in which they
-# look at the dashboard, and debootstrap, in whose Debian the slow tests replay the image. Nothing happens when all are
-# installed.
+# look at the dashboard, and debootstrap, in whose Debian the slow tests replay the image; with --all also what only slow
+# tests of agents need: a proxy with TLS, Slurm, and a library that gives a process a wrong clock. Nothing happens when all
+# are installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 shopt -s nullglob
@@ -13,4 +14,11 @@ command -v redis-server >/dev/null || missing+=(redis-server)
 command -v chromium >/dev/null || command -v chromium-browser >/dev/null || missing+=(chromium)
 command -v setpriv >/dev/null || missing+=(util-linux)
 command -v debootstrap >/dev/null || [ -x /usr/sbin/debootstrap ] || missing+=(debootstrap)
-[ ${#missing[@]} -eq 0 ] || scripts/apt_install.sh "the tests' own PostgreSQL, Redis, browser and Debian" "${missing[@]}"
+if [ "${1:-}" = --all ]; then
+    command -v nginx >/dev/null || [ -x /usr/sbin/nginx ] || missing+=(nginx-light)
+    command -v openssl >/dev/null || missing+=(openssl)
+    command -v slurmctld >/dev/null || [ -x /usr/sbin/slurmctld ] || missing+=(slurm-wlm)
+    faketime=(/usr/lib/*/faketime/libfaketimeMT.so.1)
+    [ ${#faketime[@]} -gt 0 ] || missing+=(libfaketime)
+fi
+[ ${#missing[@]} -eq 0 ] || scripts/apt_install.sh "the tests' own servers, browser and Debian" "${missing[@]}"

@@ -10,6 +10,17 @@ from numpy.typing import NDArray
 __all__ = ["BoolArray", "FloatArray", "IntArray", "pack_array", "unpack_array"]
 
 FloatArray: TypeAlias = NDArray[np.float64]
+"""Numbers as forward models get and return them.
+
+Examples
+--------
+>>> import numpy as np
+>>> import geoswarm as gs
+>>> def doubled(x: gs.FloatArray) -> gs.FloatArray:
+...     return 2.0 * x
+>>> doubled(np.array([1.0, 2.0])).tolist()
+[2.0, 4.0]
+"""
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 

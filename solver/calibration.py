@@ -6,22 +6,22 @@ Both the in-process loop and the distributed engine go through :meth:`Calibratio
 from __future__ import annotations
 
 import secrets
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import ForwardError, in_words, message_of
-from geoswarm.solver.forward.base import NotedResponse
+from geoswarm.solver.errors import ForwardError, message_of
 from geoswarm.solver.methods.base import Task
+from geoswarm.solver.methods.widths import REMEMBERED, Situation
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
+from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
 from geoswarm.solver.offer import Offer
 from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import Failures
-from geoswarm.solver.search import Runs, Search, Snapshot
+from geoswarm.solver.progress import Best, Progress, Step
+from geoswarm.solver.search import Runs, Search, WideSearch
 from geoswarm.solver.space import search_space
 from geoswarm.solver.stopping import (
     MaxEvaluations,
@@ -32,7 +32,6 @@ from geoswarm.solver.stopping import (
     TargetObjective,
     satisfied_reasons,
 )
-from geoswarm.solver.system.activity import counting
 
 __all__ = [
     "Best",
@@ -49,7 +48,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """Outcome of one forward calculation; it failed when ``reason`` is not None.
+    """Outcome of one forward calculation; it failed if ``reason`` is not None.
 
     Parameters
     ----------
@@ -60,7 +59,7 @@ class Evaluation:
     misfits, responses
         f'_g and calculated values, shape (m_g,), of each observed series; empty when failed.
     reason, message
-        Kind of failure (:data:`geoswarm.solver.errors.FailureReason`) and what happened; of a success a note, or None.
+        Kind of failure (:data:`geoswarm.solver.errors.FailureReason`) and what happened; for a success, a note or None.
     seconds
         Wall time of the forward calculation [s].
     """
@@ -74,88 +73,13 @@ class Evaluation:
     seconds: float
 
 
-@dataclass(frozen=True, slots=True)
-class Best:
-    """The best evaluation so far; of equal objectives the earliest, then the lowest particle."""
-
-    objective: float
-    generation: int
-    particle: int
-    parameters: FloatArray
-
-
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """Everything a calibration knows between two generations.
-
-    Parameters
-    ----------
-    generation
-        Number of the generation that is being evaluated, from 0.
-    positions
-        Natural values of its particles, shape (n, d).
-    evaluations, failed
-        Counted so far, finished generations only.
-    best
-        None while no evaluation has succeeded.
-    stagnation
-        Finished generations since the best objective was last lowered.
-    snapshot
-        State of the search.
-    """
-
-    generation: int
-    positions: FloatArray
-    evaluations: int
-    failed: int
-    best: Best | None
-    stagnation: int
-    snapshot: Snapshot
-
-    def to_json(self) -> dict[str, Any]:
-        """Return a JSON-able form that :meth:`from_json` restores exactly."""
-        best = self.best
-        return {
-            "generation": self.generation,
-            "positions": self.positions.tolist(),
-            "evaluations": self.evaluations,
-            "failed": self.failed,
-            "best": best
-            and {
-                "objective": best.objective,
-                "generation": best.generation,
-                "particle": best.particle,
-                "parameters": best.parameters.tolist(),
-            },
-            "stagnation": self.stagnation,
-            "snapshot": self.snapshot,
-        }
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Progress:
-        """Restore from :meth:`to_json`."""
-        best = data["best"]
-        return cls(
-            **{**data, "positions": np.array(data["positions"], dtype=np.float64)}
-            | {"best": best and Best(**{**best, "parameters": np.array(best["parameters"], dtype=np.float64)})}
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """What follows a finished generation: with no ``stop_reasons`` the next one, ``progress.positions``, is due."""
-
-    progress: Progress
-    stop_reasons: tuple[str, ...]
-
-
 class Calibration:
     """A problem made ready: its forward run, objective, search space and stop criteria.
 
     Parameters
     ----------
     problem, seed
-        What to calibrate, and what fixes all random numbers.
+        What to calibrate, and the seed of all random numbers.
     offer
         Runs of earlier jobs; used by an accelerated search.
 
@@ -169,7 +93,7 @@ class Calibration:
         self.problem = problem
         self.seed = seed
         self.free_names = problem.free_names
-        observed = [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight) for o in problem.observations]
+        observed = [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight, o.loss) for o in problem.observations]
         self.objective = LeastSquares(observed)
         self.grids = {series.series: series.x for series in observed}
         self.criteria = stop_criteria(problem.stopping)
@@ -180,10 +104,13 @@ class Calibration:
             self.offered = Runs.of(offer.parameters, rows)
         self._run = problem.model.prepare(self.grids)
         initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
-        self._maker = problem.method.maker(Task(self.space, seed, initial, problem.planned_evaluations, self.offered))
+        quick = problem.forward_model.quick
+        self._maker = problem.method.maker(
+            Task(self.space, seed, initial, problem.planned_evaluations, self.offered, quick)
+        )
 
     def make_ready(self) -> None:
-        """Have the forward run load what it needs, outside of any evaluation and its limits."""
+        """Let the forward run load what it needs, outside any evaluation and its limits."""
         make_ready = getattr(self._run, "make_ready", None)
         if make_ready is not None:
             make_ready()
@@ -194,8 +121,7 @@ class Calibration:
         Parameters
         ----------
         slots
-            Evaluations that can run at once now: decides the size of the generations with ``particles: auto``, once
-            and for all, because a search goes on with the number of particles in its snapshot.
+            Evaluations that can run at once now: decides the size of the first generation with ``particles: auto``.
 
         Raises
         ------
@@ -203,40 +129,60 @@ class Calibration:
             When no feasible proposal is found.
         """
         search = self._maker.start(slots)
-        return Progress(0, self._positions(search), 0, 0, None, 0, search.snapshot())
+        positions, ahead = self._positions(search), _ahead(search)
+        return Progress(
+            0,
+            positions,
+            0,
+            0,
+            None,
+            0,
+            search.snapshot(),
+            ahead,
+            _may_begin(self.criteria, len(positions), ahead),
+            widths=self._widths(
+                (), [positions] if ahead is None else [positions, ahead], overlapping=ahead is not None
+            ),
+        )
 
     def evaluate(self, parameters: FloatArray) -> Evaluation:
         """Run the forward calculation for natural values of the free parameters, shape (d,).
 
         Never raises for a failed forward run: the failure is in the returned evaluation.
         """
-        follows_up = self.problem.method.role == "follow_up"
-        if follows_up and not self.space.feasible(parameters):  # a search never asks for such
-            return Evaluation(parameters, None, {}, {}, "infeasible", "the constraints do not hold there", 0.0)
-        return self.evaluate_values(self.problem.values(parameters.tolist()))
+        refused = self.refused(parameters)
+        return self.evaluate_values(self.problem.values(parameters.tolist())) if refused is None else refused
 
     def evaluate_values(self, values: Mapping[str, float]) -> Evaluation:
         """Run the forward calculation for values of all parameters by name."""
         parameters = np.array([values[name] for name in self.free_names], dtype=np.float64)
-        began = time.perf_counter()
-        with counting() as waited:
+        return self.judged(parameters, outcome_of(self._run, values, self.objective.responses))
+
+    def judged(self, parameters: FloatArray, outcome: ForwardOutcome) -> Evaluation:
+        """Return the evaluation for a forward calculation, wherever it ran: its misfits and objective.
+
+        Parameters
+        ----------
+        parameters
+            Natural values of the free parameters, shape (d,).
+        """
+        reason, message = outcome.reason, outcome.message
+        if reason is None:
             try:
-                with np.errstate(all="ignore"):
-                    found = self._run(values)
-                seconds = time.perf_counter() - began - waited.seconds
-                responses = self.objective.responses(found)
-                misfits = self.objective.misfits(responses)
+                misfits = self.objective.misfits(outcome.responses)
             except ForwardError as error:
                 reason, message = error.reason, message_of(error)
-            except MemoryError:
-                reason, message = "killed_memory", "the forward model ran out of memory"
-            except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
-                reason, message = "bad_output", f"the forward model raised {in_words(error)}"
             else:
-                note = found.note if isinstance(found, NotedResponse) else None
-                return Evaluation(parameters, self.objective.value(misfits), misfits, responses, None, note, seconds)
-        seconds = time.perf_counter() - began - waited.seconds
-        return Evaluation(parameters, None, {}, {}, reason, message, seconds)
+                value = self.objective.value(misfits)
+                return Evaluation(parameters, value, misfits, outcome.responses, None, message, outcome.seconds)
+        return Evaluation(parameters, None, {}, {}, reason, message, outcome.seconds)
+
+    def refused(self, parameters: FloatArray) -> Evaluation | None:
+        """Return the failed evaluation of a follow-up at values that are not feasible; a search never asks for
+        these."""
+        if self.problem.method.role == "follow_up" and not self.space.feasible(parameters):
+            return Evaluation(parameters, None, {}, {}, "infeasible", "the constraints are not satisfied there", 0.0)
+        return None
 
     @property
     def accelerated(self) -> bool:
@@ -250,13 +196,14 @@ class Calibration:
         seconds: float,
         runs: Runs | None = None,
         criteria: Sequence[StopCriterion] | None = None,
+        situation: Situation | None = None,
     ) -> Step:
         """Close the current generation and ask for the next one; pure.
 
         Parameters
         ----------
         progress
-            State at which the generation was asked.
+            State in which the generation was asked for.
         objectives
             f of each particle in particle order, None for a failed evaluation.
         seconds
@@ -265,30 +212,31 @@ class Calibration:
             All evaluations so far, this generation included; needed when :attr:`accelerated`.
         criteria
             Stop criteria in place of the problem's.
+        situation
+            State of the engine; decides the size of the next generation with ``particles: auto``.
         """
+        method, criteria = self.problem.method, self.criteria if criteria is None else criteria
         if self.accelerated and runs is None:
             raise ValueError("an accelerated search needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
         search = self._maker.restore(progress.snapshot)
-        search.tell(told, runs)
-        best, stagnation = _update_best(progress, told)
-        positions = self._positions(search)
         evaluations = progress.evaluations + len(objectives)
-        status = SwarmStatus(
-            evaluations=evaluations,
-            next_evaluations=len(positions),
-            seconds=seconds,
-            objective=best.objective if best else None,
-            stagnation=stagnation,
-        )
-        reasons = satisfied_reasons(self.criteria if criteria is None else criteria, status)
-        method = self.problem.method
-        own = method.end_reason(search, evaluations, over=not len(positions))
-        if own is not None:
-            # Of a follow-up nothing else counts: nobody set its number of evaluations.
-            others = () if method.role == "follow_up" else reasons
-            reasons = (own, *(r for r in others if r != MaxEvaluations.reason))
-        following = Progress(
+        lengths = (*progress.lengths, *(s for s in situation.lengths if s > 0.0)) if situation else progress.lengths
+        lengths = lengths[-REMEMBERED:] if method.follows_slots else ()
+        asked = 0 if progress.ahead is None else len(progress.ahead)
+        following = method.asks_next(situation, lengths, quick=self.problem.forward_model.quick)
+        if isinstance(search, WideSearch):
+            particles = following.particles
+            left = _left(criteria, evaluations + asked)
+            if particles is not None and left is not None and left > 0:
+                particles = min(particles, left)
+            search.tell(told, runs, particles=particles, ahead=following.ahead)
+        else:
+            search.tell(told, runs)
+        best, stagnation = _update_best(progress, told)
+        positions, ahead = self._positions(search), _ahead(search)
+        new = [p for p in ((positions, ahead) if progress.ahead is None else (ahead,)) if p is not None]
+        step = Progress(
             generation=search.generation,
             positions=positions,
             evaluations=evaluations,
@@ -296,16 +244,65 @@ class Calibration:
             best=best,
             stagnation=stagnation,
             snapshot=search.snapshot(),
+            ahead=ahead,
+            ahead_begun=_may_begin(criteria, evaluations + len(positions), ahead),
+            lowered_at=progress.lowered_at if stagnation else evaluations,
+            widths=self._widths(progress.widths, new, overlapping=following.ahead),
+            lengths=lengths,
         )
-        return Step(following, reasons)
+        status = SwarmStatus(
+            evaluations=evaluations,
+            next_evaluations=len(positions),
+            seconds=seconds,
+            objective=best.objective if best else None,
+            stagnation=step.stagnant(method),
+        )
+        reasons = satisfied_reasons(criteria, status)
+        own = method.end_reason(search, evaluations, over=not len(positions))
+        if own is not None:
+            # Of a follow-up nothing else counts: nobody set its number of evaluations.
+            others = () if method.role == "follow_up" else reasons
+            reasons = (own, *(r for r in others if r != MaxEvaluations.reason))
+        return Step(step, reasons)
+
+    def _widths(
+        self, before: tuple[tuple[int, int, int], ...], new: Sequence[FloatArray], *, overlapping: bool
+    ) -> tuple[tuple[int, int, int], ...]:
+        """Append generations that were asked for, the last of them ahead of results where two are under way."""
+        if not self.problem.method.follows_slots:
+            return ()
+        found = list(before)
+        for positions in new:
+            kind = (len(positions), int(overlapping))
+            if found and found[-1][:2] == kind:
+                found[-1] = (*kind, found[-1][2] + 1)
+            else:
+                found.append((*kind, 1))
+        return tuple(found)
 
     def _positions(self, search: Search) -> FloatArray:
         positions = search.ask()
         return np.empty((0, self.space.dimension)) if positions is None else positions
 
 
+def _ahead(search: Search) -> FloatArray | None:
+    return search.ask_ahead() if isinstance(search, WideSearch) else None
+
+
+def _left(criteria: Sequence[StopCriterion], evaluations: int) -> int | None:
+    """Return how many evaluations may follow so many, None: any number."""
+    limits = [criterion.limit - evaluations for criterion in criteria if isinstance(criterion, MaxEvaluations)]
+    return min(limits, default=None)
+
+
+def _may_begin(criteria: Sequence[StopCriterion], evaluations: int, ahead: FloatArray | None) -> bool:
+    """Whether a generation that is asked for ahead, after so many evaluations, may be begun."""
+    left = _left(criteria, evaluations)
+    return ahead is not None and (left is None or len(ahead) <= left)
+
+
 def with_further_tries(failures: Failures, first: Evaluation, again: Callable[[], Evaluation]) -> Evaluation:
-    """Return an evaluation, or that of the last further try that it gets."""
+    """Return an evaluation, or that of its last retry."""
     evaluation, earlier = first, list[str]()
     while evaluation.reason is not None and failures.tries_again(evaluation.reason, earlier):
         earlier.append(evaluation.reason)
@@ -336,5 +333,5 @@ def stop_criteria(stopping: Stopping) -> tuple[StopCriterion, ...]:
 
 
 def choose_seed(seed: int | None) -> int:
-    """Return the given seed, or a fresh 32-bit one, which every result reports."""
+    """Return the given seed, or a new 32-bit one; every result reports it."""
     return secrets.randbits(32) if seed is None else seed

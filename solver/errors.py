@@ -3,18 +3,19 @@
 ::
 
     SolverError
-    ├── ProblemError            what the user asked for is wrong: lists every issue with its path
+    ├── ProblemError            the problem is invalid: lists every issue with its path
     ├── ExpressionError         a formula or constraint cannot be understood
     ├── WorkerLostError         a worker process of an in-process run died
     ├── UnknownForwardModelError     no forward model of that kind is installed
     ├── BrokenForwardModelError      a forward model is installed, but cannot be loaded
+    ├── SignedListError         a list of registered models is not what was signed, or cannot be made
     ├── MeshError               a mesh cannot be read or is not sound
     ├── InfeasibleSpaceError    no proposal satisfies the constraints after a bounded search
     └── ForwardError            one forward calculation failed; becomes a failed evaluation
         ├── DivergedError       the calculation found no solution
         ├── NotFiniteError      a response is NaN or infinite
-        ├── InfeasibleError     the parameters are outside what the model admits
-        └── BadOutputError      the model answered with something that is no response
+        ├── InfeasibleError     the parameters are outside the limits of the model
+        └── BadOutputError      the model did not return a valid response
 
 ``ForwardError.reason`` is the word stored with the failed evaluation.
 """
@@ -38,6 +39,7 @@ __all__ = [
     "MeshError",
     "NotFiniteError",
     "ProblemError",
+    "SignedListError",
     "SolverError",
     "WorkerLostError",
     "in_words",
@@ -62,7 +64,14 @@ FailureReason: TypeAlias = Literal[
 
 
 class SolverError(Exception):
-    """Base of all errors that the solver raises on purpose."""
+    """Base of all errors that the solver raises on purpose.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> issubclass(gs.ProblemError, gs.SolverError), issubclass(gs.ForwardError, gs.SolverError)
+    (True, True)
+    """
 
 
 def message_of(error: BaseException) -> str:
@@ -100,7 +109,18 @@ def _shortened(text: str, length: int) -> str:
 
 
 class ProblemError(SolverError):
-    """The problem cannot be accepted; ``issues`` names every mistake with its path in the file."""
+    """The problem cannot be accepted; ``issues`` names every mistake with its path in the file.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> try:
+    ...     gs.problem({"forward_model": {"kind": "formula", "series": {}}})
+    ... except gs.ProblemError as error:
+    ...     paths = [issue.path for issue in error.issues]
+    >>> "parameters" in paths, "observations" in paths
+    (True, True)
+    """
 
     def __init__(self, issues: Sequence[Issue]) -> None:
         self.issues: tuple[Issue, ...] = tuple(issues)
@@ -119,6 +139,10 @@ class BrokenForwardModelError(SolverError):
     """A forward model is installed, but its entry point cannot be loaded or gives no forward model."""
 
 
+class SignedListError(SolverError):
+    """A signed list of registered models is not what was signed, or cannot be made."""
+
+
 class MeshError(SolverError):
     """A mesh cannot be read, or is not sound; the message names where."""
 
@@ -128,7 +152,14 @@ class InfeasibleSpaceError(SolverError):
 
 
 class WorkerLostError(SolverError):
-    """A worker process of an in-process run ended unexpectedly."""
+    """A worker process of an in-process run ended unexpectedly.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> issubclass(gs.WorkerLostError, gs.SolverError)
+    True
+    """
 
 
 def unknown_series(name: str, known: Iterable[str]) -> ProblemError:
@@ -137,30 +168,88 @@ def unknown_series(name: str, known: Iterable[str]) -> ProblemError:
 
 
 class ForwardError(SolverError):
-    """One forward calculation failed."""
+    """One forward calculation failed.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> try:
+    ...     gs.evaluate(lambda a: [a / 0.0], observations=gs.observed([0], [1]), a=1)
+    ... except gs.ForwardError as error:
+    ...     print(error.reason)
+    bad_output
+    """
 
     reason: str = "diverged"
 
 
 class DivergedError(ForwardError):
-    """The forward calculation found no solution."""
+    """The forward calculation found no solution.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def run(values):
+    ...     raise gs.DivergedError("no equilibrium at 80 kPa")
+    >>> try:
+    ...     run({"E": 1e4})
+    ... except gs.ForwardError as error:
+    ...     print(f"{error.reason}: {error}")
+    diverged: no equilibrium at 80 kPa
+    """
 
     reason = "diverged"
 
 
 class NotFiniteError(ForwardError):
-    """A response is NaN or infinite."""
+    """A response is NaN or infinite.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def run(values):
+    ...     raise gs.NotFiniteError("q is nan at x = 3")
+    >>> try:
+    ...     run({"E": 1e4})
+    ... except gs.ForwardError as error:
+    ...     print(f"{error.reason}: {error}")
+    not_finite: q is nan at x = 3
+    """
 
     reason = "not_finite"
 
 
 class InfeasibleError(ForwardError):
-    """The parameters are outside what the model admits."""
+    """The parameters are outside the limits of the model.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def run(values):
+    ...     raise gs.InfeasibleError("phi must be below 90 degree")
+    >>> try:
+    ...     run({"E": 1e4})
+    ... except gs.ForwardError as error:
+    ...     print(f"{error.reason}: {error}")
+    infeasible: phi must be below 90 degree
+    """
 
     reason = "infeasible"
 
 
 class BadOutputError(ForwardError):
-    """The model answered with something that is not the response asked for."""
+    """The model did not return the requested response.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def run(values):
+    ...     raise gs.BadOutputError("result.csv has no column uy")
+    >>> try:
+    ...     run({"E": 1e4})
+    ... except gs.ForwardError as error:
+    ...     print(f"{error.reason}: {error}")
+    bad_output: result.csv has no column uy
+    """
 
     reason = "bad_output"

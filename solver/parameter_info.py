@@ -1,4 +1,4 @@
-"""One parameter that a calculation knows, as its users see it."""
+"""One parameter of a calculation, as its users see it."""
 
 from __future__ import annotations
 
@@ -11,12 +11,18 @@ __all__ = ["ParameterInfo", "outside_limits"]
 
 @dataclass(frozen=True, slots=True)
 class ParameterInfo:
-    """One parameter that a forward model knows.
+    """One parameter of a forward model.
 
-    ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) limit what is
-    physically admissible; ``typical`` is a usual range offered to users, ``source`` where it comes from.
-    ``lower_open``: ``lower`` itself is refused.
-    ``any_case``: capitals are the same as small letters in its name, as in templates of PEST.
+    ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) are physical
+    limits; ``typical`` is a usual range offered to users, and ``source`` its origin. ``lower_open``: ``lower`` itself
+    is refused. ``any_case``: its name is not case-sensitive, as in PEST templates.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> phi = gs.ParameterInfo("phi", "φ", "degree", "friction angle", lower=0.0, upper=90.0, upper_open=True)
+    >>> phi.accepted, phi.admits(95.0)
+    ('at least 0 and below 90', False)
     """
 
     name: str
@@ -33,7 +39,7 @@ class ParameterInfo:
     source: str = ""
 
     def is_among(self, names: Collection[str]) -> bool:
-        """Whether one of some names is its."""
+        """Whether it has one of the given names."""
         return self.name in names or (self.any_case and self.name.lower() in {name.lower() for name in names})
 
     @property
@@ -56,5 +62,5 @@ def outside_limits(infos: Iterable[ParameterInfo], values: Mapping[str, float]) 
         value = values.get(info.name)
         if value is not None and not info.admits(value):
             unit = f" {info.unit}" if info.unit else ""
-            return f"{info.name} = {value:g}{unit}: {info.accepted} is accepted"
+            return f"{info.name} must be {info.accepted}, got {value:g}{unit}"
     return None

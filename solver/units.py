@@ -156,6 +156,6 @@ def _root(unit: str, examples: str) -> tuple[Fraction, str]:
         raise unknown from None
     if offset != 0 or exact <= 0:
         raise UnitError(
-            f"unit '{unit}' is no plain multiple of {examples.split(',')[-1].strip()}; use a unit without offset"
+            f"unit '{unit}' is not a plain multiple of {examples.split(',')[-1].strip()}; use a unit without offset"
         )
     return exact, str(root)

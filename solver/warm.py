@@ -32,10 +32,12 @@ __all__ = [
     "GROUPS",
     "SAMPLES",
     "Tell",
+    "compile_for",
     "compile_kernels",
     "groups_of",
     "import_models",
     "load_kernels",
+    "missing_groups",
     "missing_kernels",
     "note_compiled",
     "run_sample",
@@ -203,6 +205,14 @@ def missing_kernels(spec: ForwardModelSpec) -> tuple[str, ...]:
     return tuple(group for group in groups if not _is_compiled(folder, group))
 
 
+def missing_groups() -> tuple[str, ...]:
+    """Return all groups of kernels that have still to be compiled on this machine, in the order of :data:`GROUPS`."""
+    if _plain_python():
+        return ()
+    folder = settle()
+    return tuple(group for group in GROUPS if not _is_compiled(folder, group))
+
+
 def _plain_python() -> bool:
     """Whether kernels are not to be compiled at all (NUMBA_DISABLE_JIT)."""
     from numba.core import config  # slow to import, and a formula needs no kernels
@@ -212,11 +222,16 @@ def _plain_python() -> bool:
 
 def compile_kernels(problem: Problem, tell: Tell = lambda _compiled, _planned: None) -> float:
     """Compile what a problem needs, or wait until another process has done so; return the time it took [s]."""
-    if not missing_kernels(problem.forward_model):
+    return compile_for(problem.forward_model, tell)
+
+
+def compile_for(spec: ForwardModelSpec, tell: Tell = lambda _compiled, _planned: None) -> float:
+    """Compile what a forward model needs; see :func:`compile_kernels`."""
+    if not missing_kernels(spec):
         return 0.0
     began = time.monotonic()
     with alone(settle()):
-        missing = missing_kernels(problem.forward_model)
+        missing = missing_kernels(spec)
         planned = sum(KERNELS.get(group, 1) for group in missing)
         with _counting(lambda compiled: tell(compiled, max(planned, compiled))):
             for group in missing:

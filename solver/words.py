@@ -14,6 +14,7 @@ __all__ = [
     "did_you_mean",
     "duration",
     "ends",
+    "listed",
     "number",
     "reasons_in_words",
     "share",
@@ -115,6 +116,11 @@ def ends(low: float, high: float, *, digits: int = 3, plain: bool = False) -> tu
     if math.isfinite(width) and width > 0.0:
         digits = max(digits, min(math.floor(math.log10(largest)) - math.floor(math.log10(0.1 * width)) + 1, 15))
     return number(low, digits, plain=plain), number(high, digits, plain=plain)
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Return words with commas and one conjunction between them: ``a, b and c``; there must be one at least."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
 
 
 def share(part: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +20,9 @@ settings.load_profile("any machine")
 # Settings of the user's own installation must not reach the tests.
 for _name in [name for name in os.environ if name.startswith("GEOSWARM_")]:
     del os.environ[_name]
+# A shell ignores interrupts for what it starts in the background; the programs that tests start must not inherit that.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 from tests import servers  # noqa: E402
 from tests.servers import MissingServerError, PostgresServer, RedisServer  # noqa: E402

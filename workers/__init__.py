@@ -9,6 +9,7 @@
 ``operations``   sweeps, retention, probes, measures
 ``execution``    what a worker does with a claim
 ``service``      what clients ask of jobs
+``notices``      tells whoever asked for it that a job has ended
 ``hosts``        where workers live: embedded, or in Celery's processes
 ===============  ======================================================================
 """

@@ -11,6 +11,12 @@
     ├── NothingToRetryError         no failed evaluation of the job can be run again
     ├── NothingLeftError            the job has ended and cannot go on
     ├── KeyNotFoundError            no API key has this id
+    ├── UnknownAgentError           no agent of this key has this id
+    ├── LeaseOverError              a lease has ended: what runs for it is to be killed
+    ├── NotHandedOutError           agents are not given this model, or none at all
+    ├── ModelsUnavailableError      a model that agents are to be given cannot be read now
+    ├── HookNotFoundError           no hook has this id
+    ├── HookRefusedError            a hook cannot be made like this
     ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
     ├── NoBodyError                 the job, or its evaluation, has no mesh or no fields
@@ -28,6 +34,8 @@ from collections.abc import Sequence
 __all__ = [
     "BrokerUnavailableError",
     "EvaluationNotFoundError",
+    "HookNotFoundError",
+    "HookRefusedError",
     "IdempotencyConflictError",
     "InvalidCursorError",
     "InvalidTransitionError",
@@ -35,11 +43,15 @@ __all__ = [
     "NoBodyError",
     "NoOptimumError",
     "KeyNotFoundError",
+    "LeaseOverError",
+    "ModelsUnavailableError",
+    "NotHandedOutError",
     "NothingLeftError",
     "NothingToRetryError",
     "QuotaExceededError",
     "SettingsError",
     "StoreUnavailableError",
+    "UnknownAgentError",
     "WorkersError",
 ]
 
@@ -75,6 +87,44 @@ class KeyNotFoundError(WorkersError):
         super().__init__(f"there is no API key {key_id!r}; 'geoswarm keys list' shows the ids")
 
 
+class UnknownAgentError(WorkersError):
+    """No agent of this key has this id: it has to announce itself first."""
+
+    def __init__(self, agent_id: str) -> None:
+        super().__init__(f"no agent {agent_id!r} of this key has announced itself: PUT /api/v1/agents/models")
+
+
+class LeaseOverError(WorkersError):
+    """A lease has ended: what runs for it is to be killed."""
+
+    def __init__(self, lease_id: str, why: str) -> None:
+        super().__init__(f"lease {lease_id!r} is not wanted: {why}")
+
+
+class NotHandedOutError(WorkersError):
+    """Agents are not given this model, or none at all."""
+
+
+class ModelsUnavailableError(WorkersError):
+    """A model that agents are to be given, or the list of them, cannot be read now."""
+
+
+class HookNotFoundError(WorkersError):
+    """No hook has this id."""
+
+    def __init__(self, hook_id: str) -> None:
+        self.hook_id = hook_id
+        super().__init__(f"there is no hook {hook_id!r}; 'geoswarm hooks list' shows the ids")
+
+
+class HookRefusedError(WorkersError):
+    """A hook cannot be made like this; ``field`` is what is wrong with it."""
+
+    def __init__(self, field: str, message: str) -> None:
+        self.field = field
+        super().__init__(f"{field}: {message}")
+
+
 class QuotaExceededError(WorkersError):
     """The owner of the API key has as much as is granted; the message says of what."""
 
@@ -98,7 +148,7 @@ class NothingToRetryError(WorkersError):
 
     def __init__(self, job_id: str) -> None:
         self.job_id = job_id
-        super().__init__(f"job {job_id} has no failed evaluation to run again")
+        super().__init__(f"job {job_id} has no failed evaluation to rerun")
 
 
 class IdempotencyConflictError(WorkersError):

@@ -79,7 +79,7 @@ def refuse_known_secrets(settings: Settings) -> None:
         password, host = _credentials(address)
         if password is not None and host is not None and not is_loopback(host) and is_known(password):
             raise SettingsError(
-                f"the password of the {name} on {host} is one that everybody knows; choose another one"
+                f"the password of the {name} on {host} is publicly known; choose another one"
                 f" (openssl rand -hex 24), or set {ENVIRONMENT}={DEVELOPMENT}"
             )
 
@@ -100,7 +100,7 @@ def refuse_weak_key(key: str, *, open_to_others: bool = True) -> str | None:
         return None
     if is_known(key):
         raise SettingsError(
-            "GEOSWARM_API_KEY is a key that everybody knows; make one with 'openssl rand -hex 24',"
+            "GEOSWARM_API_KEY is publicly known; make another one with 'openssl rand -hex 24',"
             f" or set {ENVIRONMENT}={DEVELOPMENT}"
         )
     if len(key) >= LEAST_KEY_LENGTH:

@@ -28,6 +28,8 @@ VARIABLES = {
     "quota_evaluations": "GEOSWARM_QUOTA_EVALUATIONS",
     "quota_mb": "GEOSWARM_QUOTA_MB",
     "quota_total_mb": "GEOSWARM_QUOTA_TOTAL_MB",
+    "quota_agents": "GEOSWARM_QUOTA_AGENTS",
+    "quota_leases": "GEOSWARM_QUOTA_LEASES",
 }
 """The variable of each setting that an operator chooses; the others are chosen in code."""
 
@@ -118,6 +120,8 @@ class Settings(BaseModel):
     quota_mb, quota_total_mb
         Stored or planned data [MB] of one owner of API keys, and size of the database with all that is planned [MB]
         above which owners of API keys submit nothing more.
+    quota_agents, quota_leases
+        Agents that are there at once with one API key, and leases that they hold.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
@@ -153,6 +157,8 @@ class Settings(BaseModel):
     quota_evaluations: int = Field(10_000_000, ge=0)
     quota_mb: float = Field(20_000.0, ge=0, allow_inf_nan=False)
     quota_total_mb: float = Field(100_000.0, ge=0, allow_inf_nan=False)
+    quota_agents: int = Field(1000, ge=0)
+    quota_leases: int = Field(4000, ge=0)
 
     @field_validator("database_url")
     @classmethod

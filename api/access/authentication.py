@@ -60,6 +60,7 @@ class Authenticator:
         self._service = service
         self._requests = RateLimiter(settings.requests_per_second, settings.request_burst)
         self._failures = RateLimiter(FAILURES_PER_SECOND, FAILURE_BURST)
+        self._agents = RateLimiter(settings.agent_requests_per_second, int(2 * settings.agent_requests_per_second) + 1)
         self._sign_ins = RateLimiter(SIGN_INS_PER_SECOND, SIGN_IN_BURST)
         self._seen: LRUCache[bytes, None] = LRUCache(TRUSTED_KEYS)  # hashes of long keys that were valid here
 
@@ -84,7 +85,7 @@ class Authenticator:
         return SignInSessions(self._service.store, None if self._static is None else (self._static, BOOTSTRAP))
 
     async def identify(self, headers: Headers, address: str, challenge: str) -> Identity:
-        """Return who sends a request; a key in its headers wins over a session.
+        """Return who sends a request; a key in its headers takes precedence over a session.
 
         Raises
         ------
@@ -99,7 +100,7 @@ class Authenticator:
         if key is None and token is not None:
             session = await anyio.to_thread.run_sync(self.sessions.find, token)
             if session is None:
-                raise unauthorized("This session is over; an API key is needed.", challenge)
+                raise unauthorized("This session has ended; an API key is needed.", challenge)
             found = Identity(session.principal, session)
         elif key is None:
             raise unauthorized("An API key is needed.", challenge)
@@ -109,7 +110,7 @@ class Authenticator:
         return found
 
     async def holder(self, key: bytes, address: str, challenge: str) -> Principal:
-        """Return whose key it is; who guesses is slowed down.
+        """Return the holder of a key; guessing is slowed down.
 
         From an address with too many wrong keys no key is judged any more, unless it is a long one that was valid here
         before: neighbours behind the same address go on.
@@ -125,7 +126,7 @@ class Authenticator:
         if found is None:
             self._seen.pop(fingerprint, None)
             self._failures.take(address)
-            raise unauthorized("This API key is not valid, or no longer.", challenge)
+            raise unauthorized("This API key is not valid, has expired or was revoked.", challenge)
         if len(key) >= LONG_KEY:
             self._seen[fingerprint] = None
         return found
@@ -145,7 +146,8 @@ class Authenticator:
         return principal
 
     def _meter(self, principal: Principal) -> None:
-        wait = self._requests.take(principal.key_id or "")
+        limiter = self._agents if principal.role == "agent" else self._requests
+        wait = limiter.take(principal.key_id or "")
         if wait is not None:
             raise _too_many(wait)
 
@@ -163,7 +165,7 @@ class Authenticator:
 
 
 def unauthorized(reason: str, challenge: str) -> DetailError:
-    """The answer to who is not known."""
+    """The answer to unauthenticated requests."""
     return DetailError(
         401,
         f"{reason} Send it as 'Authorization: Bearer KEY' or 'X-API-Key: KEY'; browsers sign in at /sign-in.",
@@ -175,7 +177,7 @@ def unauthorized(reason: str, challenge: str) -> DetailError:
 def _too_many(wait: int) -> DetailError:
     return DetailError(
         429,
-        f"Too many requests; come again in {wait} s.",
+        f"Too many requests; try again in {wait} s.",
         kind="rate-limited",
         headers={"Retry-After": str(wait)},
     )

@@ -26,7 +26,7 @@ async def _problem_text(request: Request) -> tuple[str, Form]:
     form = BODY_MEDIA_TYPES.get(media_type)
     if form is None:
         accepted = " or ".join(BODY_MEDIA_TYPES)
-        raise DetailError(415, f"Content-Type {media_type!r} is not understood; send the problem as {accepted}.")
+        raise DetailError(415, f"Content-Type {media_type!r} is not supported; send the problem as {accepted}.")
     body = await _file_content(request)
     if form == "yaml" and len(body) > MAX_YAML_BYTES:
         raise DetailError(

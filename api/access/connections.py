@@ -139,7 +139,7 @@ class Connections:
                 if self._coming:  # they have no phase yet
                     return
                 self._rest()  # until a request is answered
-                self._tell("all %d connections are being answered; others wait", self.most)
+                self._tell("all %d connections are in use; others wait", self.most)
                 return
             try:
                 accepted, _ = listener.accept()

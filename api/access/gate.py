@@ -22,12 +22,15 @@ OPEN_PREFIXES = ("/health/", "/static/")
 OPEN_PATHS = frozenset({"/openapi.json", "/sign-in"})
 SIGN_IN = ("POST", "/api/v1/session")
 FOR_PROGRAMS = ("/api/", "/metrics", "//")  # answered with 401, not sent to the page for signing in
+AGENTS = "/api/v1/agents/"
+"""Routes of agents, and all that a key of theirs opens."""
+AGENT_REQUESTS_AT_ONCE = 4000  # of one key: each agent that waits for work has one
 OWN_HEADER = "x-requested-with"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class Gate:
-    """ASGI middleware that lets only admissible requests in, and tells the application who asks.
+    """ASGI middleware that admits only permitted requests, and tells the application who sent them.
 
     - Without API keys the ``Host`` header must be a loopback name (or an allowed one): a page on the internet cannot
       make the user's browser talk to the service under its own name.
@@ -38,6 +41,7 @@ class Gate:
     - Pages send a browser that has not signed in to ``/sign-in``. Its session is a cookie, so what changes something
       needs a header of our own beside it, which foreign pages cannot set.
     - What changes something, or makes the service calculate, needs the role ``submit``.
+    - A key of role ``agent`` opens the routes of agents, and nothing else that asks for a key.
 
     The principal is in ``request.state.principal``, who it is more fully in ``request.state.identity``.
     """
@@ -47,6 +51,7 @@ class Gate:
         self._hosts = LOOPBACK_HOSTS | settings.allowed_hosts
         self._authenticator = authenticator
         self._unanswered = Shares(sys.maxsize, settings.requests_at_once)
+        self._agents = Shares(sys.maxsize, AGENT_REQUESTS_AT_ONCE)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -71,13 +76,14 @@ class Gate:
             return
         scope.setdefault("state", {}).update(principal=identity.principal, identity=identity)
         key = identity.principal.key_id or ""
-        if self._unanswered.take(key) is not None:
-            await detail_response(_too_many(self._unanswered.each))(scope, receive, send_with_headers)
+        unanswered = self._agents if identity.principal.role == "agent" else self._unanswered
+        if unanswered.take(key) is not None:
+            await detail_response(_too_many(unanswered.each))(scope, receive, send_with_headers)
             return
         try:
             await self._app(scope, receive, send_with_headers)
         finally:
-            self._unanswered.give_back(key)
+            unanswered.give_back(key)
 
     async def _admit(self, scope: Scope, headers: Headers) -> Identity | None:
         """Return who asks, None for what everybody may see; raise DetailError for what is refused."""
@@ -86,7 +92,7 @@ class Gate:
         if not self._authenticator.needed and _host_name(host) not in self._hosts:
             raise DetailError(
                 403,
-                f"Host {host!r} is not answered without an API key; accepted: {', '.join(sorted(self._hosts))}.",
+                f"Host {host!r} needs an API key; accepted without one: {', '.join(sorted(self._hosts))}.",
                 kind="host-refused",
                 title="Host refused",
             )
@@ -103,23 +109,35 @@ class Gate:
         challenge = 'Bearer realm="geoswarm"' if path.startswith("/api/") else 'Basic realm="geoswarm", charset="UTF-8"'
         client = scope.get("client")
         identity = await self._authenticator.identify(headers, client[0] if client else "", challenge)
+        if (wants := _role_wanted(identity, method, path)) is not None:
+            raise DetailError(
+                403,
+                f"This API key has the role {identity.principal.role!r}; {method} {path[:80]} needs {wants}.",
+                kind="role-refused",
+                title="Role refused",
+            )
         if method in SAFE_METHODS:
             return identity
         if identity.session is not None and not headers.get(OWN_HEADER):
             raise DetailError(
                 403,
-                f"{method} with a session needs the header X-Requested-With (any value); only own pages can send it.",
+                f"{method} with a session needs the header X-Requested-With (any value), which only own pages send.",
                 kind="origin-refused",
                 title="Origin refused",
             )
-        if path != SIGN_IN[1] and not identity.principal.may("submit"):  # whoever signed in may sign out
-            raise DetailError(
-                403,
-                f"This API key has the role {identity.principal.role!r}; {method} needs 'submit' or 'admin'.",
-                kind="role-refused",
-                title="Role refused",
-            )
         return identity
+
+
+def _role_wanted(identity: Identity, method: str, path: str) -> str | None:
+    """Return the roles that a request needs, where who asks has none of them."""
+    principal = identity.principal
+    if path.startswith(AGENTS):
+        return None if principal.may("agent") else "'agent' or 'admin'"
+    if principal.role == "agent":
+        return "'read', 'submit' or 'admin'" if method in SAFE_METHODS else "'submit' or 'admin'"
+    if method in SAFE_METHODS or path == SIGN_IN[1]:  # whoever signed in may sign out
+        return None
+    return None if principal.may("submit") else "'submit' or 'admin'"
 
 
 def _sends_to_sign_in(scope: Scope, refusal: Exception) -> bool:
@@ -136,7 +154,7 @@ def _sends_to_sign_in(scope: Scope, refusal: Exception) -> bool:
 def _too_many(most: int) -> DetailError:
     return DetailError(
         429,
-        f"{most} requests of this API key are not answered yet, which is the most at once.",
+        f"This API key has {most} requests in progress, the maximum at a time.",
         kind="rate-limited",
         headers={"Retry-After": "1"},
     )

@@ -31,6 +31,8 @@ LARGE_BODIES = frozenset(
         "/problems/read",
         "/measurements",
         "/measurements/points",
+        "/measurements/ags",
+        "/measurements/ags/problem",
     )
 )
 """Requests that carry a problem or measurements."""
@@ -102,7 +104,7 @@ class Intake:
         body: SpooledTemporaryFile[bytes],
     ) -> None:
         """Read the body to its end; DetailError when it is too large, too slow, or one too many."""
-        large = (scope["method"], scope["path"]) in LARGE_BODIES
+        large = (scope["method"], scope["path"]) in LARGE_BODIES or _brings_results(scope["path"])
         limit = self._settings.max_body_bytes if large else min(SMALL_BODY_BYTES, self._settings.max_body_bytes)
         declared = headers.get("content-length", "")
         if declared.isdecimal():
@@ -178,8 +180,12 @@ class _Account:
         self.settle(0)
 
 
+def _brings_results(path: str) -> bool:
+    return path.startswith(f"{API_PREFIX}/agents/leases/") and path.endswith("/results")
+
+
 def _too_large(limit: int) -> DetailError:
-    return DetailError(413, f"The body is larger than {limit} bytes, which is the most that is accepted here.")
+    return DetailError(413, f"The body is larger than {limit} bytes, the maximum here.")
 
 
 def _again(body: SpooledTemporaryFile[bytes], size: int, receive: Receive) -> Receive:

@@ -79,7 +79,7 @@ class HeavyWork:
                 send,
                 DetailError(
                     503,
-                    "All processes for requests that calculate are busy; come again in a few seconds.",
+                    "All processes for requests that calculate are busy; try again in a few seconds.",
                     kind="busy",
                     title="Busy",
                     headers={"Retry-After": "5"},
@@ -96,7 +96,7 @@ class HeavyWork:
             process = await self._pool.take(job_of(scope["path"]))
         except EndedError as error:
             log.error("no process for requests that calculate: %s", error)
-            refusal = "No process for requests that calculate could be started; the server's log says more."
+            refusal = "No process for requests that calculate could be started; see the server's log."
             await _refuse(scope, send, DetailError(503, refusal, kind="unavailable", headers={"Retry-After": "5"}))
             return
         asking = asyncio.ensure_future(_answered(process, scope, body, json.dumps(asdict(principal)), send))

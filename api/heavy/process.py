@@ -21,7 +21,7 @@ from typing import Any
 import httpx
 
 from geoswarm.environment import without_secrets
-from geoswarm.solver.runner.fork_server_link import ONE_THREAD
+from geoswarm.solver.system.environment import ONE_THREAD
 from geoswarm.solver.system.processes import descendants, kill_session, memory_of
 
 __all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "HeavyProcess"]

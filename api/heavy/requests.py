@@ -10,9 +10,9 @@ __all__ = ["is_heavy", "job_of"]
 
 _ALWAYS = re.compile(
     r"/api/v1/(?:"
-    r"problems/(?:check|warm-starts|read)|measurements(?:/points)?|forward-models(?:/[^/]+)?"
+    r"problems/(?:check|warm-starts|read)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
     r"|jobs/[^/]+/(?:fit|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
-    r"|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
+    r"|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
     r")"
 )
 _CHANGES = {"POST": re.compile(r"/api/v1/jobs"), "PATCH": re.compile(r"/api/v1/jobs/[^/]+")}

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from geoswarm.api.pages import compare, job, jobs, mesh, new, sign_in, statistics, workers
+from geoswarm.api.pages import compare, job, jobs, mesh, new, search, sign_in, statistics, workers
 from geoswarm.api.pages.shell import error_page, templates
 
 __all__ = ["error_page", "router"]
 
 router = APIRouter(include_in_schema=False)
-for page in (jobs, compare, new, job, statistics, mesh, workers, sign_in):
+for page in (jobs, compare, new, job, search, statistics, mesh, workers, sign_in):
     router.include_router(page.router)
 
 MENU = (
@@ -24,7 +24,12 @@ MENU = (
 )
 """What the menu of every page leads to: view, words, address."""
 
-JOB_TABS = (("job", "Job", ""), ("statistics", "Statistics", "/statistics"), ("mesh", "Slope and mesh", "/mesh"))
-"""Pages of a job: view, words, address below that of the job."""
+JOB_TABS = (
+    ("job", "Result", ""),
+    ("statistics", "Statistics", "/statistics"),
+    ("search", "Search", "/search"),
+    ("mesh", "Slope and mesh", "/mesh"),
+)
+"""Pages of a job: view, words, address below that of the job. The mesh is for jobs that have one."""
 
 templates.globals.update(menu=MENU, job_tabs=JOB_TABS)

@@ -39,15 +39,23 @@ def jobs_page(
     state: Annotated[str, Query(max_length=20, description="a state, active or ended")] = "",
     owner: Annotated[str, Query(max_length=80)] = "",
     sort: Annotated[str, Query(max_length=20)] = "created",
+    order: Annotated[str, Query(max_length=20, description="ascending or descending")] = "",
 ) -> HTMLResponse:
     """List the jobs, newest first unless asked otherwise; what a filter does not know it leaves out."""
     text = "".join(letter for letter in q.strip() if letter.isprintable())
     states = GROUPS.get(state, (state,) if state in JOB_STATES else ())
     whose = "".join(letter for letter in owner.strip() if letter.isprintable())
     key: SortKey = next((known for known in SORTS if known == sort), "created")
-    filters = JobFilters(states, text or None, whose or None, key)
+    ascending = {"ascending": True, "descending": False}.get(order)
+    filters = JobFilters(states, text or None, whose or None, key, ascending)
     page = service.list(filters, limit=PAGE, cursor=cursor or None, trend=POINTS)
-    chosen = {"q": text, "state": state if states else "", "owner": whose, "sort": key}
+    chosen = {
+        "q": text,
+        "state": state if states else "",
+        "owner": whose,
+        "sort": key,
+        "order": order if ascending is not None else "",
+    }
     return render(
         request,
         "jobs",
@@ -55,6 +63,8 @@ def jobs_page(
         first=not cursor,
         chosen=chosen,
         filtered=bool(text or states or whose),
+        total=service.count(filters),
+        rising=filters.rising,
         kept={name: value for name, value in chosen.items() if value and (name, value) != ("sort", "created")},
         states=[*GROUPS, *JOB_STATES],
         sorts=SORTS,

@@ -19,8 +19,8 @@ router = APIRouter()
 def new_page(
     request: Request,
     service: Service,
-    from_job: Annotated[str | None, Query(alias="from", max_length=64, description="job to begin with")] = None,
-    example: Annotated[str | None, Query(max_length=64, description="example to begin with")] = None,
+    from_job: Annotated[str | None, Query(alias="from", max_length=64, description="job to start from")] = None,
+    example: Annotated[str | None, Query(max_length=64, description="example to start from")] = None,
 ) -> HTMLResponse:
     """Show the form, empty or filled from an earlier job or an example."""
     source = None if from_job is None else service.get(from_job)

@@ -21,7 +21,11 @@ __all__ = ["error_page", "number", "progress", "render", "words"]
 
 def number(value: float | None, digits: int = 4) -> str:
     """A number for readers; a dash for None."""
-    return "–" if value is None else f"{value:.{digits}g}"
+    if value is None:
+        return "–"
+    text = f"{value:.{digits}g}"
+    mantissa, exponential, exponent = text.partition("e")
+    return f"{mantissa}e{int(exponent)}" if exponential else text  # 2.453e-9, as the scripts write it
 
 
 def words(name: str) -> str:

@@ -16,7 +16,7 @@ router = APIRouter()
 
 @router.get("/sign-in")
 def sign_in_page(request: Request, go_on: Annotated[str, Query(alias="next", max_length=2000)] = "/") -> HTMLResponse:
-    """Ask for the API key, then go on to the page that was asked for."""
+    """Ask for the API key, then continue to the requested page."""
     needed = request.app.state.authenticator.asks_here()
     return render(request, "sign_in", key_needed=needed, go_on=own_address(go_on))
 

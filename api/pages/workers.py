@@ -6,6 +6,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
 from geoswarm.api.pages.shell import render
+from geoswarm.solver.system.versions import versions
 
 __all__ = ["router"]
 
@@ -14,5 +15,5 @@ router = APIRouter()
 
 @router.get("/workers")
 def workers_page(request: Request) -> HTMLResponse:
-    """Show who runs what, since when."""
-    return render(request, "workers")
+    """Show workers and their work."""
+    return render(request, "workers", version=versions()["geoswarm"])

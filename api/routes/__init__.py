@@ -7,10 +7,13 @@ from fastapi import APIRouter
 from geoswarm.api.paths import API_PREFIX
 from geoswarm.api.routes import (
     administration,
+    agents,
+    ags,
     events,
     examples,
     forward_models,
     health,
+    hooks,
     jobs,
     measurements,
     metrics,
@@ -25,6 +28,7 @@ __all__ = ["api_router", "health_router", "metrics_router"]
 
 api_router = APIRouter(prefix=API_PREFIX)
 for module in (
+    agents,  # first, as theirs are most of all requests, and routes are tried in turn
     jobs,
     results,
     fit,
@@ -35,8 +39,10 @@ for module in (
     problems,
     examples,
     measurements,
+    ags,
     forward_models,
     workers,
+    hooks,
     session,
     administration,
     mesh,

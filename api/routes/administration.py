@@ -38,7 +38,7 @@ router = APIRouter(tags=["administration"])
 
 @router.get("/operations", responses=problems_of())
 def show_operations(service: Administrated, feed: Feed) -> Operations:
-    """Tell what waits, what runs, and how forward runs have ended; administrators only."""
+    """Show waiting and running work and the outcomes of forward runs; administrators only."""
     measures = service.measures()
     runs = {label: int(value) for (name, label), value in measures.counters.items() if name == "runs"}
     return Operations(
@@ -61,7 +61,7 @@ def list_keys(service: Administrated) -> KeyList:
 
 @router.post("/keys", status_code=201, responses=problems_of(408, 413, 422))
 def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
-    """Make an API key; the answer is the only place where it can be read. Administrators only."""
+    """Create an API key; the answer is the only place where it can be read. Administrators only."""
     try:
         key, view = ApiKeys(service.store).create(
             wanted.owner, wanted.role, label=wanted.label, valid_seconds=wanted.valid_seconds
@@ -74,7 +74,7 @@ def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
 
 @router.post("/keys/{key_id}/revoke", responses=problems_of(404, 422))
 def revoke_key(key_id: KeyId, service: Administrated) -> Key:
-    """Make an API key invalid with the next request, for ever; administrators only."""
+    """Revoke an API key, from the next request and permanently; administrators only."""
     try:
         return ApiKeys(service.store).revoke(key_id)
     except KeyNotFoundError as error:

@@ -32,7 +32,7 @@ MAX_EVENT_ID = 2**63 - 1
     response_class=StreamingResponse,
     responses={
         200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}, "description": "A stream of events"},
-        204: {"description": "The job has ended and there is nothing after the given event: do not come again"},
+        204: {"description": "The job has ended and there is nothing after the given event: do not reconnect"},
         **problems_of(404, 422),
     },
 )
@@ -42,11 +42,13 @@ async def events(
     service: Service,
     request: Request,
     after: Annotated[int | None, Query(ge=0, le=MAX_EVENT_ID, description="id of the last event received")] = None,
-    last_event_id: Annotated[str | None, Header(description="sent by clients that reconnect; wins over after")] = None,
+    last_event_id: Annotated[
+        str | None, Header(description="sent by clients that reconnect; takes precedence over after")
+    ] = None,
 ) -> Response:
     """Follow a job: ``state``, ``generation`` and ``versions`` events, from the first one or after a given one.
 
-    Of a job with hundreds of generations a second some are not told as they come, never the last one of several.
+    Of a job with hundreds of generations a second, some events are skipped, but never the last of several.
     Comments keep a silent connection alive. The stream ends after the event that ends the job.
     """
     start = _start(after, last_event_id)
@@ -82,7 +84,7 @@ def _too_many(streams: Shares, *, each: bool) -> DetailError:
     of = f"{streams.each} of this API key" if each else f"{streams.in_all}"
     return DetailError(
         429 if each else 503,
-        f"The most event streams that may be open at once, {of}, are open.",
+        f"The maximum number of open event streams, {of}, is reached.",
         kind="rate-limited" if each else "unavailable",
         headers={"Retry-After": "5"},
     )

@@ -17,15 +17,15 @@ WORKING = frozenset({"ok", "embedded"})
 
 @router.get("/live")
 async def live() -> Liveness:
-    """Tell that the process answers."""
+    """Answer while the process is alive."""
     return Liveness()
 
 
 @router.get("/ready", responses={503: {"model": Health, "description": "A dependency cannot be reached"}})
 async def ready(service: Service, request: Request, response: Response) -> Health:
-    """Tell whether database and broker can be used, and which one cannot.
+    """Show whether database and broker can be used, and which one cannot.
 
-    One probe runs at a time; who asks meanwhile gets the last answer.
+    One probe runs at a time; concurrent requests get the last answer.
     """
     dependencies = await anyio.to_thread.run_sync(service.health, limiter=limiter(request, "probes"))
     healthy = WORKING.issuperset(dependencies.values())

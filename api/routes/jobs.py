@@ -49,7 +49,7 @@ def submit(
         Header(min_length=1, max_length=200, description="the same key with the same body creates one job only"),
     ] = None,
 ) -> Job:
-    """Submit a problem. It is checked as a whole first; nothing is stored when anything is wrong with it."""
+    """Submit a problem. It is checked as a whole first; nothing is stored if anything is wrong with it."""
     view, created = service.submit(parse_problem(document), idempotency_key=idempotency_key)
     response.status_code = 201 if created else 200
     response.headers["Location"] = request.app.url_path_for("show", job_id=view.id)
@@ -70,11 +70,13 @@ def list_jobs(
         Literal["ascending", "descending"] | None,
         Query(description="newest, best or largest first and names from A to Z when absent"),
     ] = None,
-    trend: Annotated[int, Query(ge=0, le=60, description="most values of each job's convergence; 0: none")] = 0,
+    trend: Annotated[
+        int, Query(ge=0, le=60, description="maximum number of values of each job's convergence; 0: none")
+    ] = 0,
     limit: Limit = 50,
     cursor: Cursor = None,
 ) -> JobPage:
-    """List jobs, newest first unless asked otherwise; a cursor belongs to the order that it was given in."""
+    """List jobs, newest first by default; a cursor is valid only for the order that it was returned in."""
     ascending = None if order is None else order == "ascending"
     filters = JobFilters(tuple(state or ()), q, owner, sort, ascending)
     page = service.list(filters, limit=limit, cursor=cursor, trend=trend)
@@ -89,7 +91,7 @@ def show(job_id: JobId, service: Service) -> Job:
 
 @router.patch("/{job_id}", responses=problems_of(404, 408, 409, 413, 422))
 def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
-    """Change when a job ends. One that has finished or was cancelled goes on, as if it had been asked so at first."""
+    """Change the stop criteria of a job. A finished or cancelled one continues as if submitted with them."""
     return service.change_stopping(job_id, wanted.stopping)
 
 
@@ -101,7 +103,7 @@ def problem(job_id: JobId, service: Service) -> dict[str, Any]:
 
 @router.post("/{job_id}/cancel", responses=problems_of(404, 409))
 def cancel(job_id: JobId, service: Service) -> Job:
-    """End a job now; what it has found stays. Cancelling a cancelled job changes nothing."""
+    """End a job now; its results are kept. Cancelling a cancelled job changes nothing."""
     return service.cancel(job_id)
 
 
@@ -113,15 +115,15 @@ def pause(job_id: JobId, service: Service) -> Job:
 
 @router.post("/{job_id}/resume", responses=problems_of(404, 409))
 def resume(job_id: JobId, service: Service) -> Job:
-    """Go on with a paused job."""
+    """Continue a paused job."""
     return service.resume(job_id)
 
 
 @router.post("/{job_id}/retry-failed", responses=problems_of(404, 409))
 def retry_failed(job_id: JobId, service: Service) -> Retry:
-    """Run the failed evaluations of a paused or ended job again, and only them.
+    """Rerun the failed evaluations of a paused or ended job, and only these.
 
-    What the search was told of finished generations stays as it was: positions do not change, the best evaluation may.
+    Results already given to the search stay: positions do not change, but the best evaluation may.
     """
     view, number = service.retry_failed(job_id)
     return Retry(evaluations=number, job=view)

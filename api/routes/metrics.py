@@ -36,7 +36,7 @@ CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
     responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}}, **problems_of()},
 )
 def metrics(service: Service, feed: Feed, request: Request) -> PlainTextResponse:
-    """Show the metrics of the installation and of this process, for Prometheus; with numbers only, of nobody's jobs."""
+    """Show the metrics of the installation and of this process, for Prometheus, without details of jobs."""
     registry = CollectorRegistry()
     pool: HeavyPool | None = request.app.state.pool
     registry.register(_Installation(service.measures(), feed.listeners, 0 if pool is None else pool.busy))
@@ -61,7 +61,9 @@ class _Installation(Collector):
         )
         yield GaugeMetricFamily("geoswarm_evaluations_running", "Evaluations that a worker has.", value=m.running)
         yield GaugeMetricFamily(
-            "geoswarm_oldest_queued_job_seconds", "Age of the oldest job that no worker has begun.", value=m.oldest_wait
+            "geoswarm_oldest_queued_job_seconds",
+            "Age of the oldest job that no worker has started.",
+            value=m.oldest_wait,
         )
         yield _gauge("geoswarm_workers", "Worker processes in each state.", "state", m.workers)
         yield GaugeMetricFamily("geoswarm_event_streams", "Open event streams of this process.", value=self._streams)
@@ -77,6 +79,15 @@ class _Installation(Collector):
             "What sweeps did.",
             "action",
             self._labels("sweep_actions", ["worker_given_up", "job_rung"]),
+        )
+        yield GaugeMetricFamily(
+            "geoswarm_notices_waiting", "Messages about ended jobs that wait to be delivered.", value=m.notices
+        )
+        yield _counter(
+            "geoswarm_notices",
+            "Delivery attempts of messages about ended jobs, by outcome.",
+            "outcome",
+            self._labels("notices", ["delivered", "retried", "given_up"]),
         )
         family = CounterMetricFamily("geoswarm_lease_expirations", "Evaluations that were taken from a lost worker.")
         family.add_metric([], m.counters.get(("lease_expirations", ""), 0.0))

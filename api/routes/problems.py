@@ -39,7 +39,7 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
     "/warm-starts", responses=problems_of(400, 408, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY}
 )
 async def warm_starts(document: ProblemDocument, service: Service) -> WarmStarts:
-    """Name earlier jobs with the same forward model whose stored evaluations the search could learn from."""
+    """List earlier jobs with the same forward model whose stored evaluations the search can use."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
     return WarmStarts.model_validate({"items": [asdict(job) for job in earlier]})
@@ -47,9 +47,9 @@ async def warm_starts(document: ProblemDocument, service: Service) -> WarmStarts
 
 @router.post("/read", responses=problems_of(400, 408, 413, 415), openapi_extra={"requestBody": PROBLEM_BODY})
 async def read(given: ProblemText, request: Request) -> ProblemDraft:
-    """Read a problem in the making: as a document and as YAML, with all its mistakes by line. Nothing runs.
+    """Read a draft of a problem: as a document and as YAML, with all its mistakes by line. Nothing runs.
 
-    YAML that cannot be read is answered, too, with the mistake in ``issues``.
+    YAML that cannot be read also gets an answer, with the mistake in ``issues``.
     """
     text, form = given
     return await anyio.to_thread.run_sync(_draft, text, form, limiter=limiter(request, "drafts"))

@@ -21,6 +21,7 @@ from geoswarm.api.schemas.jobs import (
     GenerationList,
 )
 from geoswarm.records.evaluation import COLUMNS, Best, Evaluation
+from geoswarm.records.progress import Progress
 from geoswarm.records.states import EvaluationState
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.system.extras import needs_extra
@@ -43,22 +44,26 @@ def generations(
     service: Service,
     after: Annotated[int, Query(ge=-1, le=MAX_GENERATION, description="only generations with a higher number")] = -1,
     limit: Annotated[int, Query(ge=1, le=10_000)] = 1000,
-    diversity: Annotated[
-        bool, Query(description="also how widely the particles are scattered: reads them all")
-    ] = False,
+    diversity: Annotated[bool, Query(description="also the scatter of the particles; reads all of them")] = False,
     points: Annotated[
         int | None,
-        Query(ge=2, le=5000, description="at most so many, evenly spaced over all of them"),
+        Query(ge=2, le=5000, description="at most this many, evenly spaced over all of them"),
     ] = None,
 ) -> GenerationList:
-    """Show how the search went, one item a generation."""
+    """Show the progress of the search, one item per generation."""
     views = service.generations(job_id, after=after, limit=limit, points=points, diversity=diversity)
     return GenerationList(items=views)
 
 
+@router.get("/progress", responses=problems_of(404))
+def progress(job_id: JobId, service: Service) -> Progress:
+    """Show the progress of the current generation: every finished run counts, even before its generation has ended."""
+    return service.progress(job_id)
+
+
 @router.get("/best", responses=problems_of(404))
 def best(job_id: JobId, service: Service) -> Best:
-    """Show the evaluation of the lowest objective so far, with its responses."""
+    """Show the evaluation with the lowest objective so far, with its responses."""
     view = service.best(job_id)
     if view is None or view.objective is None:
         state = service.get(job_id).state
@@ -98,7 +103,7 @@ def evaluations(
     request: Request,
     service: Service,
     format: Annotated[
-        Literal["json", "csv", "parquet"] | None, Query(description="wins over the Accept header")
+        Literal["json", "csv", "parquet"] | None, Query(description="takes precedence over the Accept header")
     ] = None,
     generation: Annotated[int | None, Query(ge=0, le=MAX_GENERATION, description="only this generation")] = None,
     state: Annotated[EvaluationState | None, Query(description="only evaluations in this state")] = None,
@@ -111,9 +116,9 @@ def evaluations(
 ) -> Response | EvaluationPage:
     """Show evaluations, ordered by generation and particle.
 
-    JSON comes in pages. CSV is a stream of all that match (``limit`` and ``cursor`` are for JSON), one column a free
-    parameter and one a misfit, numbers with all their digits. Parquet has the same columns with their types, and the
-    calculated series as lists.
+    JSON comes in pages. CSV is a stream of all matches (``limit`` and ``cursor`` are for JSON), with one column for
+    each free parameter and each misfit, and numbers with all their digits. Parquet has the same columns with their
+    types, and the calculated series as lists.
     """
     accepted = request.headers.get("accept", "")
     chosen = format or ("csv" if "text/csv" in accepted else "parquet" if PARQUET in accepted else "json")
@@ -172,7 +177,7 @@ def attempts(
     generation: Annotated[int, Path(ge=0, le=MAX_GENERATION)],
     particle: Annotated[int, Path(ge=0, le=MAX_GENERATION)],
 ) -> AttemptList:
-    """Show every try at one evaluation: by whom, when, and how it ended."""
+    """Show every attempt at one evaluation: by whom, when, and how it ended."""
     return AttemptList(items=service.attempts(job_id, generation, particle))
 
 

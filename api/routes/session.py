@@ -11,6 +11,7 @@ from starlette.datastructures import Headers
 
 from geoswarm.api.access.authentication import SESSION_COOKIE, Authenticator, Identity, given_token
 from geoswarm.api.dependencies import problems_of
+from geoswarm.api.errors import DetailError
 from geoswarm.api.schemas.jobs import Session, SignIn
 from geoswarm.workers.access.principal import LOCAL
 from geoswarm.workers.access.sessions import SESSION_SECONDS
@@ -24,15 +25,22 @@ CHALLENGE = 'Bearer realm="geoswarm"'
 
 @router.post("", status_code=201, responses=problems_of(408, 413, 422))
 async def sign_in(given: Annotated[SignIn, Body()], request: Request, response: Response) -> Session:
-    """Begin a session: the answer sets an http-only cookie that stands for the key for twelve hours.
+    """Start a session: the answer sets an http-only cookie that replaces the key for twelve hours.
 
-    Without the need of a key there is nothing to sign in to, and no cookie.
+    If the service needs no key, there is no sign-in and no cookie.
     """
     authenticator: Authenticator = request.app.state.authenticator
     if not await authenticator.asks():
         return _session(Identity(LOCAL), key_needed=False)
     key = given.key.get_secret_value().encode()
     principal = await authenticator.sign_in(key, request.client.host if request.client else "", CHALLENGE)
+    if principal.role == "agent":
+        raise DetailError(
+            403,
+            "A key of role 'agent' opens no pages; 'read', 'submit' or 'admin' are needed to sign in.",
+            kind="role-refused",
+            title="Role refused",
+        )
     token = await anyio.to_thread.run_sync(authenticator.sessions.open, key, principal)
     response.set_cookie(
         SESSION_COOKIE,
@@ -49,7 +57,7 @@ async def sign_in(given: Annotated[SignIn, Body()], request: Request, response: 
 
 @router.get("", responses=problems_of())
 async def who_asks(request: Request) -> Session:
-    """Tell whose key or session a request brings, and what it may."""
+    """Show the owner and role of the key or session of a request."""
     authenticator: Authenticator = request.app.state.authenticator
     return _session(request.state.identity, key_needed=authenticator.needed)
 

@@ -1,4 +1,4 @@
-"""Models of what administrators ask for: API keys, and how the installation is doing."""
+"""Models for administrators: API keys, and the state of the installation."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class KeyList(BaseModel):
 
 
 class NewKeyRequest(BaseModel):
-    """A key to be made."""
+    """A key to create."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -32,12 +32,12 @@ class NewKeyRequest(BaseModel):
 
 
 class Operations(BaseModel):
-    """How the installation is doing, over all owners and processes."""
+    """State of the installation, over all owners and processes."""
 
     jobs: dict[str, int] = Field(description="number by state")
     waiting: int = Field(description="evaluations of running jobs that wait for a worker")
     running: int = Field(description="evaluations that a worker has")
-    oldest_wait: float = Field(description="age of the oldest job that no worker has begun, seconds")
+    oldest_wait: float = Field(description="age of the oldest job that no worker has started, seconds")
     workers: dict[str, int] = Field(description="number by state")
     outcomes: dict[str, int] = Field(
         description="forward runs since the installation was made: finished, or the kind of failure"

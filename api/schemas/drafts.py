@@ -66,7 +66,7 @@ class DraftEstimate(Model):
 
 
 class ProblemDraft(BaseModel):
-    """A problem that may still have mistakes; the forward model's parameters and series are told meanwhile."""
+    """A problem that may still have mistakes, with the forward model's parameters and series so far."""
 
     valid: bool = Field(description="whether it could be submitted as it is")
     document: dict[str, Any] | None = Field(description="the problem as given; null when the text cannot be read")

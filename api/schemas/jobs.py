@@ -59,28 +59,28 @@ class JobPage(Model):
     """Jobs, newest first."""
 
     items: list[Job]
-    next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
+    next_cursor: str | None = Field(description="give it as cursor to get the next page; null at the end")
 
 
 class AttemptList(Model):
-    """Tries in the order in which they were begun."""
+    """Attempts in the order in which they started."""
 
     items: list[Attempt]
 
 
 class JobChange(BaseModel):
-    """What can be changed of a job that is there."""
+    """What can be changed in an existing job."""
 
     model_config = ConfigDict(extra="forbid")
 
-    stopping: Stopping = Field(description="the stop criteria from now on, in place of all there were")
+    stopping: Stopping = Field(description="the new stop criteria, in place of all previous ones")
 
 
 class EvaluationPage(Model):
     """Evaluations ordered by generation and particle."""
 
     items: list[Evaluation]
-    next_cursor: str | None = Field(description="give it as cursor to get what follows; null at the end")
+    next_cursor: str | None = Field(description="give it as cursor to get the next page; null at the end")
 
 
 class GenerationList(Model):
@@ -90,13 +90,13 @@ class GenerationList(Model):
 
 
 class WorkerList(Model):
-    """Workers that have been seen lately."""
+    """Workers seen recently."""
 
     items: list[Worker]
 
 
 class TestRun(Model):
-    """One forward calculation, made to see whether the problem works."""
+    """One forward calculation to test the problem."""
 
     __test__ = False
 
@@ -119,13 +119,13 @@ class WarmStart(Model):
 
 
 class WarmStarts(Model):
-    """Earlier jobs that a problem could learn from, newest first, five at most."""
+    """Earlier jobs that a search can use, newest first, at most five."""
 
     items: list[WarmStart]
 
 
 class CheckResult(Model):
-    """What a valid problem would do and cost."""
+    """What a valid problem will run and cost."""
 
     valid: Literal[True] = True
     name: str
@@ -138,13 +138,14 @@ class CheckResult(Model):
     estimated_seconds: float | None = Field(
         description="time of all planned evaluations on one worker and of the search itself"
     )
-    warnings: list[str] = Field(description="what is probably not meant or not modelled, and what to do")
-    notes: dict[str, list[str]] = Field(description="what was done to the readings of each series, where anything was")
-    warm_starts: list[WarmStart] = Field(description="earlier jobs that it could learn from, newest first")
+    warnings: list[str] = Field(description="what is probably unintended or not modelled, and what to do")
+    notes: dict[str, list[str]] = Field(description="how the readings of each series were processed, if they were")
+    assumptions: list[str] = Field(description="what the forward model assumes where the problem says nothing")
+    warm_starts: list[WarmStart] = Field(description="earlier jobs that the search can use, newest first")
 
 
 class Parameter(Model):
-    """A parameter that a forward model knows; limits in its unit."""
+    """A parameter of a forward model; limits in its unit."""
 
     name: str
     symbol: str
@@ -156,7 +157,7 @@ class Parameter(Model):
     lower_open: bool = Field(description="the lower limit itself is refused")
     upper_open: bool
     typical: tuple[float, float] | None
-    source: str = Field(description="where the typical range comes from; empty: not told")
+    source: str = Field(description="source of the typical range; empty: none")
 
 
 class Series(Model):
@@ -175,7 +176,7 @@ class Series(Model):
 
 
 class ForwardModelSummary(Model):
-    """A kind of forward model; ``model``: the registered model that it is, null for all other kinds."""
+    """A kind of forward model; ``model`` names a registered model, null for all other kinds."""
 
     kind: str
     description: str
@@ -208,7 +209,7 @@ class Liveness(Model):
 
 
 class Health(Model):
-    """Whether everything that the service needs can be reached."""
+    """Whether all that the service needs can be reached."""
 
     status: Literal["ok", "unavailable"]
     dependencies: dict[str, str] = Field(description="ok, embedded, or why it cannot be used")
@@ -223,10 +224,10 @@ class SignIn(BaseModel):
 
 
 class Session(BaseModel):
-    """Who asks, and what they may."""
+    """Owner and role of the requester."""
 
-    owner: str | None = Field(description="whose jobs are shown; null: nobody's, as submitted without a key")
-    role: Literal["read", "submit", "admin"]
+    owner: str | None = Field(description="whose jobs are shown; null: those submitted without a key")
+    role: Literal["agent", "read", "submit", "admin"]
     key_needed: bool = Field(description="whether this service asks for API keys")
     signed_in: bool = Field(description="whether a session's cookie was used")
     expires_at: datetime | None = Field(description="end of the session")

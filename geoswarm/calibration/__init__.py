@@ -1,7 +1,7 @@
 """Calibrations from Python: ``docs/python.md``. Everything here is imported from ``geoswarm``.
 
 =============  ===============================================================
-``sections``   what a problem says of a parameter, a series, an observation
+``sections``   sections of a problem: parameter, series, observation
 ``functions``  how a function reaches the processes that call it
 ``problems``   from a function or a problem, and options, to a checked problem
 ``calibrate``  runs a calibration

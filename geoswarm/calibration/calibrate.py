@@ -49,11 +49,11 @@ def calibrate(
     resume: bool = False,
     on_generation: Callable[[GenerationRecord], None] | None = None,
 ) -> Result:
-    """Find the parameters with which a function, or a problem, comes closest to what was measured.
+    """Find the parameters with which a function or a problem fits the measurements best.
 
-    Everything from ``parameters`` to ``name`` is a section of the problem file (``docs/problem-file.md``) and means the
-    same; of a problem they replace its own. The same sections and seed give the same history as ``geoswarm run``, for
-    any number of workers.
+    Each argument from ``parameters`` to ``name`` is a section of the problem file (``docs/problem-file.md``) with the
+    same meaning; given with a problem, it replaces the problem's own section. The same sections and seed give the same
+    history as ``geoswarm run``, for any number of workers.
 
     Parameters
     ----------
@@ -66,26 +66,26 @@ def calibrate(
     observations
         One :func:`geoswarm.observed`, or one for each series by name.
     constraints
-        Comparisons that hold for every proposal, such as ``"E > 100 * k"``.
+        Comparisons that every proposal must satisfy, such as ``"E > 100 * k"``.
     series
         By name :func:`geoswarm.series`: units of a function where they are not those of its observations.
     method
         How to search; ``{"kind": "particle_swarm"}`` if None.
     stopping
-        When to end. None: a function's search ends by :data:`geoswarm.DEFAULT_STOPPING`; a problem has its own.
+        When to stop. If None, a function uses :data:`geoswarm.DEFAULT_STOPPING` and a problem its own criteria.
     limits, failures
-        What one evaluation may use, and what its failure means.
+        What one evaluation may use, and what happens when one fails.
     weighting, seed, name
-        Scheme of weights; what fixes all random numbers (chosen and reported if None); name of the calibration.
+        Weighting scheme; seed of all random numbers (chosen and reported if None); name of the calibration.
     quick_runs
-        True: runs of the function are so short that statistics and reports may make some hundred more of them, in this
+        True if runs of the function are so short that statistics and reports may make a few hundred more in this
         process, for sensitivities and intervals at the optimum.
     workers
-        Processes that share the evaluations.
+        Number of processes that share the evaluations.
     output
-        Folder for report, figures, tables and, as it goes, every finished evaluation: ``geoswarm run --output``.
+        Folder for report, figures, tables and, during the run, every finished evaluation, as ``geoswarm run --output``.
     resume
-        Go on with the run that was cut off in ``output``, to the same result; begin where there is none.
+        Continue the interrupted run in ``output`` to the same result; start a new one if there is none.
     on_generation
         Called after every generation.
 
@@ -94,26 +94,34 @@ def calibrate(
     ProblemError
         Lists every mistake with its path; also when the file of a function cannot be imported.
     SolverError
-        No feasible proposal is found, a folder cannot be used, or worker processes cannot be had.
+        No feasible proposal is found, a folder cannot be used, or worker processes cannot be started.
 
     Warns
     -----
     InProcessWarning
-        The function can be called in this process alone (a lambda, a nested function, one of a notebook, one of a
-        script without main guard): then one worker and no limits. Also where limits do not hold on this system.
+        The function can be called only in this process (a lambda, a nested function, one of a notebook, one of a script
+        without main guard), with one worker and without limits. Also where limits do not apply on this system.
 
     Examples
     --------
     >>> import geoswarm as gs
-    >>> result = gs.calibrate(  # doctest: +SKIP
-    ...     curve, parameters={"E": gs.free(1e3, 1e5)}, observations=gs.observed(x, y, error=0.1), workers=4
+    >>> def line(x, a, b):
+    ...     return a + b * x
+    >>> result = gs.calibrate(
+    ...     line,
+    ...     parameters={"a": gs.free(0, 10), "b": gs.free(0, 10)},
+    ...     observations=gs.observed([0, 1, 2, 3], [1.1, 2.9, 5.1, 6.9], error=0.1),
+    ...     stopping={"max_evaluations": 100},
+    ...     seed=1,
     ... )
+    >>> print(f"a = {result.parameters['a']:.2f}, b = {result.parameters['b']:.2f}")
+    a = 1.06, b = 1.96
     """
     refuse_while_imported("geoswarm.calibrate")
     if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
-        raise ValueError(f"workers is {workers!r}; a whole number from 1 is accepted")
+        raise ValueError(f"workers must be a whole number from 1, got {workers!r}")
     if resume and output is None:
-        raise ValueError("resume=True needs output, the folder of the run that was cut off")
+        raise ValueError("resume=True needs output, the folder of the interrupted run")
     options = options_of(
         parameters=parameters,
         observations=observations,

@@ -34,6 +34,15 @@ class Evaluated:
         f and f'_g of every observed series, in base units squared.
     x, responses
         Observed points and calculated values by series, each of shape (m_g,), base units (kN, m, day, degree).
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def line(x, a, b):
+    ...     return a + b * x
+    >>> found = gs.evaluate(line, observations=gs.observed([0, 1], [1, 3]), a=1, b=2)
+    >>> found.parameters, found.misfits
+    ({'a': 1.0, 'b': 2.0}, {'y': 0.0})
     """
 
     parameters: dict[str, float]
@@ -54,18 +63,25 @@ def evaluate(model: Model, /, *, observations: Observations | None = None, **val
         As for :func:`geoswarm.calibrate`; needed for a function.
     values
         Parameters by name. A free one of a problem that is not given takes its ``initial`` value. Values outside the
-        bounds are calculated all the same: the bounds belong to the search.
+        bounds are accepted: the bounds apply to the search only.
 
     Raises
     ------
     ProblemError
-        A parameter is unknown, linked, missing, or no finite number.
+        A parameter is unknown, linked, missing, or not a finite number.
     ForwardError
-        The calculation has failed; ``reason`` says how.
+        The calculation failed; ``reason`` says why.
 
     Examples
     --------
-    >>> gs.evaluate(problem, E=2e4).objective  # doctest: +SKIP
+    >>> import geoswarm as gs
+    >>> def line(x, a, b):
+    ...     return a + b * x
+    >>> found = gs.evaluate(line, observations=gs.observed([0, 1, 2], [1, 3, 6]), a=1, b=2)
+    >>> print(f"{found.objective:.4f}")
+    0.3333
+    >>> found.responses["y"].tolist()
+    [1.0, 3.0, 5.0]
     """
     refuse_while_imported("geoswarm.evaluate")
     numbers = {name: _number(name, value) for name, value in values.items()}

@@ -17,7 +17,7 @@ __all__ = ["opened_folder", "write_folder"]
 
 
 def opened_folder(folder: Path, problem: Problem, *, seed: int | None = None, resume: bool = False) -> RunFolder:
-    """Make a folder ready for a run, or for the rest of one.
+    """Prepare a folder for a run, or for the rest of one.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""How a function reaches the processes that call it: by its file and name, or not at all, and then why not.
+"""How a function reaches the processes that call it: by its file and name, or why it cannot.
 
-Evaluation processes are no copies of this one: they import the file of the function, under another name than
+Evaluation processes are not copies of this one: they import the file of the function, under another name than
 ``__main__``. So a function is sent that is written in a file, by ``def``, outside of any other, and is still what
 stands there. A script that calibrates while it is being imported would do so again there: it must have its call below
 ``if __name__ == "__main__":``. Any other function stays in this process.
@@ -28,11 +28,28 @@ GUARD = 'if __name__ == "__main__":'
 
 
 class InProcessWarning(UserWarning):
-    """A function is calculated in this process: several workers and limits do not hold."""
+    """A function runs in this process: several workers and limits do not apply.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import geoswarm as gs
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", gs.InProcessWarning)  # one worker is meant
+    ...     result = gs.calibrate(
+    ...         lambda x, a: a * x,
+    ...         parameters={"a": gs.free(0, 10)},
+    ...         observations=gs.observed([1, 2], [2, 4]),
+    ...         stopping={"max_evaluations": 20},
+    ...         seed=1,
+    ...     )
+    >>> result.state
+    'finished'
+    """
 
 
 def function_section(function: Callable[..., Any], series: Mapping[str, Any]) -> tuple[dict[str, Any], str | None]:
-    """Return the ``forward_model`` section of a function, and why it stays in this process; None: it does not.
+    """Return the ``forward_model`` section of a function, and why it stays in this process (None if it does not).
 
     Parameters
     ----------
@@ -102,7 +119,7 @@ def _in_file(function: Callable[..., Any], signature: Signature) -> dict[str, An
         raise _StaysError(f"is in {path}, which is no .py file")
     source = path.read_bytes()
     if not _holds(source, path, plain.__code__):
-        raise _StaysError(f"is not what stands in {path.name} now; import it anew")
+        raise _StaysError(f"is not what {path.name} contains now; import it again")
     try:
         same = signature_in(source, path.name, name) == signature
     except SignatureError as error:

@@ -1,4 +1,4 @@
-"""Draws measured and calculated series into axes of the user's or of its own."""
+"""Draws measured and calculated series into given or new axes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def plot_curves(curves: list[SeriesCurve], axes: Axes | Iterable[Axes] | None) -
     Parameters
     ----------
     axes
-        One for each series; one alone where there is one series; None: a new figure.
+        One for each series, or a single one for a single series; None for a new figure.
 
     Raises
     ------

@@ -22,7 +22,14 @@ Options: TypeAlias = dict[str, Any]
 """Sections of a problem file by name, those that are given."""
 
 DEFAULT_STOPPING: Mapping[str, int] = {"stagnation_generations": 50, "max_evaluations": 10_000}
-"""When the calibration of a function ends where nothing is said; ``result.stop_reasons`` tells which it was."""
+"""Stop criteria of a function when none are given; ``result.stop_reasons`` names those that applied.
+
+Examples
+--------
+>>> import geoswarm as gs
+>>> gs.DEFAULT_STOPPING["stagnation_generations"]
+50
+"""
 
 _ONE_SERIES = "y"
 _OF_FUNCTIONS = ("series", "quick_runs")
@@ -55,6 +62,16 @@ def problem(
     ------
     ProblemError
         Lists every mistake with its path.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def line(x, a, b):
+    ...     return a + b * x
+    >>> parameters = {"a": gs.free(0, 10), "b": gs.free(0, 10)}
+    >>> problem = gs.problem(line, parameters=parameters, observations=gs.observed([0, 1], [1, 3]))
+    >>> problem.free_names
+    ('a', 'b')
     """
     options = options_of(
         parameters=parameters,

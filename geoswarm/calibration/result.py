@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from geoswarm.calibration.folder import opened_folder, write_folder
+from geoswarm.calibration.outlook import Predicted, design, predict
 from geoswarm.calibration.runs import Runs
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from geoswarm.solver.calibration import Evaluation
     from geoswarm.solver.identifiability import Statistics
+    from geoswarm.solver.identifiability.worth.outcome import Design
     from geoswarm.solver.report.document.build import Report
 
 __all__ = ["Result", "lacking_for_reports"]
@@ -31,9 +33,28 @@ class Result:
     Parameters
     ----------
     problem
-        What was calibrated.
+        The calibrated problem.
     found
         The outcome.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def line(x, a, b):
+    ...     return a + b * x
+    >>> result = gs.calibrate(
+    ...     line,
+    ...     parameters={"a": gs.free(0, 10), "b": gs.free(0, 10)},
+    ...     observations=gs.observed([0, 1, 2, 3], [1.1, 2.9, 5.1, 6.9], error=0.1),
+    ...     stopping={"max_evaluations": 100},
+    ...     seed=1,
+    ... )
+    >>> result.stop_reasons, result.evaluations
+    (('max_evaluations',), 100)
+    >>> print(f"{result.objective:.3f}")
+    0.008
+    >>> result.statistics().fit.kind
+    'untested'
     """
 
     def __init__(self, problem: Problem, found: CalibrationResult) -> None:
@@ -75,12 +96,12 @@ class Result:
 
     @property
     def state(self) -> Literal["finished", "failed"]:
-        """``failed`` when no evaluation succeeded, or one failed that ends the calibration (``failures``)."""
+        """``finished``, or ``failed`` if no evaluation succeeded or a failure ended the calibration (``failures``)."""
         return self.found.state
 
     @property
     def error(self) -> str | None:
-        """Why it failed, None: it has not."""
+        """Why it failed; None if it did not."""
         return self.found.error
 
     @property
@@ -90,12 +111,12 @@ class Result:
 
     @property
     def evaluations(self) -> int:
-        """Number of evaluations; without the generation whose failure has ended the calibration (``failures``)."""
+        """Number of evaluations, without a generation whose failure ended the calibration (``failures``)."""
         return self.found.evaluations
 
     @property
     def failed_evaluations(self) -> int:
-        """Number of those that failed."""
+        """Number of failed evaluations."""
         return self.found.failed_evaluations
 
     @property
@@ -110,7 +131,7 @@ class Result:
 
     @property
     def seed(self) -> int:
-        """What fixes all its random numbers."""
+        """Seed of all random numbers."""
         return self.found.seed
 
     @property
@@ -130,14 +151,14 @@ class Result:
         return report_of_result(self.problem, self.found)
 
     def statistics(self, *, threshold: float | None = None) -> Statistics:
-        """Tell what the data say about each parameter: verdicts, correlations, intervals (``docs/statistics.md``).
+        """Show what the data say about each parameter: verdicts, correlations, intervals (``docs/statistics.md``).
 
-        The same as ``geoswarm statistics DIR``: no further run, unless the forward model is quick.
+        The same as ``geoswarm statistics DIR``: no further runs, unless the forward model is quick.
 
         Parameters
         ----------
         threshold
-            Objective up to which a fit is good; proposed if None.
+            Objective up to which a fit counts as good; proposed if None.
 
         Raises
         ------
@@ -145,11 +166,99 @@ class Result:
             No forward run succeeded, or the threshold is wrong.
         """
         if threshold is not None and (isinstance(threshold, bool) or not isinstance(threshold, Real)):
-            raise TypeError(f"threshold is {threshold!r}; a number above 0 is accepted, in base units squared")
+            raise TypeError(f"threshold must be above 0, in base units squared; got {threshold!r}")
         report = self._report if threshold is None else self._report.with_threshold(threshold)
         if report.statistics is None:
             raise self._nothing()
         return report.statistics
+
+    def predict(
+        self,
+        problem: Problem | Mapping[str, Any] | str | Path,
+        *,
+        runs: int = 200,
+        level: float = 0.9,
+        noise: Mapping[str, float] | float | None = None,
+        source: Literal["auto", "posterior", "covariance"] = "auto",
+        workers: int = 1,
+    ) -> Predicted:
+        """Predict another problem with the identified parameters and their uncertainty (``docs/prediction.md``).
+
+        Parameters
+        ----------
+        problem
+            A problem, a mapping with its sections, or a problem file. Its free or omitted parameters are taken from
+            this result by name; its observations say where the series are wanted: ``points: {x: [..]}`` is enough.
+        runs
+            Number of forward runs of that problem.
+        level
+            Probability of the band at each x.
+        noise
+            Known standard deviation of a reading of this calibration, base units, one for all series or one each.
+        source
+            Where the parameters are drawn from; ``auto``: the covariance at the optimum, and a trusted posterior sample
+            where the model is nonlinear.
+        workers
+            Number of processes that share the runs.
+
+        Raises
+        ------
+        ProblemError
+            Lists every mistake in ``problem``.
+        SolverError
+            There are no sensitivities at an optimum, which needs a quick model or dense runs; the error of a reading is
+            not known; or too few runs succeed.
+        """
+        report = self._with_noise(noise)
+        return predict(report, problem, runs=runs, level=level, noise=noise, source=source, workers=workers)
+
+    def design(
+        self,
+        candidates: Mapping[str, Any] | str | Path,
+        *,
+        predict: Problem | Mapping[str, Any] | str | Path | None = None,
+        criterion: Literal["widths", "volume", "prediction"] | None = None,
+        draws: int = 8,
+        noise: Mapping[str, float] | float | None = None,
+        workers: int = 1,
+    ) -> Design:
+        """Rank candidate tests by how much they would narrow the intervals or a prediction (``docs/prediction.md``).
+
+        Parameters
+        ----------
+        candidates
+            ``{"candidates": [{"name": .., "observations": [{"series": .., "points": {"x": [..]}, "error": ..}]}, ..]}``
+            with a ``forward_model`` where it is not that of this result; or a file of them.
+        predict
+            A problem whose prediction is to become narrower, as for :meth:`predict`.
+        criterion
+            How to rank them: by ``widths`` of all intervals, ``volume`` of their common region, or ``prediction``.
+        draws
+            Number of points around the optima over which the worth is averaged.
+        noise
+            Known standard deviation of a reading of this calibration, base units.
+
+        Returns
+        -------
+        ``candidates``, the best first, each with ``name``, ``parameters`` (expected reduction of each interval, parts
+        of its width), ``widths``, ``volume`` and ``prediction``.
+
+        Raises
+        ------
+        ProblemError, SolverError
+            As :meth:`predict`.
+        """
+        report = self._with_noise(noise)
+        return design(
+            report, candidates, predicted=predict, criterion=criterion, draws=draws, noise=noise, workers=workers
+        )
+
+    def _with_noise(self, noise: Mapping[str, float] | float | None) -> Report:
+        if noise is None:
+            return self._report
+        from geoswarm.solver.report.document.build import report_of_result
+
+        return report_of_result(self.problem, self.found, noise=noise)
 
     def report(self, folder: str | Path) -> list[Path]:
         """Write report, figures and tables into a folder, as ``geoswarm run --output``; return the files.
@@ -157,9 +266,9 @@ class Result:
         Raises
         ------
         ImportError
-            What draws and sets is not installed.
+            The packages that draw and typeset are not installed.
         SolverError
-            The folder cannot be written, or holds a run that was cut off.
+            The folder cannot be written, or holds an interrupted run.
         """
         lacking = lacking_for_reports()
         if lacking is not None:
@@ -177,7 +286,7 @@ class Result:
         Parameters
         ----------
         axes
-            Of Matplotlib, one for each series; None: a new figure.
+            Matplotlib axes, one for each series; None for a new figure.
 
         Returns
         -------

@@ -27,14 +27,26 @@ class Runs(Mapping[str, npt.NDArray[Any]]):
     """Every evaluation, in the order of generation and particle: columns by name, each of shape (n,).
 
     ``generation``, ``particle``, ``state``, ``objective``, the free parameters, ``misfit.SERIES``, ``reason`` and
-    ``message`` of a failure, ``seconds``: those of ``evaluations.csv`` (``geoswarm run --output``). A parameter that is
-    called like another column is ``parameter.NAME``. Numbers that a failed evaluation lacks are nan, texts that are not
-    there are empty. The arrays are read only; ``copy()`` gives one to change.
+    ``message`` of a failure, ``seconds``: those of ``evaluations.csv`` (``geoswarm run --output``). A parameter with
+    the name of another column is ``parameter.NAME``. Missing numbers of failed evaluations are nan, missing texts are
+    empty. The arrays are read-only; change a ``copy()``.
 
     Examples
     --------
-    >>> good = runs["state"] == "finished"          # doctest: +SKIP
-    >>> runs["E"][good], runs.responses["y"][good]  # doctest: +SKIP
+    >>> import geoswarm as gs
+    >>> def line(x, a, b):
+    ...     return a + b * x
+    >>> result = gs.calibrate(
+    ...     line,
+    ...     parameters={"a": gs.free(0, 10), "b": gs.free(0, 10)},
+    ...     observations=gs.observed([0, 1, 2, 3], [1.1, 2.9, 5.1, 6.9], error=0.1),
+    ...     stopping={"max_evaluations": 100},
+    ...     seed=1,
+    ... )
+    >>> runs = result.runs
+    >>> good = runs["objective"] < 0.1
+    >>> bool(good.any()), runs["a"].shape, runs.responses["y"].shape
+    (True, (100,), (100, 4))
     """
 
     def __init__(self, problem: Problem, result: CalibrationResult) -> None:
@@ -52,7 +64,7 @@ class Runs(Mapping[str, npt.NDArray[Any]]):
 
     @cached_property
     def responses(self) -> dict[str, FloatArray]:
-        """Calculated values by series, shape (n, m_g), base units; nan where an evaluation has failed."""
+        """Calculated values by series, shape (n, m_g), base units; nan where an evaluation failed."""
         return {
             o.series: _fixed(
                 np.array(

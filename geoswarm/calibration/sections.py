@@ -1,4 +1,4 @@
-"""What a problem says of a parameter, a series, an observation: the sections of the problem file, made in Python."""
+"""Sections of the problem file, made in Python: parameter, series, observation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from geoswarm.solver.errors import Issue, ProblemError
 __all__ = ["Section", "fixed", "free", "linked", "observed", "series"]
 
 Section: TypeAlias = dict[str, Any]
-"""A section of a problem file: mistakes in it are told when a problem is made of it, all at once."""
+"""A section of a problem file; its mistakes are reported together when a problem is made of it."""
 
 
 def free(
@@ -35,11 +35,12 @@ def free(
     initial
         Estimate to start from.
     integer
-        It takes whole numbers only.
+        Whether it takes whole numbers only.
 
     Examples
     --------
-    >>> free(1e3, 1e5, scale="log")
+    >>> import geoswarm as gs
+    >>> gs.free(1e3, 1e5, scale="log")
     {'lower': 1000.0, 'upper': 100000.0, 'scale': 'log'}
     """
     section: Section = {"lower": lower, "upper": upper, "scale": scale}
@@ -48,17 +49,31 @@ def free(
 
 
 def fixed(value: float) -> Section:
-    """A parameter with a known value."""
+    """A parameter with a known value.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> gs.fixed(20)
+    {'value': 20}
+    """
     return {"value": value}
 
 
 def linked(expression: str) -> Section:
-    """A parameter that follows from others, such as ``linked("0.5 * lambda_star")``."""
+    """A parameter that follows from others, such as ``linked("0.5 * lambda_star")``.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> gs.linked("0.5 * lambda_star")
+    {'expression': '0.5 * lambda_star'}
+    """
     return {"expression": expression}
 
 
 def series(*, x_unit: str | None = None, y_unit: str | None = None, description: str = "") -> Section:
-    """How the values of a function are to be read, where its units are not those of the observation.
+    """Units of a function's values, where they are not those of the observation.
 
     Parameters
     ----------
@@ -66,6 +81,12 @@ def series(*, x_unit: str | None = None, y_unit: str | None = None, description:
         Units in which the function gets x and returns values; a plain number if None.
     description
         What the series is.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> gs.series(x_unit="day", y_unit="mm")
+    {'x_unit': 'day', 'y_unit': 'mm'}
     """
     units = {"x_unit": x_unit, "y_unit": y_unit, "description": description or None}
     return {name: value for name, value in units.items() if value is not None}
@@ -94,15 +115,15 @@ def observed(
     Parameters
     ----------
     x, y
-        Points, each of shape (m,): anything that NumPy takes for numbers.
+        Points, each of shape (m,): anything that NumPy converts to numbers.
     error
         Standard deviation of a reading, in the unit of y, where it is known.
     weight
-        Of the series in the objective.
+        Weight of the series in the objective.
     weights
-        Of the points, shape (m,); all 1 if absent.
+        Weights of the points, shape (m,); all 1 if absent.
     x_unit, y_unit
-        Units of the data; those of the series if absent. A function without ``series`` gets and returns these.
+        Units of the data; those of the series if absent. A function without ``series`` uses these units, too.
     inputs
         Further quantities at the points that a formula uses by name, each of shape (m,).
     sort, repeated_x, resample, x_from, x_to, stage_x_from, leave_out_stages
@@ -111,7 +132,14 @@ def observed(
     Raises
     ------
     ProblemError
-        The points are no numbers, or no list of them.
+        The points are not a list of numbers.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> settlement = gs.observed([1, 10, 100], [0.8, 2.1, 3.0], x_unit="min", y_unit="mm", error=0.05)
+    >>> settlement["points"]["y"], settlement["error"]
+    ([0.8, 2.1, 3.0], 0.05)
     """
     points: Section = {"x": _numbers("x", x), "y": _numbers("y", y)}
     if weights is not None:
@@ -137,10 +165,10 @@ def _numbers(name: str, values: npt.ArrayLike) -> list[float]:
     try:
         array = np.asarray(values)
     except ValueError as error:
-        raise ProblemError([Issue(f"observed.{name}", f"is no list of numbers: {error}")]) from None
+        raise ProblemError([Issue(f"observed.{name}", f"must be a list of numbers: {error}")]) from None
     if array.dtype.kind not in "fiu":
         what = "an empty list" if not array.size else f"values of type {array.dtype}"
-        raise ProblemError([Issue(f"observed.{name}", f"must be a list of numbers, not {what}")])
+        raise ProblemError([Issue(f"observed.{name}", f"must be a list of numbers, got {what}")])
     if array.ndim != 1:
-        raise ProblemError([Issue(f"observed.{name}", f"must have one dimension, not the shape {array.shape}")])
+        raise ProblemError([Issue(f"observed.{name}", f"must have one dimension, got the shape {array.shape}")])
     return [float(value) for value in array]

@@ -32,7 +32,7 @@ _RESULTS = "What a job, or a run in a folder, tells"
 _OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
-    "init": CommandEntry("start.init", _PROBLEM, "Write a commented problem to begin with, and its data."),
+    "init": CommandEntry("start.init", _PROBLEM, "Write a commented starter problem with its data."),
     "inline": CommandEntry(
         "start.init",
         _PROBLEM,
@@ -47,12 +47,18 @@ COMMANDS: dict[str, CommandEntry] = {
     "model": CommandEntry("model.group", _PROBLEM, "Make a forward model of a program of your own, and try it."),
     "import": CommandEntry("model.imports", _PROBLEM, "Make a problem of the files of another tool."),
     "umbridge": CommandEntry("model.umbridge", _PROBLEM, "Serve the forward model of a problem to UM-Bridge clients."),
-    "paper": CommandEntry("start.paper", _PROBLEM, "Run the published studies again and compare every number."),
+    "paper": CommandEntry("start.paper", _PROBLEM, "Repeat the published studies and compare every number."),
+    "verify": CommandEntry(
+        "start.verify", _PROBLEM, "Verify this installation against closed forms and published numbers."
+    ),
     "examples": CommandEntry("start.examples", _PROBLEM, "List the examples that are installed, or write one out."),
     "demo": CommandEntry("start.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
     "serve": CommandEntry("serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."),
     "worker": CommandEntry("serve", _SERVICE, "Run forward calculations for a service with a broker."),
-    "sweep": CommandEntry("serve", _SERVICE, "Look after jobs: re-dispatch what is overdue."),
+    "agent": CommandEntry(
+        "service.agent", _SERVICE, "Run forward calculations for a service over HTTPS, without access to its database."
+    ),
+    "sweep": CommandEntry("serve", _SERVICE, "Watch over jobs: redispatch overdue evaluations."),
     "submit": CommandEntry("service.submit", _JOBS, "Submit a problem as a job."),
     "watch": CommandEntry("service.submit", _JOBS, "Follow a job until it ends."),
     "list": CommandEntry("service.jobs", _JOBS, "List jobs, newest first."),
@@ -61,13 +67,14 @@ COMMANDS: dict[str, CommandEntry] = {
     "pause": CommandEntry("service.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("service.jobs", _JOBS, "Resume a paused job."),
     "export": CommandEntry("service.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
-    "retry-failed": CommandEntry("service.failures", _JOBS, "Run the failed evaluations of a job again."),
+    "retry-failed": CommandEntry("service.failures", _JOBS, "Rerun the failed evaluations of a job."),
     "workers": CommandEntry("service.jobs", _JOBS, "List the workers of a service."),
+    "hooks": CommandEntry("service.hooks", _JOBS, "Notify an address when jobs end."),
     "report": CommandEntry("local.reports", _RESULTS, "Write the report: verdicts, figures, tables, provenance."),
     "statistics": CommandEntry(
         "local.statistics",
         _RESULTS,
-        "Tell what the data say about each parameter, from stored evaluations; no forward run.",
+        "Show what the data say about each parameter, from stored evaluations; no forward run.",
     ),
     "sensitivity": CommandEntry(
         "local.follow_ups",
@@ -79,10 +86,25 @@ COMMANDS: dict[str, CommandEntry] = {
         _RESULTS,
         "Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.",
     ),
+    "explore": CommandEntry(
+        "local.follow_ups",
+        _RESULTS,
+        "Spend runs where a second basin is most likely, and update the verdicts.",
+    ),
     "influence": CommandEntry(
         "local.follow_ups",
         _RESULTS,
         "Evaluate how much each parameter matters over the whole search range (Sobol, Morris).",
+    ),
+    "predict": CommandEntry(
+        "local.outlook",
+        _RESULTS,
+        "Run the identified parameters, with their uncertainty, through another problem: bands and median.",
+    ),
+    "design": CommandEntry(
+        "local.outlook",
+        _RESULTS,
+        "Rank candidate tests by how much they would narrow the intervals or a prediction.",
     ),
     "posterior": CommandEntry(
         "local.findings",
@@ -95,10 +117,12 @@ COMMANDS: dict[str, CommandEntry] = {
         "Calculate the objectives that stored responses have under other weights; no forward run.",
     ),
     "models": CommandEntry(
-        "model.registered", _OPERATION, "List, show and check the models registered on this machine (GEOSWARM_MODELS)."
+        "model.registered",
+        _OPERATION,
+        "List, show, check and sign the models registered on this machine (GEOSWARM_MODELS).",
     ),
     "keys": CommandEntry("service.keys", _OPERATION, "Create, list and revoke API keys."),
-    "prune": CommandEntry("service.prune", _OPERATION, "Delete old jobs for good."),
+    "prune": CommandEntry("service.prune", _OPERATION, "Delete old jobs permanently."),
 }
 
 

@@ -40,7 +40,7 @@ _level_option = click.option(
     type=click.Choice(("debug", "info", "warning", "error")),
     default="warning",
     show_default=True,
-    help="What to write to stderr.",
+    help="Level of messages written to stderr.",
 )
 _format_option = click.option(
     "--log-format",
@@ -49,7 +49,7 @@ _format_option = click.option(
     show_envvar=True,
     default="text",
     show_default=True,
-    help="Lines for readers, or one JSON object a line.",
+    help="Plain lines, or one JSON object a line.",
 )
 
 
@@ -179,7 +179,7 @@ def leave_at_last(seconds: float) -> None:
     """End the process after a time [s] if its parts do not end by themselves; workers end with it."""
 
     def leave() -> None:
-        note("Something did not end in time and was left.")
+        note("Something did not end in time and was abandoned.")
         os._exit(1)
 
     timer = threading.Timer(seconds, leave)
@@ -227,7 +227,7 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
     finally:
         store.close()
     if not keys:
-        why = "a service with a broker" if is_loopback(host) else f"--host {host} lets other machines in, so it"
+        why = "a service with a broker" if is_loopback(host) else f"--host {host} admits other machines, so it"
         raise BadInputError(
             f"{why} needs an API key, and there is none. Make the first one in its database:\n"
             "  geoswarm keys create --owner NAME --role admin\n"
@@ -276,7 +276,7 @@ def worker_command(
 @broker_option
 @logging_options
 def sweep_command(database: str | None, broker: str | None, log_level: str, log_format: str) -> None:
-    """Look after jobs: re-dispatch what is overdue.
+    """Watch over jobs: redispatch overdue evaluations.
 
     Every service and worker does this, too. A sweep of its own keeps jobs going while no service runs.
     """

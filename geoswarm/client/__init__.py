@@ -1,13 +1,13 @@
 """The Python client of a geoswarm service: :class:`Client` and :class:`AsyncClient` with the same methods.
 
 ==============  =====================================================================
-``_async``      :class:`AsyncClient`, written by hand
+``_async``      :class:`AsyncClient`, the source
 ``_sync``       :class:`Client`, generated from it by ``scripts/generate_client.py``
 ``calls``       how requests are put together and answers are read, without any input or output
 ``models``      frozen records that only the client has; those with arrays in ``points``, ``bodies``,
                 those for administrators in ``administration``; all others in :mod:`geoswarm.records`
 ``errors``      the tree of errors
-``follow``      when to take up an event stream again, when to give up
+``follow``      when to reconnect to an event stream, when to give up
 ``sse``         reads an event stream
 ==============  =====================================================================
 """
@@ -49,6 +49,7 @@ from geoswarm.records.evaluation import Best, Evaluation, Response
 from geoswarm.records.event import Event
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
 from geoswarm.records.generation import Generation
+from geoswarm.records.hook import Hook, NewHook
 from geoswarm.records.job import Job, Retry
 from geoswarm.records.key import Key, NewKey
 from geoswarm.records.page import Page
@@ -75,10 +76,12 @@ __all__ = [
     "ForwardModelInfo",
     "Generation",
     "Health",
+    "Hook",
     "Job",
     "Key",
     "Mesh",
     "MeshFields",
+    "NewHook",
     "NewKey",
     "Operations",
     "Page",

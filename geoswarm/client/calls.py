@@ -46,6 +46,7 @@ __all__ = [
     "plain",
     "present",
     "problem_text",
+    "question_document",
     "read_json",
     "reader",
     "view_query",
@@ -175,6 +176,21 @@ def problem_text(problem: Problem) -> str:
 
         problem = load_problem(Path(problem)).document()
     return json.dumps(problem, default=plain)
+
+
+def question_document(problem: Problem) -> Mapping[str, Any]:
+    """A problem that another one completes, with its measured points in it.
+
+    Raises
+    ------
+    geoswarm.solver.errors.ProblemError
+        When the file, or one that it refers to, cannot be read.
+    """
+    if isinstance(problem, str | Path):
+        from geoswarm.solver.problem.points import inlined_document  # slow; only needed for files
+
+        return inlined_document(Path(problem))
+    return problem
 
 
 def plain(value: Any) -> Any:

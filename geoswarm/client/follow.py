@@ -25,7 +25,7 @@ def pause_before(deadline: float | None) -> float:
 
 
 class SilentStreamError(ConnectionFailedError):
-    """Connections open, but nothing comes through them, not even signs of life: something on the way holds it back."""
+    """Connections open, but neither data nor heartbeats arrive: something in between holds them back."""
 
 
 class Follower:
@@ -36,9 +36,9 @@ class Follower:
     after
         Id of the last event already known.
     patience
-        How long the service may be out of reach before the reader gives up [s].
+        How long the service may be unreachable before the reader gives up [s].
     silence
-        A connection is given up when nothing, not even a sign of life, came for so long [s].
+        A connection is given up after this time without data or heartbeats [s].
     deadline
         On the clock of ``time.monotonic`` [s]; None for no end.
     """

@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The report of a job: ``html`` is a whole page that needs nothing else."""
+    """The report of a job: ``html`` is a self-contained page."""
 
     html: str
 
@@ -55,7 +55,7 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class TestRun:
-    """One forward calculation, made to see whether a problem works; ``reason`` and ``message`` when it failed."""
+    """One forward calculation to test a problem; ``reason`` and ``message`` when it failed."""
 
     __test__ = False
 
@@ -80,9 +80,10 @@ class WarmStart:
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """What a valid problem would do and cost; ``estimated_seconds`` is for one worker.
+    """What a valid problem will run and cost; ``estimated_seconds`` is for one worker.
 
-    ``notes`` say what was done to the readings, by series.
+    ``notes`` list how the readings were processed, by series; ``assumptions``, what the forward model assumes where the
+    problem says nothing.
     """
 
     valid: bool
@@ -97,11 +98,12 @@ class CheckResult:
     warnings: list[str]
     warm_starts: list[WarmStart]
     notes: dict[str, list[str]] = field(default_factory=dict)
+    assumptions: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
 class ForwardModelInfo:
-    """A kind of forward model; ``model``: the registered model that it is, None for all other kinds."""
+    """A kind of forward model; ``model`` names a registered model, None for all other kinds."""
 
     kind: str
     description: str
@@ -110,7 +112,7 @@ class ForwardModelInfo:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter that a forward model knows; ``default`` None: the problem must give it."""
+    """A parameter of a forward model; if ``default`` is None, the problem must give it."""
 
     name: str
     symbol: str
@@ -157,12 +159,12 @@ class ForwardModel:
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """Whether the service can work; ``dependencies`` says ok, embedded, or why one cannot be used."""
+    """Whether the service can work; ``dependencies`` are ok, embedded, or say why they cannot be used."""
 
     status: str
     dependencies: dict[str, str]
 
     @property
     def ok(self) -> bool:
-        """Whether everything that the service needs can be reached."""
+        """Whether all that the service needs can be reached."""
         return self.status == "ok"

@@ -17,6 +17,7 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``uncertainty`` what its follow-ups have found, a sample of the posterior
 ``worker``      who runs forward calculations
 ``key``         API keys and roles
+``hook``        whom to tell when a job has ended
 ``arrays``      how arrays are read and written
 ==============  =====================================================================
 """

@@ -11,7 +11,7 @@ __all__ = ["Attempt"]
 
 @record
 class Attempt:
-    """One try at an evaluation."""
+    """One attempt at an evaluation."""
 
     number: int
     worker: str | None

@@ -30,7 +30,7 @@ class Evaluation:
     parameters: dict[str, float]
     objective: Number
     misfits: dict[str, Number]
-    responses: dict[str, Response] | None = told("only when asked for with responses=true")
+    responses: dict[str, Response] | None = told("only with responses=true")
     reason: str | None = told("kind of failure")
     message: str | None = told("what happened")
     attempts: int
@@ -43,7 +43,7 @@ class Evaluation:
 
 @record
 class Column:
-    """A column of a table of evaluations (CSV, Parquet): one field that is no mapping."""
+    """A column of a table of evaluations (CSV, Parquet): one field that is not a mapping."""
 
     name: str
     kind: type[int] | type[float] | type[str] | type[datetime]

@@ -12,7 +12,7 @@ __all__ = ["Event"]
 
 @record
 class Event:
-    """Something that happened to a job; ids grow with time, so that a reader can go on after the last one seen."""
+    """Something that happened to a job; ids grow with time, so that a reader can continue after the last one seen."""
 
     id: int
     kind: str = told("state, generation or kernels")

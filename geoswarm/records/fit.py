@@ -12,7 +12,7 @@ __all__ = ["Fit", "FitCurve", "FitParameter", "FitSeries", "FitShare"]
 
 @record
 class FitParameter:
-    """A parameter as it stands in the problem."""
+    """A parameter as given in the problem."""
 
     name: str
     symbol: str
@@ -57,7 +57,7 @@ class FitShare:
 
 @record(eq=False)
 class FitCurve:
-    """What one evaluation gives at the measured points."""
+    """Calculated values of one evaluation at the measured points."""
 
     role: Literal["initial", "best", "chosen"] = told("initial: the first evaluation that succeeded")
     generation: int

@@ -22,5 +22,5 @@ class Generation:
     created_at: datetime
     finished_at: datetime
     diversity: float | None = told(
-        "scatter of the particles: near 1 all over the space, 0 at one point; null: not asked for"
+        "scatter of the particles: near 1 all over the space, 0 at one point; null: not requested"
     )

@@ -12,7 +12,7 @@ __all__ = ["Job", "Retry"]
 
 @record
 class Job:
-    """A submitted problem and how far it is; ``objective`` and ``parameters`` are the best so far."""
+    """A submitted problem and its progress; ``objective`` and ``parameters`` are the best so far."""
 
     id: str
     name: str
@@ -34,16 +34,16 @@ class Job:
     free_parameters: list[str]
     max_evaluations: int | None = told("planned number of evaluations, when there is one")
     priority: int
-    retrying: bool = told("its failed evaluations are run again; then it is what it was before")
-    owner: str | None = told("whose key submitted it; null: none, or that of the environment")
+    retrying: bool = told("its failed evaluations are being rerun; then it returns to its previous state")
+    owner: str | None = told("owner of the key that submitted it; null: no key, or that of the environment")
     last_event: int = told("id of its newest event: follow the events after it")
     trend: list[Number] | None = told(
-        "lowest objective so far at evenly spaced generations; only in lists, when asked for", default=None
+        "lowest objective so far at evenly spaced generations; only in lists, on request", default=None
     )
     versions: dict[str, str] | None = told(
-        "of geoswarm, python and what calculates, when it was begun; null: not begun, or not recorded"
+        "versions of geoswarm, python and the packages that calculate, at its start; null: not started, or not recorded"
     )
-    warnings: list[str] = told("other versions that took part; what it waits for, when there is no room")
+    warnings: list[str] = told("other versions that were used; what it waits for, if there is no room")
 
     @property
     def ended(self) -> bool:
@@ -69,7 +69,7 @@ class Job:
 
 @record
 class Retry:
-    """Failed evaluations that are run again."""
+    """Failed evaluations that are rerun."""
 
     evaluations: int = told("their number")
     job: Job

@@ -10,10 +10,11 @@ from geoswarm.records.states import KeyState
 
 __all__ = ["ROLES", "Key", "NewKey", "Role"]
 
-Role: TypeAlias = Literal["read", "submit", "admin"]
+Role: TypeAlias = Literal["agent", "read", "submit", "admin"]
 
 ROLES: tuple[Role, ...] = get_args(Role)
-"""Each may what the ones before it may: look at one's own jobs; also submit and steer them; everything, for all."""
+"""An agent runs what is calculated and sees nothing else. Of the others each may what the ones before it may: look at
+one's own jobs; also submit and steer them; everything, for all."""
 
 
 @record
@@ -33,7 +34,7 @@ class Key:
 
 @record
 class NewKey:
-    """A key that was made."""
+    """A new key."""
 
-    key: str = told("the key itself, which is shown only now", repr=False)
+    key: str = told("the key itself, shown only now", repr=False)
     view: Key

@@ -13,7 +13,7 @@ Item = TypeVar("Item")
 
 @record
 class Page(Generic[Item]):
-    """Some items of a list; ``next_cursor`` gets those that follow, None at the end."""
+    """Some items of a list; ``next_cursor`` gets the next page, None at the end."""
 
     items: list[Item]
     next_cursor: str | None

@@ -12,6 +12,8 @@ __all__ = [
     "OPEN_STATES",
     "SERVED_STATES",
     "UNDONE_STATES",
+    "DeliveryState",
+    "EndedState",
     "EvaluationState",
     "JobState",
     "KeyState",
@@ -20,7 +22,8 @@ __all__ = [
 JobState: TypeAlias = Literal["queued", "running", "paused", "finished", "failed", "cancelled"]
 JOB_STATES: tuple[JobState, ...] = get_args(JobState)
 
-ENDED_STATES: tuple[JobState, ...] = ("finished", "failed", "cancelled")
+EndedState: TypeAlias = Literal["finished", "failed", "cancelled"]
+ENDED_STATES: tuple[EndedState, ...] = get_args(EndedState)
 """Nothing more happens by itself."""
 
 OPEN_STATES: tuple[JobState, ...] = tuple(state for state in JOB_STATES if state not in ENDED_STATES)
@@ -39,3 +42,6 @@ UNDONE_STATES: tuple[EvaluationState, ...] = ("pending", "running")
 """No result has been counted yet."""
 
 KeyState: TypeAlias = Literal["active", "expired", "revoked"]
+
+DeliveryState: TypeAlias = Literal["waiting", "delivered", "given_up"]
+"""Of what a hook is to be told."""

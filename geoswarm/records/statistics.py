@@ -7,6 +7,7 @@ from typing import Any, Literal
 from geoswarm.records.record import Number, record, told
 
 __all__ = [
+    "Basins",
     "Combination",
     "CorrelationPair",
     "CorrelationTable",
@@ -19,6 +20,7 @@ __all__ = [
     "Linearisation",
     "Misfit",
     "OptimumParameter",
+    "OtherFit",
     "Place",
     "Projection",
     "Proposal",
@@ -34,11 +36,11 @@ __all__ = [
 
 @record(closed=True)
 class SampleCounts:
-    """Evaluations that the statistics rest on."""
+    """Evaluations on which the statistics are based."""
 
     total: int
     failed: int
-    left_out: int = told("successful ones of a long history that were not read")
+    left_out: int = told("successful evaluations of a long history that were not read")
     source: str = told("kind of the method they come from; follow_up: of any; mixed: of several")
     kept: int = told("good fits: at or below the threshold")
     kept_unbiased: int = told("those of a Monte Carlo sampling")
@@ -46,12 +48,12 @@ class SampleCounts:
 
 @record(closed=True)
 class Threshold:
-    """Objective up to which a fit is good."""
+    """Objective up to which a fit counts as good."""
 
     value: float
     origin: Literal["given", "statistics", "samples"]
     explanation: str
-    wanted: Number = told("where it was raised to keep enough samples: what statistics would have")
+    wanted: Number = told("if it was raised to keep enough samples: its statistical value")
 
 
 @record(closed=True)
@@ -104,7 +106,7 @@ class Projection:
 
 @record(closed=True)
 class Evidence:
-    """What a verdict rests on."""
+    """Basis of a verdict."""
 
     basis: Literal["sampling", "linearisation", "none"]
     good_fits: int
@@ -117,6 +119,7 @@ class Evidence:
     partners: list[tuple[str, Number]]
     influence: Number
     sampling_bias: bool
+    hidden: Number = told("share of the searched space in which a basin like this one could still hide, 0 to 1")
 
 
 @record(closed=True)
@@ -161,6 +164,7 @@ class Verdict:
         "lack_of_fit",
         "error_not_met",
     ]
+    words: str = told('the kind in words, as tables show it; with "within one basin" where the runs are sparse')
     sentence: str
     evidence: Evidence
     proposals: list[Proposal]
@@ -173,7 +177,7 @@ class Misfit:
     series: str
     stage: int | None
     reason: Literal["pattern", "repeats", "stated_error"]
-    probability: Number = told("of as much by chance, were the model right")
+    probability: Number = told("probability of such a deviation by chance if the model is right")
     deviation: Number = told("root mean square of the residuals")
     largest: Number = told("largest smoothed residual, calculated - measured")
     x: Number = told("where it is")
@@ -184,7 +188,7 @@ class Misfit:
 
 @record(closed=True)
 class FitVerdict:
-    """Whether the model describes the data: it stands before all other verdicts."""
+    """Whether the model describes the data; it comes before all other verdicts."""
 
     kind: Literal["describes", "lack_of_fit", "error_not_met", "untested"]
     sentence: str
@@ -201,12 +205,11 @@ class OptimumParameter:
     standard_error: Number
     interval: tuple[float, float] | None
     interval_basis: Literal["linearised", "correlated", "uneven", "profile"] | None = told(
-        "what the interval rests on; the two in the middle allow for correlated or uneven residuals"
+        "basis of the interval; the two in the middle allow for correlated or uneven residuals"
     )
-    bending: Number = told(
-        "how far an end by likelihood lies from the linearised one, relatively; null where nobody looked"
-    )
-    bent: bool = told("the model bends within the interval, and no profile has been calculated")
+    widening: Number = told("how many times wider correlated or uneven residuals make the interval by linearisation")
+    bending: Number = told("relative distance of an end by likelihood from the linearised one; null if not checked")
+    bent: bool = told("the model is nonlinear within the interval, and no profile has been calculated")
     influence: float
     why_no_interval: str | None
 
@@ -236,7 +239,8 @@ class Dependence:
     kind: Literal["correlated", "uneven"]
     rho: float = told("correlation of neighbouring readings")
     readings: int
-    effective: float = told("how many independent ones they are worth")
+    effective: float = told("number of independent readings with the same information")
+    by_x: bool = told("the correlation falls with the distance in x, and not with the readings between")
     sentence: str
 
 
@@ -250,7 +254,7 @@ class Linearisation:
     noise: KnownOrEstimated | None
     combinations: list[Combination]
     correlation: list[list[Number]]
-    unclear: list[str] = told("parameters whose sensitivities are too uncertain to say anything")
+    unclear: list[str] = told("parameters whose sensitivities are too uncertain for a statement")
     derivative_error: Number
     distance: list[Number] = told("to the nearest minimum inside the bounds, in standard errors")
     at_optimum: bool = told("false also where no distance is known")
@@ -286,6 +290,10 @@ class Residuals:
     durbin_watson: Number
     durbin_watson_probability: Number
     lack_of_fit: LackOfFit | None
+    loss_weights: list[float] | None = told(
+        "weights that a robust loss gives the readings, 0 to 1; null without a loss"
+    )
+    outliers: int | None = told("number of readings with such a weight below a third")
     warnings: list[str]
 
 
@@ -300,8 +308,29 @@ class SeriesShare:
 
 
 @record(closed=True)
+class OtherFit:
+    """A set of parameters that the data do not exclude, outside the region of the optimum."""
+
+    parameters: dict[str, float]
+    objective: float
+    differs: list[str] = told("parameters that lie outside that region")
+
+
+@record(closed=True)
+class Basins:
+    """What is known of the space beyond the basin of the optimum."""
+
+    others: list[OtherFit]
+    exchanges: list[tuple[str, str]] = told("pairs of parameters that can be exchanged")
+    hidden: Number = told("share of the searched space in which a basin like that of the optimum could hide, 0 to 1")
+    unfinished: list[OtherFit] = told("runs that point to another basin that was not explored")
+    untried: list[tuple[str, str]] = told("pairs of parameters that may be exchangeable: swapped values were not run")
+    sentence: str = told("restriction of every interval at the optimum, with that share")
+
+
+@record(closed=True)
 class StatisticsAnswer:
-    """What the stored evaluations tell."""
+    """Results from the stored evaluations."""
 
     samples: SampleCounts
     fit: FitVerdict
@@ -310,6 +339,7 @@ class StatisticsAnswer:
     projections: list[Projection]
     verdicts: list[Verdict]
     linearisation: Linearisation | None
+    basins: Basins
     residuals_at_optimum: bool = told("of a polished optimum, not of the best evaluation")
     residuals: list[Residuals]
     weights: list[SeriesShare]

@@ -9,10 +9,16 @@ from geoswarm.records.states import JobState
 from geoswarm.records.statistics import FitVerdict, Linearisation
 
 __all__ = [
+    "CandidateWorth",
+    "Design",
     "FollowUp",
     "GlobalIndex",
     "GlobalSensitivity",
     "PosteriorAnswer",
+    "PredictedBasin",
+    "PredictedSeries",
+    "Prediction",
+    "PredictionBasin",
     "Profile",
     "UncertaintyAnswer",
 ]
@@ -56,11 +62,98 @@ class GlobalSensitivity:
 
 
 @record(closed=True)
+class PredictedBasin:
+    """One basin in one series; null where its run failed, or it has too few."""
+
+    optimum: list[float] | None = told("curve at its optimum")
+    lower: list[float] | None
+    upper: list[float] | None
+
+
+@record(closed=True)
+class PredictedSeries:
+    """Median and band of one series, in the units that its points were given in."""
+
+    series: str
+    x_quantity: str
+    y_quantity: str
+    x_unit: str
+    y_unit: str
+    x: list[float]
+    median: list[float]
+    lower: list[float] = told("ends of the band, at each x")
+    upper: list[float]
+    reading_lower: list[float] | None = told("ends for a future reading; null where its error is not known")
+    reading_upper: list[float] | None
+    measured: list[float] | None
+    basins: list[PredictedBasin]
+    inside: int | None = told("measured points in the band, that of readings where it is known")
+    straight: Number = told("share of the variation that a plane over the parameters explains, the least over x")
+    end_error: Number = told("how far the ends differ between two halves of the draws, parts of the band's width")
+
+
+@record(closed=True)
+class PredictionBasin:
+    """One set of parameters that the data allow."""
+
+    share: float
+    parameters: dict[str, float]
+    draws: int
+
+
+@record(closed=True)
+class Prediction:
+    """Effect of the uncertainty of the identified parameters on another forward model."""
+
+    name: str
+    level: float
+    basis: Literal["covariance", "posterior"] = told("where the draws come from")
+    runs: int
+    failed: int
+    basins: list[PredictionBasin]
+    undecided: list[str] = told("parameters that the data do not limit: drawn over their searched range")
+    series: list[PredictedSeries]
+    alarm: str | None = told("why the band is unreliable")
+    remarks: list[str] = told("what the band contains, and its caveats")
+
+
+@record(closed=True)
+class CandidateWorth:
+    """Worth of a candidate test: expected reductions of widths, as parts of these."""
+
+    name: str
+    cost: Number
+    readings: int
+    parameters: dict[str, float] = told("of the interval of each parameter")
+    intervals: dict[str, tuple[float, float] | None] = told("expected 95 % intervals; null beyond the bounds")
+    widths: float = told("of all intervals, the geometric mean")
+    volume: float = told("of the common region, its d-th root")
+    prediction: Number = told("of the predicted band")
+    distinguishes: Number = told("probability that it tells the nearest two basins apart; null with one")
+    per_cost: Number = told("decrease of log width by the criterion for each unit of cost")
+
+
+@record(closed=True)
+class Design:
+    """Candidate tests, the most informative first."""
+
+    name: str
+    criterion: Literal["widths", "volume", "prediction"]
+    predicted: str | None
+    candidates: list[CandidateWorth]
+    basins: int
+    centres: int = told("sets of parameters over which the worth is averaged")
+    failed: int
+    alarm: str | None
+    remarks: list[str]
+
+
+@record(closed=True)
 class FollowUp:
     """A job that evaluates more about another one."""
 
     id: str
-    kind: Literal["sensitivity", "profile", "sobol", "morris"]
+    kind: Literal["sensitivity", "profile", "explore", "predict", "design", "sobol", "morris"]
     state: JobState
     evaluations: int
 
@@ -72,9 +165,12 @@ class UncertaintyAnswer:
     fit: FitVerdict | None = told("null where nothing was evaluated at an optimum")
     linearisation: Linearisation | None
     objective: Number = told("objective at the optimum of the linearisation")
-    start_objective: Number = told("objective where the descent to it began")
+    start_objective: Number = told("objective where the descent to it started")
     profiles: list[Profile]
     global_sensitivities: list[GlobalSensitivity]
+    explored: int = told("successful runs that looked for further basins; /statistics says what they found")
+    predictions: list[Prediction]
+    designs: list[Design]
     notes: list[str]
     follow_ups: list[FollowUp]
 

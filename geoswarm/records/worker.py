@@ -6,7 +6,18 @@ from datetime import datetime
 
 from geoswarm.records.record import record, told
 
-__all__ = ["Worker"]
+__all__ = ["AgentSlot", "Worker"]
+
+
+@record
+class AgentSlot:
+    """An agent: a worker without the database. Each of its slots is a worker."""
+
+    id: str
+    slots: int = told("number of runs that it makes at once")
+    system: str = told("its operating system and processor")
+    version: str = told("version of geoswarm there")
+    models: dict[str, str] = told("registered models that it has: SHA-256 of the files of each")
 
 
 @record
@@ -18,9 +29,10 @@ class Worker:
     pid: int
     engine: str
     state: str
-    job: str | None = told("what it works on; null: on nothing, or on a job of somebody else")
+    job: str | None = told("its job; null: none, or a job of another owner")
     generation: int | None
     evaluations: int | None = told("number of evaluations that it has claimed")
     busy_since: datetime | None
     started_at: datetime
     seen_at: datetime
+    agent: AgentSlot | None = told("the agent whose slot it is; null: a process of the installation", default=None)

@@ -13,9 +13,11 @@ groups of which each has headings, units and types before its data.
 ``monitoring``      MONG/MOND: readings of instruments over time
 ``contents``        all of them in one file, and the choice among them
 ``parameters``      sections of a law's parameters
-``parts``           one test of a problem, and the files of its readings
+``parts``           one test of a problem, and its readings
 ``oedometer``       the section and the readings of a compression test
 ``triaxial``        those of a shear test
+``wishes``          what a file does not say
+``document``        the problem and what was assumed, with points for a form
 ``problem``         the problem file and the files beside it
 ==================  ==================================================================
 """

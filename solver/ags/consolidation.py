@@ -18,6 +18,8 @@ __all__ = ["CompressionTest", "Increment", "compression_tests"]
 _MISMATCH = 0.0015
 """Void ratio, given to three decimals, by which the start of an increment may differ from the end of the one before."""
 _SHOWN = 40
+_DENSEST = 100.0
+"""Density of particles, Mg/m3, above which it is in another unit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +116,7 @@ def compression_tests(file: AgsFile) -> tuple[list[CompressionTest], list[tuple[
             kind = general.text(row, names.method)
             other = next((word for word in kind.lower().replace(",", " ").split() if word in names.others), None)
             if other is not None:
-                told = f"{names.method} is {kind[:_SHOWN]}, which is no compression of a specimen in a ring"
+                told = f"{names.method} is {kind[:_SHOWN]}, which is not a compression test in a ring"
                 reason = f"{file.name} line {row.line}: {told}"
                 without.append((specimen_of(general, row), reason))
                 continue
@@ -155,7 +157,7 @@ def _test(names: _Names, general: AgsGroup, row: AgsRow, details: AgsGroup, rows
     )
     if test.unloading:
         return test
-    more = "there is no unloading, without which only the first, overconsolidated part tells a swelling index"
+    more = "there is no unloading, without which only the first, overconsolidated part gives a swelling index"
     return replace(test, notes=(*test.notes, more))
 
 
@@ -167,7 +169,7 @@ def _in_order(names: _Names, details: AgsGroup, rows: list[AgsRow], notes: list[
         return rows
     twice = next((i for i, number in enumerate(numbers) if number in numbers[:i]), None)
     if twice is not None:
-        raise details.error(rows[twice], names.increment, "each increment once is accepted")
+        raise details.error(rows[twice], names.increment, "give each increment once")
     order = sorted(range(len(rows)), key=numbers.__getitem__)
     if order != list(range(len(rows))):
         notes.append(f"the rows of {names.details} are not in the order of {names.increment}, which is taken")
@@ -194,12 +196,12 @@ def _initial(names: _Names, general: AgsGroup, row: AgsRow, details: AgsGroup, r
     dry = general.number(row, names.dry_density, "Mg/m^3", above=0.0, default_unit="Mg/m3")
     text = general.text(row, names.particle_density).removeprefix("#")
     particles = cell_number(text) if text else None
-    if dry is None or particles is None or particles <= dry:
+    if dry is None or particles is None or not dry < particles <= _DENSEST:
         raise general.error(
             row,
             names.void_ratio,
             f"a void ratio above 0, there or as {names.before} of the first increment, or {names.particle_density} "
-            f"above {names.dry_density}, from which it follows, is accepted",
+            f"(at most {_DENSEST:g} Mg/m3) above {names.dry_density}, from which it follows, is accepted",
         )
     assumed = ", assumed" if general.text(row, names.particle_density).startswith("#") else ""
     return (

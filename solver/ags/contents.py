@@ -2,40 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
 
 from geoswarm.solver.ags.consolidation import CompressionTest, compression_tests
 from geoswarm.solver.ags.monitoring import Readings, readings_of
 from geoswarm.solver.ags.shear_strength import ShearTest, shear_tests, strength_of
-from geoswarm.solver.ags.specimens import ids_of
+from geoswarm.solver.ags.specimens import KEYS, Specimen, ids_of
 from geoswarm.solver.ags.tables import AgsError, AgsFile
+from geoswarm.solver.ags.triaxial import no_test
 from geoswarm.solver.classical.errors import NoEvaluationError
 from geoswarm.solver.words import did_you_mean, number, visible
 
-__all__ = ["Contents", "Entry", "chosen", "contents_of", "entries", "strength_in_words"]
+__all__ = ["Contents", "Entry", "chosen", "contents_of", "entries", "picked", "strength_in_words"]
+
+Use: TypeAlias = Literal["problem", "readings", "nothing"]
 
 _MOST_NAMES = 20
 
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """Tests and readings of a file by their IDs; ``without`` are tests of which nothing can be made, with reasons."""
+    """Tests and readings of a file by their IDs; ``without`` are tests of which nothing can be made, with reasons.
+
+    ``specimens`` are the keys of the specimens by their IDs.
+    """
 
     file: str
     compression: tuple[tuple[str, CompressionTest], ...]
     shear: tuple[tuple[str, ShearTest], ...]
     readings: tuple[tuple[str, Readings], ...]
     without: tuple[tuple[str, str], ...]
+    specimens: Mapping[str, Specimen] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One line of the list: ID, what it is, and what it holds."""
+    """One line of the list: ID, what it is, and what it holds.
+
+    Parameters
+    ----------
+    location, depth
+        Borehole, and depth of the specimen (else of the sample), m, as they stand; empty where the file does not say.
+    count
+        Increments, specimens or stages at failure, readings.
+    use
+        What it makes: a part of a problem, a file of readings, nothing.
+    why
+        Why nothing is made of it; empty otherwise.
+    """
 
     id: str
     kind: str
     what: str
+    location: str
+    depth: str
+    count: int
+    use: Use
+    why: str = ""
 
 
 def contents_of(file: AgsFile) -> Contents:
@@ -51,35 +76,60 @@ def contents_of(file: AgsFile) -> Contents:
         tuple((ids[test.specimen], test) for test in shear),
         tuple((one.instrument, one) for one in readings_of(file)),
         tuple((ids[specimen], reason) for specimen, reason in (*broken, *unclear)),
+        {id: specimen for specimen, id in ids.items()},
     )
 
 
+def picked(contents: Contents, names: Sequence[str], option: str) -> Contents:
+    """Return what is to be imported: what was chosen, or all of a file that holds one test at most.
+
+    Parameters
+    ----------
+    option
+        What the choice is called, for messages.
+
+    Raises
+    ------
+    AgsError
+        Several tests, none chosen; and as :func:`chosen`.
+    """
+    if names:
+        return chosen(contents, names)
+    tests = [id for id, _ in (*contents.compression, *contents.shear)]
+    if len(tests) > 1:
+        listed = ", ".join(tests[:_MOST_NAMES]) + (" ..." if len(tests) > _MOST_NAMES else "")
+        raise AgsError(
+            f"{contents.file} holds {len(tests)} tests, which need not be of one soil; choose with {option} ID: "
+            f"{listed}"
+        )
+    return contents
+
+
 def chosen(contents: Contents, names: Sequence[str]) -> Contents:
-    """Return what has one of some IDs, or stands below it: ``BH1`` is all of that borehole.
+    """Return what has one of some IDs; a name that is none stands for those below it: ``BH1`` is all of that borehole.
 
     Raises
     ------
     AgsError
         There is no such ID, or nothing can be made of it.
     """
-    known = list(dict.fromkeys(entry.id for entry in entries(contents)))
-    for name in names:
-        if not any(_below(one, name) for one in known):
+    known = list(dict.fromkeys(id for id, _ in _all(contents)))
+    found_by = {name: {name} if name in known else {one for one in known if _below(one, name)} for name in names}
+    for name, ids in found_by.items():
+        if not ids:
             listed = ", ".join(known[:_MOST_NAMES]) + (" ..." if len(known) > _MOST_NAMES else "")
             hint = did_you_mean(name, known)
             raise AgsError(
-                f"{contents.file}: '{visible(name)}' is no ID in this file{hint}; accepted are {listed or 'none'}"
+                f"{contents.file}: '{visible(name)}' is not an ID in this file{hint}; accepted are {listed or 'none'}"
             )
 
-    def wanted(one: str) -> bool:
-        return any(_below(one, name) for name in names)
-
+    wanted = set().union(*found_by.values())
     found = replace(
         contents,
-        compression=tuple(pair for pair in contents.compression if wanted(pair[0])),
-        shear=tuple(pair for pair in contents.shear if wanted(pair[0])),
-        readings=tuple(pair for pair in contents.readings if wanted(pair[0])),
-        without=tuple(pair for pair in contents.without if wanted(pair[0])),
+        compression=tuple(pair for pair in contents.compression if pair[0] in wanted),
+        shear=tuple(pair for pair in contents.shear if pair[0] in wanted),
+        readings=tuple(pair for pair in contents.readings if pair[0] in wanted),
+        without=tuple(pair for pair in contents.without if pair[0] in wanted),
     )
     if found.without and not (found.compression or found.shear or found.readings):
         raise AgsError(found.without[0][1])
@@ -92,17 +142,31 @@ def entries(contents: Contents) -> list[Entry]:
     for name, test in contents.compression:
         stresses = [one.stress for one in test.increments]
         what = f"{len(stresses)} increments of {min(stresses):g} to {max(stresses):g} kPa, e0 {test.void_ratio:.3g}"
-        found.append(Entry(name, f"oedometer ({test.groups})", f"{what}, {test.unloading} of them unload"))
+        told = f"{what}, {test.unloading} of them unload"
+        found.append(Entry(name, f"oedometer ({test.groups})", told, *_place(contents, name), len(stresses), "problem"))
     for name, shear in contents.shear:
-        unit = "stage" if shear.several_stages else "specimen"
-        count = f"{len(shear.failures)} {unit}{'' if len(shear.failures) == 1 else 's'} at failure"
-        found.append(Entry(name, f"triaxial {shear.kind} ({shear.groups})", f"{count}; {strength_in_words([shear])}"))
+        unit, size, why = "stage" if shear.several_stages else "specimen", len(shear.failures), no_test(shear)
+        told = f"{size} {unit}{'' if size == 1 else 's'} at failure; {strength_in_words([shear])}"
+        kind = f"triaxial {shear.kind} ({shear.groups})"
+        use: Use = "problem" if why is None else "nothing"
+        found.append(Entry(name, kind, told, *_place(contents, name), size, use, why or ""))
     for name, one in contents.readings:
-        span = f", {one.moments[0].date()} to {one.moments[-1].date()}" if one.moments else ""
-        what = f"{len(one.values)} readings{f' in {one.unit}' if one.unit else ''}{span}"
-        found.append(Entry(name, f"monitoring {one.quantity} (MOND)", what))
-    found += [Entry(name, "not usable", reason) for name, reason in contents.without]
+        days = list(dict.fromkeys(str(moment.date()) for moment in (one.moments[:1] + one.moments[-1:])))
+        span = f", {' to '.join(days)}" if days else ""
+        size = len(one.values)
+        told = f"{size} reading{'' if size == 1 else 's'}{f' in {one.unit}' if one.unit else ''}{span}"
+        kind, why = f"monitoring {one.quantity} (MOND)", "" if one.values else "it holds no numbers"
+        use = "readings" if one.values else "nothing"
+        found.append(Entry(name, kind, told, one.location, one.depth, size, use, why))
+    for name, reason in contents.without:
+        found.append(Entry(name, "not usable", reason, *_place(contents, name), 0, "nothing", reason))
     return found
+
+
+def _place(contents: Contents, id: str) -> tuple[str, str]:
+    """Borehole and depth of a specimen, as they stand."""
+    cells = dict(zip(KEYS, contents.specimens.get(id, ()), strict=False))
+    return cells.get("LOCA_ID", ""), cells.get("SPEC_DPTH") or cells.get("SAMP_TOP", "")
 
 
 def strength_in_words(tests: Sequence[ShearTest]) -> str:
@@ -126,5 +190,9 @@ def strength_in_words(tests: Sequence[ShearTest]) -> str:
     )
 
 
+def _all(contents: Contents) -> tuple[tuple[str, object], ...]:
+    return (*contents.compression, *contents.shear, *contents.readings, *contents.without)
+
+
 def _below(one: str, name: str) -> bool:
-    return one == name or one.startswith(f"{name}/")
+    return one.startswith(f"{name}/")

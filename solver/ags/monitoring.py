@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -24,6 +25,8 @@ class Readings:
     ----------
     instrument
         ``LOCA_ID/MONG_ID``, and the distance where two have the same.
+    location, depth
+        LOCA_ID and MONG_DIS, m, as they stand.
     quantity, unit
         MOND_TYPE, and MOND_UNIT as it stands.
     about
@@ -35,6 +38,8 @@ class Readings:
     """
 
     instrument: str
+    location: str
+    depth: str
     quantity: str
     unit: str
     about: str
@@ -67,7 +72,7 @@ def readings_of(file: AgsFile) -> list[Readings]:
     names = _names([key for key, _, _ in found])
     about = _about(file)
     return [
-        _readings(group, rows, names[key], quantity, unit, about.get(key, ""))
+        _readings(group, rows, names[key], key, quantity, unit, about.get(key, ""))
         for (key, quantity, unit), rows in found.items()
     ]
 
@@ -94,8 +99,8 @@ def _cell(text: str) -> str:
 
 def _names(keys: Sequence[tuple[str, ...]]) -> dict[tuple[str, ...], str]:
     short = {key: "/".join("_".join(cell.split()) for cell in key[:2] if cell) or "unnamed" for key in keys}
-    texts = list(short.values())
-    return {key: text if texts.count(text) == 1 else f"{text}/{key[2]}" for key, text in short.items()}
+    texts = Counter(short.values())
+    return {key: text if texts[text] == 1 else f"{text}/{key[2]}" for key, text in short.items()}
 
 
 def _about(file: AgsFile) -> dict[tuple[str, ...], str]:
@@ -111,7 +116,13 @@ def _about(file: AgsFile) -> dict[tuple[str, ...], str]:
 
 
 def _readings(
-    group: AgsGroup, rows: Sequence[AgsRow], instrument: str, quantity: str, unit: str, about: str
+    group: AgsGroup,
+    rows: Sequence[AgsRow],
+    instrument: str,
+    key: tuple[str, ...],
+    quantity: str,
+    unit: str,
+    about: str,
 ) -> Readings:
     form = group.unit("MOND_DTIM")
     skipped: list[tuple[int, str]] = []
@@ -127,6 +138,8 @@ def _readings(
     points.sort(key=lambda point: point[0])
     return Readings(
         instrument,
+        key[0],
+        key[2],
         quantity,
         unit,
         about,

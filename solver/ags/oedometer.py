@@ -8,6 +8,7 @@ from geoswarm.solver.ags.consolidation import CompressionTest
 from geoswarm.solver.ags.parameters import rounded_up
 from geoswarm.solver.ags.parts import Part, Reading
 from geoswarm.solver.ags.tables import AgsError
+from geoswarm.solver.ags.wishes import Wishes
 from geoswarm.solver.words import number
 
 if TYPE_CHECKING:
@@ -20,30 +21,24 @@ _SHARE = 0.1
 _DIGITS = 12
 
 
-def oedometer_part(
-    name: str, id: str, test: CompressionTest, law: Law, duration: float, initial_stress: float | None
-) -> tuple[Part, list[str]]:
+def oedometer_part(name: str, id: str, test: CompressionTest, law: Law, wishes: Wishes) -> tuple[Part, list[str]]:
     """Return the test as a part of a problem, and what was assumed.
 
     Parameters
     ----------
     name, id
         Of the part, and of the specimen in the file.
-    duration
-        Of each stage, day.
-    initial_stress
-        Vertical stress before the first increment, kPa; None: a tenth of that of the increment.
 
     Raises
     ------
     AgsError
         The initial stress is not below that of the first increment.
     """
-    first = test.increments[0].stress
+    first, initial_stress = test.increments[0].stress, wishes.initial_stress
     if initial_stress is not None and not 0.0 < initial_stress < first:
         raise AgsError(
-            f"--initial-stress = {initial_stress:g} kPa: above 0 and below {first:g} kPa, the stress of the first "
-            f"increment of {id}, is accepted"
+            f"{wishes.asked.initial_stress} must be above 0 and below {first:g} kPa, the stress of the first "
+            f"increment of {id}; got {initial_stress:g} kPa"
         )
     start = float(f"{_SHARE * first:.3g}") if initial_stress is None else initial_stress
     notes = [f"{id}: {text}" for text in test.notes]
@@ -51,7 +46,7 @@ def oedometer_part(
     if initial_stress is None:
         notes.append(
             f"{id}: the stress at that void ratio is not in the file; {number(start, 3, plain=True)} kPa is assumed, a "
-            "tenth of that of the first increment (--initial-stress gives another)"
+            f"tenth of that of the first increment ({wishes.asked.initial_stress} gives another)"
         )
     section: dict[str, Any] = {
         "kind": "oedometer",
@@ -59,19 +54,23 @@ def oedometer_part(
         "height": _plain(test.height),
         "initial_stress": start,
         "initial_void_ratio": _plain(test.void_ratio),
-        "stages": [{"stress": _plain(one.stress), "duration": duration} for one in test.increments],
+        "stages": [{"stress": _plain(one.stress), "duration": wishes.duration} for one in test.increments],
     }
-    lines = [
-        f"# {test.groups} of {id}: number of the stage, void ratio at its end; increment in the file, stress in kPa",
-        "x,y,increment,stress",
-        *(
-            f"{stage},{one.void_ratio!r},{_cell(one.number)},{one.stress!r}"
-            for stage, one in enumerate(test.increments, start=1)
-            if one.void_ratio is not None
-        ),
+    measured = [
+        (stage, one, one.void_ratio) for stage, one in enumerate(test.increments, start=1) if one.void_ratio is not None
     ]
-    reading = Reading("stage_void_ratio", name, ("\n".join(lines) + "\n").encode())
-    return Part(name, section, (reading,), _past(test, law, start)), notes
+    reading = Reading(
+        "stage_void_ratio",
+        name,
+        f"{test.groups} of {id}: number of the stage, void ratio at its end; increment in the file, stress in kPa",
+        tuple(stage for stage, _, _ in measured),
+        tuple(void_ratio for _, _, void_ratio in measured),
+        {
+            "increment": tuple(_cell(one.number) for _, one, _ in measured),
+            "stress": tuple(repr(one.stress) for _, one, _ in measured),
+        },
+    )
+    return Part(name, id, section, (reading,), _past(test, law, start)), notes
 
 
 def _past(test: CompressionTest, law: Law, start: float) -> dict[str, dict[str, Any]]:

@@ -16,13 +16,15 @@ if TYPE_CHECKING:
 __all__ = ["middle", "parameter_sections", "rounded_up"]
 
 
-def parameter_sections(law: Law, fixed: Mapping[str, float]) -> dict[str, dict[str, Any]]:
+def parameter_sections(law: Law, fixed: Mapping[str, float], material: str) -> dict[str, dict[str, Any]]:
     """Return the parameters of a problem: those without default, and one of each pair that the law wants one of.
 
     Parameters
     ----------
     fixed
         Those that are not searched for, with their values.
+    material
+        What the choice of a law is called, for messages.
 
     Raises
     ------
@@ -31,7 +33,8 @@ def parameter_sections(law: Law, fixed: Mapping[str, float]) -> dict[str, dict[s
     """
     infos = {info.name: info for info in law.parameters}
     return {
-        name: {"value": fixed[name]} if name in fixed else _free(law.kind, infos[name]) for name in wanted(law, fixed)
+        name: {"value": fixed[name]} if name in fixed else _free(law.kind, infos[name], material)
+        for name in wanted(law, fixed)
     }
 
 
@@ -53,10 +56,10 @@ def rounded_up(value: float) -> float:
     return float(f"{math.ceil(value / power * (1.0 - 1e-12)) * power:.2g}")
 
 
-def _free(kind: str, info: ParameterInfo) -> dict[str, Any]:
+def _free(kind: str, info: ParameterInfo, material: str) -> dict[str, Any]:
     section = usual_section(info)
     if section is None:
         raise AgsError(
-            f"material {kind}: {info.name} has no usual range, so no problem can be made; choose another --material"
+            f"material {kind}: {info.name} has no usual range, so no problem can be made; choose another {material}"
         )
     return section

@@ -64,14 +64,14 @@ def read_ags(content: bytes, name: str) -> AgsFile:
     if len(content) > MAX_TABLE_BYTES:
         raise AgsError(f"{name} is larger than {MAX_TABLE_BYTES // 2**20} MiB, the most that is accepted")
     if b"\0" in content:
-        raise AgsError(f"{name} is no text file; a file in the AGS 4 format is accepted")
+        raise AgsError(f"{name} is not a text file; give a file in the AGS 4 format")
     groups: dict[str, _Open] = {}
     for number, line in enumerate(_decoded(content).split("\n"), start=1):
         cells = _cells(line.removesuffix("\r"), name, number)
         if cells:
             _take(groups, cells, name, number)
     if not groups:
-        raise AgsError(f"{name} holds no groups; a file in the AGS 4 format is accepted")
+        raise AgsError(f"{name} contains no groups; give a file in the AGS 4 format")
     found = {
         one.name: AgsGroup(name, one.name, one.line, one.headings, one.units, one.types, tuple(one.rows))
         for one in groups.values()
@@ -126,7 +126,7 @@ def _take(groups: dict[str, _Open], cells: list[str], name: str, number: int) ->
         groups[title] = _Open(title, number)
         return
     if not groups:
-        raise AgsError(f"{name} line {number}: {kind} stands before the first GROUP")
+        raise AgsError(f"{name} line {number}: {kind} comes before the first GROUP")
     group = groups[next(reversed(groups))]
     where = f"{name} line {number}: group {group.name}"
     if kind == "HEADING":
@@ -140,7 +140,7 @@ def _take(groups: dict[str, _Open], cells: list[str], name: str, number: int) ->
             raise AgsError(f"{where} has the heading {visible(twice)} twice")
         return
     if not group.headings:
-        raise AgsError(f"{where}: {kind} stands before HEADING")
+        raise AgsError(f"{where}: {kind} comes before HEADING")
     if len(values) != len(group.headings):
         raise AgsError(f"{where}: {len(values)} cells of {kind} under {len(group.headings)} headings")
     if kind == "UNIT":

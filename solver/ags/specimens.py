@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
@@ -71,8 +72,8 @@ def ids_of(specimens: Sequence[Specimen]) -> dict[Specimen, str]:
     {('BH1', '4.50', '3', 'U', '', '1', '4.60'): 'BH1/3/1/4.60'}
     """
     short = {one: _joined(cell for key, cell in zip(KEYS, one, strict=True) if key in _SHORT) for one in specimens}
-    texts = list(short.values())
-    return {one: text if texts.count(text) == 1 else _full(one) for one, text in short.items()}
+    texts = Counter(short.values())
+    return {one: text if texts[text] == 1 else _full(one) for one, text in short.items()}
 
 
 def _full(specimen: Specimen) -> str:

@@ -14,6 +14,8 @@ from geoswarm.solver.words import visible
 __all__ = ["AgsError", "AgsFile", "AgsGroup", "AgsRow"]
 
 _SHOWN = 60
+_SMALLEST, _LARGEST = 1e-12, 1e12
+"""Amounts in base units, between which calculations with them stay finite."""
 _UNITS = {"deg": "degree", "hr": "h", "yr": "year", "sec": "s"}
 """Units of the dictionary that other programs write otherwise."""
 
@@ -102,6 +104,8 @@ class AgsGroup:
             raise AgsError(f"{self.file} line {self.line}: group {self.name}, heading {heading}: {error}") from None
         if (above is not None and value <= above) or (least is not None and value < least):
             raise self.error(row, heading, accepted)
+        if value != 0.0 and not _SMALLEST <= abs(value) <= _LARGEST:
+            raise self.error(row, heading, f"{accepted}, of an amount between {_SMALLEST:g} and {_LARGEST:g}")
         return value
 
     def needed(self, row: AgsRow, heading: str, base: str, *, above: float = 0.0, default_unit: str = "") -> float:

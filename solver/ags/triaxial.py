@@ -12,7 +12,7 @@ from geoswarm.solver.external.pest_control.names import word
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
 
-__all__ = ["least_modulus", "triaxial_parts"]
+__all__ = ["least_modulus", "no_test", "triaxial_parts"]
 
 _RATE = 0.24
 """Axial strain in a day, for laws that ask for it: 1 % in an hour."""
@@ -28,15 +28,9 @@ def triaxial_parts(name: str, id: str, test: ShearTest, law: Law) -> tuple[list[
     name, id
         Of the parts, which get the number of the specimen, and of the test in the file.
     """
-    if test.drainage == "total" or test.kind == "UUP":
-        why = "total stresses" if test.drainage == "total" else "not consolidated"
-        return [], [
-            f"{id}: {test.kind}, {why}: the effective stress before shearing is not known; no test is made of it"
-        ]
-    if test.extension:
-        return [], [
-            f"{id}: {test.kind}: the sign of q in extension is not laid down in the file; no test is made of it"
-        ]
+    reason = _of_no_use(test)
+    if reason is not None:
+        return [], [f"{id}: {reason}; no test is made of it"]
     notes: list[str] = []
     failures: Sequence[Failure] = test.failures
     if test.several_stages and len(failures) > 1:
@@ -57,6 +51,22 @@ def triaxial_parts(name: str, id: str, test: ShearTest, law: Law) -> tuple[list[
             "part an OCR"
         )
     return parts, notes
+
+
+def no_test(test: ShearTest) -> str | None:
+    """Return why no problem can be made of a test; None: it can."""
+    reasons = [_missing(one) for one in (test.failures[:1] if test.several_stages else test.failures)]
+    return _of_no_use(test) or (None if None in reasons else next(iter(reasons), "it has no results"))
+
+
+def _of_no_use(test: ShearTest) -> str | None:
+    """What keeps all specimens of a test from being calculated."""
+    if test.drainage == "total" or test.kind == "UUP":
+        why = "total stresses" if test.drainage == "total" else "not consolidated"
+        return f"{test.kind}, {why}: the effective stress before shearing is not known"
+    if test.extension:
+        return f"{test.kind}: the sign of q in extension is not laid down in the file"
+    return None
 
 
 def least_modulus(tests: Sequence[ShearTest]) -> float:
@@ -113,9 +123,9 @@ def _part(name: str, id: str, test: ShearTest, one: Failure, law: Law, notes: li
             f"{id} test {one.number}: no pore pressure before shearing (TRET_PWPI): that at failure is not compared"
         )
     void = {"e0": {"value": one.void_ratio}} if one.void_ratio and "e0" in {i.name for i in law.parameters} else {}
-    return Part(own, section, tuple(readings), void)
+    return Part(own, id, section, tuple(readings), void)
 
 
 def _reading(series: str, name: str, id: str, one: Failure, strain: float, value: float) -> Reading:
-    text = f"# {series} of {id} test {one.number} at failure: axial strain, kPa\nx,y\n{strain!r},{value!r}\n"
-    return Reading(series, f"{name}_{series}", text.encode(), {"y_unit": "kPa"})
+    about = f"{series} of {id} test {one.number} at failure: axial strain, kPa"
+    return Reading(series, f"{name}_{series}", about, (strain,), (value,), keys={"y_unit": "kPa"})

@@ -153,7 +153,7 @@ def _crossing(x: FloatArray, gap: FloatArray) -> float:
     positive = np.flatnonzero(gap > 0.0)
     below = np.flatnonzero((gap <= 0.0) & (np.arange(gap.size) > (positive[0] if positive.size else gap.size)))
     if not below.size:
-        raise NoEvaluationError("the readings end before the consolidation that the evaluation looks for")
+        raise NoEvaluationError("the readings end before the degree of consolidation that the evaluation needs")
     i = int(below[0])
     return float(x[i - 1] + (x[i] - x[i - 1]) * gap[i - 1] / (gap[i - 1] - gap[i]))
 

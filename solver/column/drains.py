@@ -78,20 +78,20 @@ class DrainsSection(Part):
     @model_validator(mode="after")
     def _one_inside_the_other(self) -> DrainsSection:
         if not self.bottom > self.top:
-            raise ValueError(f"bottom = {self.bottom:g} m: below the top, {self.top:g} m, is accepted")
+            raise ValueError(f"bottom must be below the top, {self.top:g} m, got {self.bottom:g} m")
         outer = influence(self.spacing, self.pattern)
         if not self.diameter < outer:
             raise ValueError(
-                f"diameter = {self.diameter:g} m: below that of the ground of a drain, {outer:g}, is accepted"
+                f"diameter must be below that of the ground of a drain, {outer:g}, got {self.diameter:g} m"
             )
         smeared = self.smear_diameter
         if smeared is not None and not self.diameter <= smeared < outer:
             raise ValueError(
-                f"smear_diameter = {smeared:g} m: from the diameter of the drain, {self.diameter:g}, to below that of "
-                f"its ground, {outer:g}, is accepted"
+                f"smear_diameter must be from the diameter of the drain, {self.diameter:g} m, to below that of "
+                f"its ground, {outer:g} m, got {smeared:g} m"
             )
         if smeared is None and self.smear_ratio != 1.0:
-            raise ValueError(f"smear_ratio = {self.smear_ratio:g}: smear_diameter is missing; without it 1 is accepted")
+            raise ValueError(f"smear_ratio must be 1 without smear_diameter, got {self.smear_ratio:g}")
         return self
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
@@ -11,6 +12,8 @@ from pydantic import Field, model_validator
 from geoswarm.solver.column.drains import DrainsSection
 from geoswarm.solver.column.model import ColumnModel
 from geoswarm.solver.column.rest import GroundAtRest
+from geoswarm.solver.correlations.properties import IndexProperties
+from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 from geoswarm.solver.forward.fields import Geometry, LawSettings, StepError, require_stage
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STAGES, MAX_STRESS
@@ -52,6 +55,9 @@ class SoilSection(Part):
         description="Horizontal over vertical effective stress before the first stage; K0: that of the law.",
         json_schema_extra=in_unit("1", 0.4, 1),
     )
+    index_properties: IndexSection | None = Field(
+        None, description="Index properties of the soil, from which its parameters are estimated; no part of a run."
+    )
     consolidated: float = Field(
         1.0,
         ge=0.0,
@@ -65,6 +71,11 @@ class SoilSection(Part):
     def law(self) -> Law:
         """The law of the soil."""
         return law_of(self.material)
+
+    @property
+    def known(self) -> IndexProperties | None:
+        """Its index properties."""
+        return None if self.index_properties is None else self.index_properties.properties()
 
     @model_validator(mode="after")
     def _fits_the_law(self) -> SoilSection:
@@ -92,7 +103,7 @@ class ColumnStage(Loading):
     stress: float = Field(
         ge=0.0,
         le=MAX_STRESS,
-        description="Load on the ground surface at its end, kPa, beside initial_surcharge.",
+        description="Load on the ground surface at its end, kPa, in addition to initial_surcharge.",
         json_schema_extra=in_unit("kPa", 10, 200),
     )
     duration: float = Field(
@@ -138,7 +149,7 @@ class ColumnSpec(ForwardModelSpec):
     points: dict[_Name, ColumnPoint] = Field(
         default={}, max_length=500, description="Settlement plates and piezometers by a name of your choice."
     )
-    zero_at_stage: int = Field(1, ge=1, description="Stage before whose beginning time and settlements are zero.")
+    zero_at_stage: int = Field(1, ge=1, description="Stage just before which time and settlements are zero.")
     water_table: float = Field(
         0.0,
         ge=-_DEEPEST,
@@ -192,6 +203,11 @@ class ColumnSpec(ForwardModelSpec):
         }
 
     @property
+    def index_properties_of_soils(self) -> Mapping[str, IndexProperties | None]:
+        """Of all soils; the void ratio is that of the section where there is one."""
+        return {name: soil.known for name, soil in self.soils.items()}
+
+    @property
     def user_laws(self) -> tuple[UserLawSection, ...]:
         """Those of the soils that are in libraries."""
         return tuple(soil.material for soil in self.soils.values() if isinstance(soil.material, UserLawSection))
@@ -240,13 +256,13 @@ class ColumnSpec(ForwardModelSpec):
         known = ", ".join(self.soils)
         for number, layer in enumerate(self.layers):
             if layer.soil not in self.soils:
-                raise ValueError(f"layers[{number}].soil = {layer.soil!r}: one of soils is accepted: {known}")
+                raise ValueError(f"layers[{number}].soil must be one of {known}, got {layer.soil!r}")
         used = {layer.soil for layer in self.layers}
         for name, soil in self.soils.items():
             if name == "drains":
-                raise ValueError("soils.drains: drains have this name; another one is accepted")
+                raise ValueError("soils.drains: the name is reserved for drains; choose another")
             if name not in used:
-                raise ValueError(f"soils.{name}: no layer is of this soil")
+                raise ValueError(f"soils.{name}: no layer uses this soil")
             if self.components not in soil.law.components:
                 raise ValueError(
                     f"soils.{name}.material = {soil.law.kind}: it has no stress update for {self.components} "
@@ -255,12 +271,10 @@ class ColumnSpec(ForwardModelSpec):
         height = self.height
         for name, point in self.points.items():
             if point.depth > height * (1.0 + 1.0e-12):
-                raise ValueError(
-                    f"points.{name}.depth = {point.depth:g} m: at most the height, {height:g}, is accepted"
-                )
+                raise ValueError(f"points.{name}.depth must be at most the height, {height:g} m, got {point.depth:g} m")
         if self.drains is not None and self.drains.bottom > height * (1.0 + 1.0e-12):
             raise ValueError(
-                f"drains.bottom = {self.drains.bottom:g} m: at most the height of all layers, {height:g}, is accepted"
+                f"drains.bottom must be at most the height of all layers, {height:g} m, got {self.drains.bottom:g} m"
             )
         rest = self.at_rest
         bounds, least = rest.bounds, rest.effective(rest.bounds)

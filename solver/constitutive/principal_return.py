@@ -36,6 +36,42 @@ def elastic_trial(
 
 
 @kernel
+def _along(axes: FloatArray, k: int) -> int:
+    """Coordinate along which the axis in column k is, where they are unturned; -1 where they are turned."""
+    for m in range(3):
+        if axes[m, k] == 1.0:
+            return m
+    return -1
+
+
+@kernel
+def _put_back(
+    returned: FloatArray,
+    D: FloatArray,
+    turning: FloatArray,
+    places: tuple[int, int, int],
+    new: FloatArray,
+    tangent: FloatArray,
+) -> None:
+    """What :func:`turned_back` fills where the principal axes are the coordinates ``places``: no sums."""
+    n = new.shape[0]
+    for i in range(n):
+        new[i] = 0.0
+        for j in range(n):
+            tangent[i, j] = 0.0
+    for k in range(3):
+        new[places[k]] = returned[k]
+        for m in range(3):
+            tangent[places[k], places[m]] = D[k, m]
+    for k in range(3):
+        i, j = _PAIRS[k]
+        low, high = min(places[i], places[j]), max(places[i], places[j])
+        shear = 3 if high == 1 else (4 if low == 1 else 5)
+        if shear < n:
+            tangent[shear, shear] = turning[k]
+
+
+@kernel
 def turned_back(
     values: FloatArray,
     returned: FloatArray,
@@ -45,8 +81,8 @@ def turned_back(
     size: float,
     new: FloatArray,
     tangent: FloatArray,
-) -> None:
-    """Fill stress components (n,) and tangent (n, n) from principal stresses.
+) -> bool:
+    """Fill stress components (n,) and tangent (n, n) from principal stresses; whether the axes are the coordinates.
 
     Parameters
     ----------
@@ -68,6 +104,10 @@ def turned_back(
             turning[k] = shear * (returned[i] - returned[j]) / gap
         else:
             turning[k] = 0.25 * (D[i, i] - D[i, j] + D[j, j] - D[j, i])
+    places = (_along(axes, 0), _along(axes, 1), _along(axes, 2))
+    if min(places) >= 0:
+        _put_back(returned, D, turning, places, new, tangent)
+        return True
     fill_rotation_matrix(axes, Q)
     for k in range(3):
         for j in range(n):
@@ -81,3 +121,4 @@ def turned_back(
             for k in range(3):
                 total += Q[i, k] * half[k, j] + Q[i, 3 + k] * turning[k] * Q[j, 3 + k]
             tangent[i, j] = total
+    return False

@@ -55,18 +55,18 @@ class IndexSection(Section):
             value = getattr(self, name)
             if value is not None and not _LEAST <= value <= 3000.0:
                 hint = f"; in per cent this would be {100.0 * value:g}" if 0.0 < value < _LEAST else ""
-                raise ValueError(f"{name} = {value:g} %: {_LEAST:g} to 3000 % is accepted{hint}")
+                raise ValueError(f"{name} must be from {_LEAST:g} to 3000 %, got {value:g} %{hint}")
         w_L, w_P, I_P = self.liquid_limit, self.plastic_limit, self.plasticity_index
         if w_L is not None and w_P is not None:
             if not w_L > w_P:
-                raise ValueError(f"liquid_limit = {w_L:g} % with plastic_limit = {w_P:g} %: a larger one is accepted")
+                raise ValueError(f"liquid_limit must be above plastic_limit = {w_P:g} %, got {w_L:g} %")
             if I_P is not None and abs(w_L - w_P - I_P) > 1.0:
                 raise ValueError(
-                    f"plasticity_index = {I_P:g} %: {w_L - w_P:g} % is accepted, liquid_limit less plastic_limit, or "
-                    "leave one of the three out"
+                    f"plasticity_index must be liquid_limit - plastic_limit = {w_L - w_P:g} %, got {I_P:g} %; "
+                    "leave one of the three out, or correct it"
                 )
         elif w_L is not None and I_P is not None and not w_L > I_P:
-            raise ValueError(f"plasticity_index = {I_P:g} %: below liquid_limit = {w_L:g} % is accepted")
+            raise ValueError(f"plasticity_index must be below liquid_limit = {w_L:g} %, got {I_P:g} %")
         return self
 
     def properties(self) -> IndexProperties:

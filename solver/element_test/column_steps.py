@@ -107,6 +107,40 @@ def _curved(watch: Watch, seen: FloatArray) -> float:
 
 
 @kernel
+def _slowing(rate: float, earlier: float, since: float) -> float:
+    """The a of a rate that falls as 1/(1 + a t), from the present one and an earlier one; 0 where it does not fall."""
+    return (earlier / rate - 1.0) / since if 0.0 < rate < earlier or earlier < rate < 0.0 else 0.0
+
+
+@kernel
+def _expect(
+    level: int, k: int, size: float, strain: FloatArray, strains: FloatArray, guess: FloatArray, piece: FloatArray
+) -> None:
+    """Fill the strain increments expected in a substep, (j,), by rates at the ends of substeps that were taken."""
+    for j in range(strain.shape[0]):
+        rate, slowing = guess[0, j], guess[1, j]
+        whole = strains[0, j] - strain[j]
+        if level == 0:
+            piece[j] = size * rate / (1.0 + slowing * size)
+            continue
+        begin = size * rate if rate != 0.0 else whole
+        if level == 1:
+            piece[j] = 0.25 * (begin + whole) if k == 0 else 0.5 * whole
+            continue
+        first, second = 2.0 * (strains[1, j] - strain[j]), 2.0 * (strains[2, j] - strains[1, j])
+        if rate == 0.0:
+            begin = 2.0 * first - second
+        if k == 0:
+            piece[j] = 0.25 * (0.375 * begin + 0.75 * first - 0.125 * second)
+        elif k == 1:
+            piece[j] = 0.25 * first
+        elif k == 2:
+            piece[j] = 0.25 * (-0.125 * begin + 0.75 * first + 0.375 * second)
+        else:
+            piece[j] = 0.25 * second
+
+
+@kernel
 def lead_column(
     begin: float,
     goal: float,
@@ -173,13 +207,7 @@ def lead_column(
                 if not through:
                     continue
                 row = ways - 1 + k
-                for j in range(count):
-                    if level == 0:
-                        piece[j] = guess[j] * size
-                    else:
-                        half = ways // 2 - 1 + k // 2
-                        before = strains[half - 1, j] if k > 1 else strain[j]
-                        piece[j] = 0.5 * (strains[half, j] - before)
+                _expect(level, k, size, strain, strains, guess, piece)
                 target = begin + (goal - begin) * (place + size * (k + 1) / ways)
                 dt = duration * size / ways
                 new = (stresses[row], strains[row], states[row])
@@ -208,7 +236,8 @@ def lead_column(
             length = size * min(factor, 0.9) if error < math.inf else 0.25 * size
             continue
         for j in range(count):
-            guess[j] = (end[1][j] - strain[j]) / size
+            guess[0, j] = 4.0 * (strains[6, j] - strains[5, j]) / size
+            guess[1, j] = _slowing(guess[0, j], 4.0 * (strains[4, j] - strains[3, j]) / size, 0.5 * size)
             strain[j] = end[1][j]
             limits[j] = statuses[6, j]
             for i in range(n):

@@ -37,7 +37,10 @@ WATER: Final = 9.81
 _CHUNK: Final = 16
 _MOST_STEPS: Final = 5_000
 _FIRST: Final = 1.0e-4
-_LEFT: Final = 3.0e-6
+_FIRST_GROWING: Final = 2.0e-2
+_FIRST_AFTER: Final = 2.0e-3
+"""First length to try, as a part of a stage: after a load at once, while a load grows, and after it has grown."""
+_LEFT: Final = 1.0e-5
 """What Newton's method may leave of a balance of water, over the tolerance."""
 _LEAST_LEFT: Final = 1.0e-13
 
@@ -186,6 +189,7 @@ def follow_movement(
     watched: Watched,
     tolerance: float,
     check: Callable[[str, FloatArray], None],
+    first: float = _FIRST,
 ) -> Path:
     """Lead a column through a stage, to whose end it is brought; a path of profiles (3 j,).
 
@@ -195,6 +199,8 @@ def follow_movement(
         Error aimed at in each step, as strain, of stress over the bulk modulus.
     check
         Is told the name of the stage and the strains (j,) now and then, and raises what is wrong with them.
+    first
+        Length to try first, as a part of the stage.
 
     Raises
     ------
@@ -202,8 +208,8 @@ def follow_movement(
         No step was found; names the stage and how far it came.
     """
     count = column.strain.size
-    guess, limits = np.zeros(count), np.full(count, -1, dtype=np.int64)
-    now, length, steps = 0.0, _FIRST, 0
+    guess, limits = np.zeros((2, count)), np.full(count, -1, dtype=np.int64)
+    now, length, steps = 0.0, first, 0
     width = PROFILE * count
     pieces = [(np.empty((0, 4)), np.empty((0, width)), column.profile(ground.large)[np.newaxis])]
     outcome = PAUSED if movement.duration > 0.0 else DONE
@@ -253,10 +259,13 @@ def follow_loads(
     One without duration is a path of its own, along which water takes the load; parameters and errors are those of
     :func:`follow_movement`.
     """
-    paths = []
+    paths, grown = [], False
     for movement in movements:
+        grows = movement.begin != movement.goal and movement.duration > 0.0
+        first = _FIRST_GROWING if grows else (_FIRST_AFTER if grown else _FIRST)
+        grown = grows
         if movement.duration > 0.0:
-            path = follow_movement(column, ground, movement, watched, tolerance, check)
+            path = follow_movement(column, ground, movement, watched, tolerance, check, first)
         else:
             rows = np.tile(column.profile(ground.large), (2, 1))
             path = Path(0.0, np.array([[0.0, 1.0, np.nan, 1.0]]), rows[:1], rows, 1)

@@ -46,7 +46,7 @@ def strain_change(value: float, **coefficients: float) -> Control:
 def _row(coefficients: dict[str, float]) -> tuple[float, ...]:
     unknown = sorted(set(coefficients) - set(COMPONENTS))
     if unknown or not coefficients:
-        raise ValueError(f"components {unknown or 'none'}: one or more of {', '.join(COMPONENTS)} are accepted")
+        raise ValueError(f"components must be one or more of {', '.join(COMPONENTS)}, got {unknown or 'none'}")
     return tuple(float(coefficients.get(name, 0.0)) for name in COMPONENTS)
 
 
@@ -66,11 +66,11 @@ class Stage:
     def __post_init__(self) -> None:
         if not (0.0 <= self.duration < float("inf")) or (self.duration == 0.0 and not self.instant):
             raise ValueError(
-                f"stage {self.name}: duration = {self.duration:g} day: a value above 0 is accepted, or 0 when instant"
+                f"stage {self.name}: duration must be above 0, or 0 when instant; got {self.duration:g} day"
             )
         if len(self.controls) != len(COMPONENTS):
             raise ValueError(
-                f"stage {self.name}: {len(self.controls)} controls: exactly {len(COMPONENTS)} are accepted"
+                f"stage {self.name}: exactly {len(COMPONENTS)} controls are needed, got {len(self.controls)}"
             )
 
     def arrays(self) -> tuple[FloatArray, BoolArray, FloatArray]:

@@ -78,7 +78,7 @@ def follow(
     for index, (stage, points) in enumerate(zip(stages, times, strict=True)):
         x = np.array(points, dtype=np.float64)
         if (np.diff(x) <= 0.0).any() or (x < 0.0).any() or (x > stage.duration).any():
-            raise ValueError(f"stage {stage.name}: increasing times from 0 to {stage.duration:g} day are accepted")
+            raise ValueError(f"stage {stage.name}: times must increase from 0 to {stage.duration:g} day")
         coefficients, of_stress, values = stage.arrays()
         stress_rows, strain_rows = (np.where(own[:, np.newaxis], coefficients, 0.0) for own in (of_stress, ~of_stress))
         if stage.instant:

@@ -14,7 +14,7 @@ __all__ = ["Room", "mixed_step"]
 
 _ITERATIONS: Final = 40
 _HALVINGS: Final = 8
-_RESIDUAL: Final = 1.0e-12
+_RESIDUAL: Final = 1.0e-10
 
 Room = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """Memory for a step: shapes (n,), (n,), (n, 1), (n, n), (n, n)."""

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from geoswarm.solver.correlations.section import IndexSection
-from geoswarm.solver.estimates.index import index_estimates, soils_of
+from geoswarm.solver.estimates.index import index_estimates, name_among, with_index
 from geoswarm.solver.estimates.proposal import Candidate, candidates_of, of_correlation
 from geoswarm.solver.problem import Draft
 
@@ -46,12 +46,14 @@ def estimates_of_draft(draft: Draft) -> tuple[DraftEstimate, ...]:
 def _of_index(draft: Draft) -> dict[str, list[Candidate]]:
     """Of the index properties alone, as far as these are sound."""
     document = draft.document or {}
-    if draft.model is None or draft.spec is None or not isinstance(document.get("index_properties"), dict):
+    if draft.model is None or draft.spec is None:
         return {}
-    try:
-        soil = IndexSection.model_validate(document["index_properties"]).properties()
-    except ValidationError:
-        return {}
+    soil = None
+    if isinstance(document.get("index_properties"), dict):
+        try:
+            soil = IndexSection.model_validate(document["index_properties"]).properties()
+        except ValidationError:
+            soil = None
     sections: Any = document.get("parameters")
     given = sections if isinstance(sections, dict) else {}
     fixed = {
@@ -60,11 +62,9 @@ def _of_index(draft: Draft) -> dict[str, list[Candidate]]:
         if isinstance(section, dict) and isinstance(section.get("value"), int | float)
     }
     found: dict[str, list[Candidate]] = {}
-    for test in soils_of(draft.spec, draft.model):
-        own = fixed | {name.removeprefix(f"{test.part}."): value for name, value in fixed.items()}
-        for one in index_estimates(test, own, soil):
-            name = f"{test.part}.{one.parameter}"
-            candidates = found.setdefault(name if name in given else one.parameter, [])
+    for test, known in with_index(draft.spec, draft.model, soil):
+        for one in index_estimates(test, test.own(fixed), known):
+            candidates = found.setdefault(name_among(given, test, one.parameter), [])
             candidate = of_correlation(one)
             if not one.told.outside and candidate not in candidates:
                 candidates.append(candidate)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,8 +22,11 @@ __all__ = [
     "full_name",
     "index_document",
     "index_estimates",
+    "layers_of",
+    "name_among",
     "soils_of",
     "term_known",
+    "with_index",
 ]
 
 _CONFINED = ("oedometer", "consolidation", "crs_oedometer")
@@ -45,6 +48,21 @@ class TestOfLaw:
     """All that the test knows, those of the flow of water, too."""
     confined: bool = False
     """Whether a ring holds the side, as in the oedometer."""
+    layer: str = ""
+    """Name that its parameters have before them, where it is a soil of layered ground."""
+    index: IndexProperties | None = None
+    """What is known of that soil."""
+
+    def named(self, name: str) -> str:
+        """A parameter of the law under the name that the forward model has for it."""
+        return f"{self.layer}.{name}" if self.layer else name
+
+    def own(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Values under the names of the law beside those that are given: of the layer, and for this test alone."""
+        found = dict(values)
+        for start in (f"{self.layer}.", f"{self.part}.", f"{self.part}.{self.layer}."):
+            found |= {name.removeprefix(start): value for name, value in values.items() if name.startswith(start)}
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +108,32 @@ def soils_of(spec: ForwardModelSpec, model: ForwardModel) -> tuple[TestOfLaw, ..
     return tuple(found)
 
 
+def layers_of(spec: ForwardModelSpec, model: ForwardModel) -> tuple[TestOfLaw, ...]:
+    """Soils of layered ground, each with its law, as a test of it."""
+    if spec.runs_outside:
+        return ()
+    found = []
+    for part in parts_of(spec, model):
+        names = [info.name for info in part.model.parameters]
+        for layer, index in part.spec.index_properties_of_soils.items():
+            soil: Any = part.spec.soils[layer]  # type: ignore[attr-defined]  # who has index properties of soils has them
+            start = f"{layer}."
+            own = tuple(name.removeprefix(start) for name in names if name.startswith(start))
+            found.append(
+                TestOfLaw(part.name, part.spec, soil.law, soil.initial_void_ratio, own, layer=layer, index=index)
+            )
+    return tuple(found)
+
+
+def with_index(
+    spec: ForwardModelSpec, model: ForwardModel, soil: IndexProperties | None
+) -> Iterator[tuple[TestOfLaw, IndexProperties]]:
+    """Tests whose index properties are known: those of the problem, or of a layer its own."""
+    if soil is not None:
+        yield from ((test, soil) for test in soils_of(spec, model))
+    yield from ((test, test.index) for test in layers_of(spec, model) if test.index is not None)
+
+
 def term_known(test: TestOfLaw, values: Mapping[str, float], soil: IndexProperties | None) -> dict[str, float]:
     """What terms may look at: parameters as far as they are known, defaults, and ``e_0``.
 
@@ -104,7 +148,7 @@ def term_known(test: TestOfLaw, values: Mapping[str, float], soil: IndexProperti
 def index_estimates(
     test: TestOfLaw, values: Mapping[str, float], soil: IndexProperties
 ) -> tuple[ParameterEstimate, ...]:
-    """What the index properties let expect of the parameters of a test's law.
+    """What the index properties suggest of the parameters of a test's law.
 
     Parameters
     ----------
@@ -167,14 +211,11 @@ def _quantities(
 
 def estimates_of(problem: Problem) -> tuple[ParameterEstimate, ...]:
     """What the index properties of a problem let expect of its parameters, under the names that the problem uses."""
-    if problem.index_properties is None:
-        return ()
-    soil = problem.index_properties.properties()
+    soil = None if problem.index_properties is None else problem.index_properties.properties()
     fixed = {name: p.value for name, p in problem.parameters.items() if isinstance(p, FixedParameter)}
     found: dict[tuple[str, str], ParameterEstimate] = {}
-    for test in soils_of(problem.forward_model, problem.model):
-        own = fixed | {name.removeprefix(f"{test.part}."): value for name, value in fixed.items()}
-        for one in index_estimates(test, own, soil):
+    for test, known in with_index(problem.forward_model, problem.model, soil):
+        for one in index_estimates(test, test.own(fixed), known):
             name = full_name(problem, test, one.parameter)
             found.setdefault((name, one.told.correlation.equation), replace(one, parameter=name))
     return tuple(found.values())
@@ -182,8 +223,13 @@ def estimates_of(problem: Problem) -> tuple[ParameterEstimate, ...]:
 
 def full_name(problem: Problem, test: TestOfLaw, name: str) -> str:
     """Name of a test's parameter in its problem: that for the test alone where there is one, else the shared one."""
-    own = f"{test.part}.{name}"
-    return own if own in problem.parameters else name
+    return name_among(problem.parameters, test, name)
+
+
+def name_among(names: Collection[str], test: TestOfLaw, name: str) -> str:
+    """The same among names of parameters."""
+    own = f"{test.part}.{test.named(name)}"
+    return own if own in names else test.named(name)
 
 
 def index_document(estimates: Iterable[ParameterEstimate]) -> list[dict[str, Any]]:

@@ -1,8 +1,8 @@
-"""Parameters of a problem to begin with: bounds and estimates from the readings, index properties and usual ranges."""
+"""Initial parameters of a problem: bounds and estimates from the readings, index properties and usual ranges."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 from typing import Any
@@ -16,8 +16,10 @@ from geoswarm.solver.estimates.index import (
     TestOfLaw,
     full_name,
     index_estimates,
+    layers_of,
     soils_of,
     term_known,
+    with_index,
 )
 from geoswarm.solver.estimates.usual import is_wide, usual_section, wanted
 from geoswarm.solver.estimates.value import ClassicalValue
@@ -78,12 +80,13 @@ def with_parameters(document: dict[str, Any]) -> dict[str, Any]:
         return document  # who reads it tells what is wrong
     infos = {info.name: info for info in model.parameters}
     found: dict[str, dict[str, Any]] = {}
-    for test in soils_of(spec, model):
+    for test in (*soils_of(spec, model), *layers_of(spec, model)):
         flow = [name for name in test.parameters if name not in {info.name for info in test.law.parameters}]
-        for name in (*wanted(test.law, ()), *(name for name in flow if infos[name].default is None)):
-            section = usual_section(infos[name]) if name in infos else None
+        for name in (*wanted(test.law, ()), *(name for name in flow if infos[test.named(name)].default is None)):
+            own = test.named(name)
+            section = usual_section(infos[own]) if own in infos else None
             if section is not None:
-                found.setdefault(name, section)
+                found.setdefault(own, section)
     return {**document, "parameters": found} if found else document
 
 
@@ -103,24 +106,28 @@ def proposed(problem: Problem) -> tuple[Proposed, ...]:
 
 
 def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
-    """What readings and index properties tell of each parameter, under the names that the problem uses."""
+    """Estimates of each parameter from readings and index properties, under the names that the problem uses."""
     fixed = {name: p.value for name, p in problem.parameters.items() if isinstance(p, FixedParameter)}
     soil = None if problem.index_properties is None else problem.index_properties.properties()
     read = [one for one in classical_values(problem) if one.value is not None]
     found: dict[str, list[Candidate]] = {}
     for test in soils_of(problem.forward_model, problem.model):
-        own = fixed | {name.removeprefix(f"{test.part}."): value for name, value in fixed.items()}
-        known = term_known(test, own, soil)
-        told = [*_read(test, read, known), *_past(test, read)]
-        if soil is not None:
-            told += [
-                (one.parameter, of_correlation(one)) for one in index_estimates(test, own, soil) if not one.told.outside
-            ]
-        for name, candidate in told:
-            candidates = found.setdefault(full_name(problem, test, name), [])
-            if candidate not in candidates:
-                candidates.append(candidate)
+        known = term_known(test, test.own(fixed), soil)
+        _gather(found, problem, test, [*_read(test, read, known), *_past(test, read)])
+    for test, known_index in with_index(problem.forward_model, problem.model, soil):
+        told = index_estimates(test, test.own(fixed), known_index)
+        _gather(found, problem, test, [(one.parameter, of_correlation(one)) for one in told if not one.told.outside])
     return found
+
+
+def _gather(
+    found: dict[str, list[Candidate]], problem: Problem, test: TestOfLaw, told: Iterable[tuple[str, Candidate]]
+) -> None:
+    """Put what is told of a test's parameters under their names, each candidate once."""
+    for name, candidate in told:
+        candidates = found.setdefault(full_name(problem, test, name), [])
+        if candidate not in candidates:
+            candidates.append(candidate)
 
 
 def of_correlation(one: ParameterEstimate) -> Candidate:
@@ -185,11 +192,12 @@ def _section(info: ParameterInfo, candidates: Sequence[Candidate]) -> dict[str, 
     lowest, highest = min(one.ends[0] for one in candidates), max(one.ends[1] for one in candidates)
     read = [one.value for one in candidates if one.reading]
     initial = median(read or [one.value for one in candidates])
+    name = info.name.rpartition(".")[2]
     if info.unit == "degree":
         low, high = lowest - _ANGLE, highest + _ANGLE
-    elif info.unit == "kPa" and info.name in ("c", "POP"):
+    elif info.unit == "kPa" and name in ("c", "POP"):
         low, high = 0.0, _FACTOR * highest
-    elif info.name == "OCR":
+    elif name == "OCR":
         low, high = 1.0, _FACTOR * highest
     else:
         low, high = max(lowest, 0.1 * initial) / _FACTOR, highest * _FACTOR

@@ -46,7 +46,7 @@ def simple_shear_values(problem: Problem, part: ModelPart) -> Iterator[Classical
             along = np.argsort(one.x, kind="stable")
             normal = np.asarray(start + sign * np.interp(strain, one.x[along], one.y[along]))
     if normal is None:
-        why = "a test at constant volume without normal_stress or pore_pressure tells no effective stress"
+        why = "a test at constant volume without normal_stress or pore_pressure gives no effective stress"
         yield ClassicalValue(part.name, "φ", method, None, why, "degree")
         return
     good = normal > 0.0

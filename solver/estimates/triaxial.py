@@ -227,7 +227,7 @@ def _undrained(
                 "axial_stress": axial - q,
             }
             return np.asarray(total[constant] - excess)
-    raise NoEvaluationError("an undrained test without p or pore_pressure tells no effective stress")
+    raise NoEvaluationError("an undrained test without p or pore_pressure gives no effective stress")
 
 
 def _secant(strain: FloatArray, q: FloatArray, start: float) -> float | None:

@@ -41,7 +41,14 @@ def usual_section(info: ParameterInfo) -> dict[str, Any] | None:
 
 def ordered(sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Constraints between parameters."""
-    return [f"{one} > {other}" for one, other in _LARGER if {one, other} <= sections.keys()]
+    found = []
+    for name in sections:
+        start, _, own = name.rpartition(".")
+        for one, other in _LARGER:
+            beside = f"{start}.{other}" if start else other
+            if own == one and beside in sections:
+                found.append(f"{name} > {beside}")
+    return found
 
 
 def is_wide(low: float, high: float) -> bool:

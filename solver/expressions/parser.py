@@ -242,7 +242,7 @@ class _Parser:
         following = self._next
         if following.kind in ("name", "number") and following.column == token.column + len(token.text):
             piece = token.text + following.text
-            raise ExpressionError(f"'{piece}' at character {token.column} is no number; write * to multiply")
+            raise ExpressionError(f"'{piece}' at character {token.column} is not a number; write * to multiply")
         return Constant(value)
 
     def _call(self, token: _Token) -> Node:
@@ -259,7 +259,7 @@ class _Parser:
                 arguments.append(self._checked_number(self._truth(), token.text))
         self._close("an operator, ',' or ')'")
         if function.most_arguments is not None and len(arguments) > function.most_arguments:
-            raise ExpressionError(f"{token} takes one argument, not {len(arguments)}")
+            raise ExpressionError(f"{token} takes one argument, got {len(arguments)}")
         return Call(token.text, tuple(arguments))
 
     def _choice(self, token: _Token) -> Node:

@@ -40,7 +40,7 @@ class Copies:
             Another one of that name is there.
         """
         if self._taken(name, content):
-            raise FileInTheWayError(f"{self.folder / name} is there with other contents, and never overwritten")
+            raise FileInTheWayError(f"{self.folder / name} exists with other contents and is never overwritten")
         self.contents[name] = content, mode
 
     def _taken(self, name: str, content: bytes) -> bool:

@@ -1,4 +1,4 @@
-"""How long it may take to read what a run has left: a regular expression can take for ever on a single line."""
+"""Limits the time for reading the output of a run: a regular expression can take forever on a single line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One run of a program that is looked at closely: its folder is kept, what it wrote and what was read is told."""
+"""One detailed trial run of a program: its folder is kept, and what it wrote and what was read is shown."""
 
 from __future__ import annotations
 

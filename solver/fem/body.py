@@ -15,8 +15,10 @@ class Body(NamedTuple):
 
     ``constants`` (m, c) are those of the soils' laws, ``updates`` (m,) the addresses of their stress updates,
     ``strength`` (m, 5) the places of their strength in the constants, -1: none, and ``elastic`` (m, 2) bulk and shear
-    modulus of perfectly plastic ones, 0: none; ``interface_constants`` as in :mod:`geoswarm.solver.fem.materials`;
-    ``material`` (e,) and ``interface_material`` (k,) index them, -1: inactive. ``edges`` (q, 3) carry follower loads.
+    modulus of perfectly plastic ones, 0: none; ``tensors`` (m, t) where tensors among the state variables begin, -1:
+    none, with what they keep of shear, ``tensor_shear`` (m, t); ``interface_constants`` as in
+    :mod:`geoswarm.solver.fem.materials`; ``material`` (e,) and ``interface_material`` (k,) index them, -1: inactive.
+    ``edges`` (q, 3) carry follower loads.
     """
 
     axisymmetric: bool
@@ -27,6 +29,8 @@ class Body(NamedTuple):
     constants: FloatArray
     strength: IntArray
     elastic: FloatArray
+    tensors: IntArray
+    tensor_shear: FloatArray
     interfaces: IndexArray
     interface_material: IntArray
     interface_constants: FloatArray

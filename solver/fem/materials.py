@@ -25,7 +25,7 @@ INTERFACE_STRENGTH: Final = (2, 3, 4, 5)
 
 def _range(name: str, value: float, accepted: bool, words: str) -> None:
     if not accepted:
-        raise InfeasibleError(f"{name} = {value:g}: {words} is accepted")
+        raise InfeasibleError(f"{name} must be {words}, got {value:g}")
 
 
 def _strength(c: float, phi: float, psi: float, tension_cutoff: float | None) -> None:
@@ -76,7 +76,7 @@ class Material:
         ratio = self.soil.law.K0(self.soil.constants) if self.K0 is None else self.K0
         if ratio is None:
             law = self.soil.law
-            raise InfeasibleError(f"{law.title} ({law.kind}) knows no K0, which a phase of kind K0 needs")
+            raise InfeasibleError(f"{law.title} ({law.kind}) has no K0, which a phase of kind K0 needs")
         return ratio
 
 

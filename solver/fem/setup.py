@@ -43,6 +43,8 @@ class SoilTable:
     constants: FloatArray
     strength: IntArray
     elastic: FloatArray
+    tensors: IntArray
+    tensor_shear: FloatArray
 
     @classmethod
     def of(cls, soils: Sequence[Soil]) -> SoilTable:
@@ -50,14 +52,18 @@ class SoilTable:
         constants = np.zeros((len(soils), max((soil.constants.size for soil in soils), default=0)))
         strength = np.full((len(soils), len(StrengthPlaces._fields)), -1, dtype=np.int64)
         elastic = np.zeros((len(soils), 2))
+        most = max((len(soil.law.tensors) for soil in soils), default=0)
+        tensors, shear = np.full((len(soils), most), -1, dtype=np.int64), np.ones((len(soils), most))
         for number, soil in enumerate(soils):
             constants[number, : soil.constants.size] = soil.constants
             if soil.law.strength is not None:
                 strength[number] = soil.law.strength
             if soil.law.perfectly_plastic:
                 elastic[number] = soil.law.elastic_moduli(soil.constants, _MEAN_STRESS)
+            for place, one in enumerate(soil.law.tensors):
+                tensors[number, place], shear[number, place] = one
         updates = np.array([soil.law.update.address for soil in soils], dtype=np.int64)
-        return cls(updates, constants, strength, elastic)
+        return cls(updates, constants, strength, elastic, tensors, shear)
 
 
 @dataclass(frozen=True)
@@ -210,7 +216,7 @@ def edge_owners(mesh: Mesh, edges: IndexArray) -> tuple[IntArray, IntArray]:
     for edge in edges:
         key = (int(edge[0]), int(edge[1]), int(edge[2]))
         if key not in sides:
-            raise ValueError(f"the boundary edge {key} is no side of a triangle with the body on its left")
+            raise ValueError(f"the boundary edge {key} is not a side of a triangle with the body on its left")
         owners.append(sides[key])
     owner = np.array(owners, dtype=np.int64)
     places = np.array(

@@ -145,7 +145,9 @@ class Calculation:
         names = (*self.mesh.region_names, *self.mesh.interface_names)
         for name in (*phase.materials, *(phase.active or ())):
             if name not in names:
-                raise ValueError(f"phase {phase.name!r}: {name!r} is no region or interface; known: {', '.join(names)}")
+                raise ValueError(
+                    f"phase {phase.name!r}: {name!r} is not a region or interface; known: {', '.join(names)}"
+                )
         return dict(phase.materials)
 
     def _blank(self) -> State:
@@ -210,6 +212,8 @@ class Calculation:
             tables.soils.constants,
             tables.soils.strength,
             tables.soils.elastic,
+            tables.soils.tensors,
+            tables.soils.tensor_shear,
             self.mesh.interfaces,
             tables.interface_material,
             tables.interface_constants,
@@ -256,6 +260,8 @@ class Calculation:
             constants=soils.constants,
             strength=soils.strength,
             elastic=soils.elastic,
+            tensors=soils.tensors,
+            tensor_shear=soils.tensor_shear,
             interface_material=np.minimum(body.interface_material, 0),
             interface_constants=np.array([[1.0, 1.0, math.inf, 0.0, 0.0, math.inf]]),
         )

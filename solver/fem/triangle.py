@@ -1,10 +1,11 @@
 """Six-node triangles: internal forces and their exact derivative.
 
 With an updated mesh a step is taken from the positions x at its beginning: strain increment and rotation come from the
-gradient of the displacement increment on the mid-step positions (Hughes & Winget 1980), stress is turned by half the
-rotation before the material sees it and by the other half after, and the forces are those of the new stress on the new
-positions. The tangent is the derivative of all that; for an isotropic material the turned old stress needs no more than
-the tangent by strain. At small strain all three configurations are the mesh at the beginning of the phase.
+gradient of the displacement increment on the mid-step positions (Hughes & Winget 1980), stress and the tensors among
+the state variables are turned by half the rotation before the material sees them and by the other half after, and the
+forces are those of the new stress on the new positions. The tangent is the derivative of all that; for an isotropic
+material what is old and turned needs no more than the tangent by strain. At small strain all three configurations are
+the mesh at the beginning of the phase.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.fem.body import Body, State
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import call_update
@@ -64,12 +65,23 @@ def _gradients(slopes: FloatArray, x: FloatArray, g: FloatArray) -> float:
 
 
 @kernel
-def _turn(stress: FloatArray, c: float, s: float) -> None:
-    """Turn a stress (4,) in place by the angle whose cosine and sine are given."""
-    sxx, syy, sxy = stress[0], stress[1], stress[3]
-    stress[0] = c * c * sxx + s * s * syy - 2.0 * c * s * sxy
-    stress[1] = s * s * sxx + c * c * syy + 2.0 * c * s * sxy
-    stress[3] = c * s * (sxx - syy) + (c * c - s * s) * sxy
+def _turn(tensor: FloatArray, c: float, s: float, first: int, shear: float) -> None:
+    """Turn a tensor in place by the angle whose cosine and sine are given.
+
+    Its xx, yy, zz and xy begin at ``first``; ``shear`` is what it keeps of xy.
+    """
+    sxx, syy, sxy = tensor[first], tensor[first + 1], tensor[first + 3] / shear
+    tensor[first] = c * c * sxx + s * s * syy - 2.0 * c * s * sxy
+    tensor[first + 1] = s * s * sxx + c * c * syy + 2.0 * c * s * sxy
+    tensor[first + 3] = shear * (c * s * (sxx - syy) + (c * c - s * s) * sxy)
+
+
+@kernel
+def _turn_all(state: FloatArray, c: float, s: float, tensors: IntArray, shear: FloatArray) -> None:
+    """Turn the tensors among state variables in place: where they begin, -1: none, and what they keep of xy."""
+    for place, first in enumerate(tensors):
+        if first >= 0:
+            _turn(state, c, s, first, shear[place])
 
 
 @kernel
@@ -127,6 +139,7 @@ def assemble_triangles(
     stress, strain, sigma, C = np.empty(4), np.empty(4), np.empty(4), np.empty((4, 4))
     E, S = np.empty((4, 12)), np.empty((4, 12))
     spin, f, hoop = np.zeros(12), np.empty(12), np.zeros(6)
+    turned = np.empty(old.internal.shape[2])
     updated, axisymmetric = body.updated, body.axisymmetric
 
     for e in range(count):
@@ -170,16 +183,21 @@ def assemble_triangles(
                 half_spin = 0.25 * (gyx - gxy)
                 c = 1.0 / math.sqrt(1.0 + half_spin * half_spin)
                 s = half_spin * c
-                _turn(stress, c, s)
+                _turn(stress, c, s, 0, 1.0)
+            before, after = old.internal[e, point], new.internal[e, point]
+            if updated:
+                turned[:] = before
+                _turn_all(turned, c, s, body.tensors[number], body.tensor_shear[number])
+                before = turned
             limit = call_update(
                 address,
                 log_time,
                 strain,
                 stress,
-                old.internal[e, point],
+                before,
                 constants,
                 sigma,
-                new.internal[e, point],
+                after,
                 C,
             )
             if limit < 0:
@@ -188,7 +206,8 @@ def assemble_triangles(
                 _mix(blend, bulk, shear, C)
             new.plastic[e, point] = limit > 0
             if updated:
-                _turn(sigma, c, s)
+                _turn(sigma, c, s, 0, 1.0)
+                _turn_all(after, c, s, body.tensors[number], body.tensor_shear[number])
             for i in range(4):
                 sigma[i] = -sigma[i]
                 new.stress[e, point, i] = sigma[i]

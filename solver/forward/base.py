@@ -17,6 +17,7 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
+    from geoswarm.solver.correlations.properties import IndexProperties
     from geoswarm.solver.forward.diagram import Diagram
     from geoswarm.solver.sketches.declared import Sketch
     from geoswarm.solver.user_laws.section import UserLawSection
@@ -33,13 +34,31 @@ __all__ = [
 ]
 
 ForwardRun: TypeAlias = Callable[[Mapping[str, float]], dict[str, FloatArray]]
-"""Parameter values by name -> response of every prepared series at its prepared points, in base units."""
+"""Parameter values by name -> response of every prepared series at its prepared points, in base units.
+
+Examples
+--------
+>>> import numpy as np
+>>> import geoswarm as gs
+>>> def run(values) -> dict[str, gs.FloatArray]:  # a ForwardRun
+...     return {"y": values["a"] * np.array([1.0, 2.0])}
+>>> run({"a": 3.0})["y"].tolist()
+[3.0, 6.0]
+"""
 
 
 class NotedResponse(dict[str, FloatArray]):
-    """What a :data:`ForwardRun` returns when something is to be said of a run that succeeded.
+    """What a :data:`ForwardRun` returns to attach a note to a successful run.
 
     ``note`` is stored with the evaluation, as its message.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geoswarm as gs
+    >>> found = gs.NotedResponse({"settlement": np.array([0.1])}, "two load steps were halved")
+    >>> found.note, found["settlement"].tolist()
+    ('two load steps were halved', [0.1])
     """
 
     def __init__(self, response: Mapping[str, FloatArray], note: str) -> None:
@@ -51,8 +70,15 @@ class NotedResponse(dict[str, FloatArray]):
 class SeriesInfo:
     """One named output of a forward model: ``y`` over ``x``, both in base units (kN, m, day, degree).
 
-    ``x_lower`` and ``x_upper`` bound the points at which it can be asked for; ``x_integer``: only at whole numbers
+    ``x_lower`` and ``x_upper`` bound the points at which it can be evaluated; ``x_integer``: only at whole numbers
     (stage numbers). ``x_increasing``: its observed points must be strictly increasing in x.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> info = gs.SeriesInfo("settlement", "settlement over time", "time", "day", "settlement", "m", x_lower=0.0)
+    >>> info.name, info.y_unit
+    ('settlement', 'm')
     """
 
     name: str
@@ -67,12 +93,12 @@ class SeriesInfo:
     x_increasing: bool = True
 
     def require(self, x: FloatArray) -> None:
-        """Refuse points (m,) that it cannot be asked for.
+        """Refuse points (m,) at which it cannot be evaluated.
 
         Raises
         ------
         ProblemError
-            One is outside the limits, or no whole number where only these are accepted.
+            A point is outside the limits, or not a whole number where only these are accepted.
         """
         low = -math.inf if self.x_lower is None else self.x_lower
         high = math.inf if self.x_upper is None else self.x_upper
@@ -82,15 +108,37 @@ class SeriesInfo:
         if wrong.any():
             accepted = f"{'whole numbers ' if self.x_integer else ''}from {low:g} to {high:g}"
             unit = f" {self.x_unit}" if self.x_unit else ""
-            raise ProblemError([Issue(self.name, f"x = {x[wrong][0]:g}{unit}: {accepted}{unit} are accepted")])
+            raise ProblemError([Issue(self.name, f"x must be {accepted}{unit}, got {x[wrong][0]:g}{unit}")])
 
 
 class ForwardModel(Protocol):
-    """A calculation from parameter values to series. Immutable; safe to use from several threads."""
+    """A calculation from parameter values to series. Immutable; safe to use from several threads.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geoswarm as gs
+    >>> class Spring:
+    ...     open_parameters = False
+    ...     parameters = (gs.ParameterInfo("k", "k", "kN/m", "stiffness", lower=0.0),)
+    ...     series = (gs.SeriesInfo("force", "force over displacement", "displacement", "m", "force", "kN"),)
+    ...
+    ...     def grid(self, series):
+    ...         return np.linspace(0.0, 0.1, 11)
+    ...
+    ...     def check(self, parameters):
+    ...         return None
+    ...
+    ...     def prepare(self, points):
+    ...         return lambda values: {"force": values["k"] * points["force"]}
+    >>> run = Spring().prepare({"force": np.array([0.0, 0.1])})
+    >>> run({"k": 50.0})["force"].tolist()
+    [0.0, 5.0]
+    """
 
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Parameters that the model knows, required ones (``default`` None) and optional ones."""
+        """Parameters of the model, required ones (``default`` None) and optional ones."""
 
     @property
     def open_parameters(self) -> bool:
@@ -104,9 +152,9 @@ class ForwardModel(Protocol):
         """Points x, shape (n,), in base units, at which to show the whole curve of a series."""
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
-        """What is inadmissible about these parameter values, or None.
+        """Why these parameter values are inadmissible; None if they are admissible.
 
-        ``parameters`` may be a subset: problems use it to judge the fixed values before anything runs.
+        ``parameters`` may be a subset: problems check their fixed values in this way before anything runs.
         """
 
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
@@ -119,36 +167,69 @@ class ForwardModel(Protocol):
 
 @runtime_checkable
 class TellsUnused(Protocol):
-    """A model that takes any parameter, and knows which of them reach it."""
+    """A model that accepts any parameter and knows which ones it uses.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> class Program:
+    ...     def unused(self, names):
+    ...         return tuple(name for name in names if name not in ("E", "nu"))
+    >>> isinstance(Program(), gs.TellsUnused), Program().unused(["E", "phi"])
+    (True, ('phi',))
+    """
 
     def unused(self, names: Collection[str]) -> tuple[str, ...]:
-        """Those of some parameters that change nothing."""
+        """Return those of the given parameters that change nothing."""
 
 
 def in_unit(
     unit: str, lowest: float | None = None, highest: float | None = None, *, shown: bool = False
 ) -> dict[str, JsonValue]:
-    """What a field's JSON schema tells forms beside its description: ``x-unit`` and a usual range, ``x-typical``.
+    """Metadata of a field for forms, in its JSON schema: ``x-unit``, and a usual range, ``x-typical``.
 
-    For ``Field(json_schema_extra=...)``. ``shown``: the field is seen at once though it may be left out.
+    For ``Field(json_schema_extra=...)``. ``shown``: forms always show the field, although it is optional.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> gs.in_unit("m", 0.01, 0.1)
+    {'x-unit': 'm', 'x-typical': [0.01, 0.1]}
     """
     hint: dict[str, JsonValue] = {"x-unit": unit} | ({"x-shown": True} if shown else {})
     return hint if lowest is None or highest is None else hint | {"x-typical": [lowest, highest]}
 
 
 class ForwardModelSpec(BaseModel, ABC):
-    """Base of the ``forward_model`` sections; subclasses add ``kind: Literal[...]`` and their fields."""
+    """Base of the ``forward_model`` sections; subclasses add ``kind: Literal[...]`` and their fields.
+
+    Examples
+    --------
+    >>> from typing import Literal
+    >>> import geoswarm as gs
+    >>> class SpringSpec(gs.ForwardModelSpec):
+    ...     kind: Literal["spring"] = "spring"
+    ...     length: float
+    ...
+    ...     def build(self):
+    ...         return Spring(self.length)  # a ForwardModel
+    >>> SpringSpec(length=2.0).quick
+    False
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     depends_on_section: ClassVar[bool] = False
-    """Whether parameters and series follow from what a section says, beyond its kind."""
+    """Whether parameters and series depend on the contents of a section, not only on its kind."""
 
     programs: ClassVar[bool] = False
-    """Whether models of this kind run programs or code of the machine: the service neither offers nor accepts it."""
+    """Whether models of this kind run programs or code of the machine; a service neither offers nor accepts them."""
+
+    series_need: ClassVar[Mapping[str, str]] = {}
+    """Optional fields without which a section lacks series, by the end of their names."""
 
     consolidates: ClassVar[bool] = False
-    """Whether the flow of pore water is calculated, so that primary consolidation is in its curves."""
+    """Whether the flow of pore water is calculated, so that the curves include primary consolidation."""
 
     kind: str
 
@@ -157,13 +238,30 @@ class ForwardModelSpec(BaseModel, ABC):
         """A section of this kind; the first of the ``examples`` of its JSON schema unless the kind gives another."""
         return next(iter(cls.model_json_schema().get("examples", [])), None)
 
+    def remedy_for(self, series: str) -> str:
+        """What would add a missing series to the section, as an ending of a message; '' if nothing does."""
+        for end, field in self.series_need.items():
+            if series.endswith(end) and vars(self)[field] is None:
+                return f"; it needs {field}"
+        return ""
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Default assumptions of the section that a reader should know, in sentences with the remedy."""
+        return ()
+
     @property
     def quick(self) -> bool:
-        """Whether a report may make some hundred further runs unasked: they take seconds on any machine.
+        """Whether a report may make a few hundred further runs without asking: they take seconds on any machine.
 
-        A property of the model, not a time that is measured: what is said must not hang on the speed of a machine.
+        A property of the model, not a measured time: results must not depend on the speed of a machine.
         """
         return False
+
+    @property
+    def index_properties_of_soils(self) -> Mapping[str, IndexProperties | None]:
+        """Index properties of each soil by the prefix of its parameters; {} if there is a single soil."""
+        return {}
 
     @property
     def kernels(self) -> frozenset[str]:
@@ -177,25 +275,31 @@ class ForwardModelSpec(BaseModel, ABC):
 
     @property
     def runs_programs(self) -> bool:
-        """Whether it starts programs or calls libraries of this machine: no problem from the network may have it."""
+        """Whether it starts programs or calls libraries of this machine; problems from the network must not use it."""
         return self.programs or bool(self.user_laws)
 
     @property
     def only_here(self) -> bool:
-        """Whether it can be calculated in this very process alone: no other process knows it."""
+        """Whether it can be calculated only in this process, because no other process has it."""
         return False
 
     @property
     def runs_outside(self) -> bool:
-        """Whether a run is one of the user's programs or functions: it is watched, and none is made unasked."""
+        """Whether a run calls a program or function of the user: runs are supervised, and none is made without
+        asking."""
         return self.runs_programs
 
+    def at_once(self, workers: int, machines: int = 1) -> int:
+        """Return how many runs the given workers and machines can make at once; licences may limit them."""
+        slots: int | None = getattr(self, "slots", None)
+        return workers if slots is None else min(workers, slots * machines)
+
     def unavailable(self) -> str | None:
-        """Why it cannot be run on this machine though its section is sound, in words; None: it can."""
+        """Why it cannot run on this machine although its section is valid, in words; None if it can."""
         return next((why for law in self.user_laws if (why := law.unavailable())), None)
 
     def require_available(self, path: str = "forward_model") -> None:
-        """Refuse what cannot be run on this machine.
+        """Refuse a model that cannot run on this machine.
 
         Parameters
         ----------
@@ -211,16 +315,17 @@ class ForwardModelSpec(BaseModel, ABC):
             raise ProblemError([Issue(path, why)])
 
     def shown(self, text: str) -> str:
-        """A message or log of a run as users of a service may see it: it may tell of a machine that is not theirs."""
+        """A message or log of a run as users of a service may see it, without details of a machine that is not
+        theirs."""
         return text
 
     def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
-        """The same section with the contents of the files that it names in place of their names.
+        """Return the section with the contents of its files in place of their names.
 
         Parameters
         ----------
         folder
-            Where relative files lie; None when no file may be read (problems that came over the network).
+            Folder of relative paths; None if no file may be read (problems from the network).
         path
             Of this section in the problem, for messages.
 
@@ -233,7 +338,7 @@ class ForwardModelSpec(BaseModel, ABC):
         return self
 
     def sketch(self) -> Sketch | None:
-        """What a form and a report draw of it: specimen or ground and the loading programme; None: nothing."""
+        """Sketch for forms and reports: specimen or ground and the loading programme; None if there is none."""
         return None
 
     def by_part(self) -> Mapping[str, ForwardModelSpec]:
@@ -241,7 +346,7 @@ class ForwardModelSpec(BaseModel, ABC):
         return {"": self}
 
     def diagrams(self) -> tuple[Diagram, ...]:
-        """What reports draw beside each series over its own axis: one series over another."""
+        """Additional diagrams for reports: one series over another."""
         return ()
 
     @abstractmethod

@@ -27,6 +27,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.forward.registry import AnyForwardModelSpec, built, find_spec
+from geoswarm.solver.words import listed
 
 if TYPE_CHECKING:
     from geoswarm.solver.user_laws.section import UserLawSection
@@ -60,6 +61,11 @@ class CombinedSpec(ForwardModelSpec):
         kinds = {"oedometer": "oedometer", "isotropic": "isotropic_compression"}
         return {"kind": "combined", "parts": {name: find_spec(kind).example() for name, kind in kinds.items()}}
 
+    def remedy_for(self, series: str) -> str:
+        """What would give a series in its part."""
+        part, _, name = series.partition(".")
+        return self.parts[part].remedy_for(name) if part in self.parts else ""
+
     def with_files(self, folder: Path | None, path: str) -> CombinedSpec:
         """The parts with the contents of their files."""
         parts = {name: part.with_files(folder, f"{path}.parts.{name}") for name, part in self.parts.items()}
@@ -70,6 +76,15 @@ class CombinedSpec(ForwardModelSpec):
     def quick(self) -> bool:
         """When all parts are."""
         return all(part.quick for part in self.parts.values())
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Those of all parts, each once with the parts that make it."""
+        parts: dict[str, list[str]] = {}
+        for name, part in self.parts.items():
+            for sentence in part.assumptions:
+                parts.setdefault(sentence, []).append(name)
+        return tuple(f"{listed(names)}: {sentence}" for sentence, names in parts.items())
 
     @property
     def kernels(self) -> frozenset[str]:
@@ -143,7 +158,7 @@ class CombinedModel:
 
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
-        """Shared parameters, then those for one part alone; :meth:`missing` tells which of them a problem lacks."""
+        """Shared parameters, then those of a single part; :meth:`missing` names those that a problem lacks."""
         own = (
             replace(info, name=own_name, description=f"{info.description.removesuffix('.')}, in {part.name} only.")
             for part in self._parts.values()

@@ -84,7 +84,7 @@ class SectionModel(BodyModel):
         self.spec = spec
         lengths = list(quantities_in(spec.element_length))
         if lengths:
-            text = f"'{lengths[0].expression.text}': a number is accepted; the number of elements does not vary"
+            text = f"'{lengths[0].expression.text}' must be a number; the number of elements does not vary"
             raise ProblemError([Issue("forward_model.element_length", text)])
         missing = sorted(self._geometry_names() - spec.nominal.keys())
         if missing:

@@ -16,7 +16,7 @@ Readings: TypeAlias = Mapping[str, FloatArray]
 
 @dataclass(frozen=True)
 class Derived:
-    """What readings of other quantities tell of one that was not measured itself.
+    """A quantity that was not measured itself, derived from readings of others.
 
     Parameters
     ----------

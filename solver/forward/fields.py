@@ -36,4 +36,4 @@ def require_stage(zero_at_stage: int, stages: Sequence[object]) -> None:
         It is later than the last one.
     """
     if zero_at_stage > len(stages):
-        raise ValueError(f"zero_at_stage = {zero_at_stage}: a stage from 1 to {len(stages)} is accepted")
+        raise ValueError(f"zero_at_stage must be from 1 to {len(stages)}, got {zero_at_stage}")

@@ -73,7 +73,7 @@ class FiniteElementModel(BodyModel):
             raise ProblemError([Issue("forward_model.mesh", str(error))]) from error
         points = {**mesh.points, **{name: _nearest(mesh, name, place) for name, place in spec.points.items()}}
         if not points:
-            text = "no point is named; the displacement of at least one point is accepted"
+            text = "no point is named; name at least one, whose displacement is observed"
             raise ProblemError([Issue("forward_model.points", text)])
         self._mesh = replace(mesh, points=points)
         check_names(spec, self._mesh)

@@ -40,8 +40,8 @@ class FormulaSeries(BaseModel):
     expression: str = Field(description="y as an expression of x and the parameters")
     x_unit: str = Field("dimensionless", description="unit of x inside the expression")
     y_unit: str = Field("dimensionless", description="unit of the expression's value")
-    x_lower: float | None = Field(None, description="lowest x that may be asked for")
-    x_upper: float | None = Field(None, description="highest x that may be asked for")
+    x_lower: float | None = Field(None, description="lowest x that may be requested")
+    x_upper: float | None = Field(None, description="highest x that may be requested")
     description: str = Field("", max_length=200, description="what the series is")
 
     @field_validator("expression")

@@ -66,7 +66,7 @@ class OedometerSpec(StagedLoadSpec):
     @model_validator(mode="after")
     def _at_rest(self) -> OedometerSpec:
         if self.K0 is None and not self.law.knows_K0:
-            raise ValueError(f"K0 is missing: material {self.law.kind} knows none")
+            raise ValueError(f"K0 is missing: material {self.law.kind} has none")
         return self
 
     @classmethod
@@ -149,5 +149,5 @@ class OedometerModel(StagedLoadModel):
 def _violated(horizontal: float, vertical: float, lower: float, upper: float) -> str:
     return (
         f"initial horizontal stress = {horizontal:g} kPa (K0 = {horizontal / vertical:g}) violates the "
-        f"strength; K0 from {max(lower, 0.0) / vertical:g} to {upper / vertical:g} is accepted"
+        f"strength; K0 must be from {max(lower, 0.0) / vertical:g} to {upper / vertical:g}"
     )

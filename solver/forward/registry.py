@@ -17,7 +17,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from geoswarm.solver.errors import BrokenForwardModelError, SolverError, UnknownForwardModelError, in_words
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
-from geoswarm.solver.installed import Installed
+from geoswarm.solver.system.installed import Installed
 
 if TYPE_CHECKING:
     from geoswarm.solver.sketches.drawing import DrawnSketch
@@ -167,7 +167,7 @@ def find_spec(kind: str) -> type[ForwardModelSpec]:
 
 
 def forget() -> None:
-    """Look for installed forward models anew on the next use, for example after a package was installed."""
+    """Search for installed forward models again on the next use, for example after a package was installed."""
     _installed.forget()
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -55,6 +56,8 @@ class SpecimenMesh(BaseModel):
 class StagedLoadSpec(OneMaterialSpec, ABC):
     """Fields of the tests with constant loads in stages."""
 
+    series_need: ClassVar[Mapping[str, str]] = {"void_ratio": "initial_void_ratio"}
+
     material: LawChoice = Field("soft_soil_creep", description="Law of the material.")
     discretization: Literal["material_point", "finite_element"] = Field(
         "material_point",
@@ -70,9 +73,7 @@ class StagedLoadSpec(OneMaterialSpec, ABC):
     stages: tuple[LoadStage, ...] = Field(
         min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
     )
-    zero_at_stage: int = Field(
-        1, ge=1, description="Stage before whose application time, displacement and strain are zero."
-    )
+    zero_at_stage: int = Field(1, ge=1, description="Stage just before which time, displacement and strain are zero.")
     OCR: float | None = Field(None, ge=1.0, description="Default of the parameter OCR (1 unless given here).")
     POP: float | None = Field(
         None,
@@ -144,7 +145,7 @@ class StagedLoadSpec(OneMaterialSpec, ABC):
     @model_validator(mode="after")
     def _consistent(self) -> StagedLoadSpec:
         if self.OCR is not None and self.POP is not None:
-            raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; one of them is accepted")
+            raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; give only one of them")
         if self.discretization == "material_point" and (self.unit_weight is not None or self.mesh is not None):
             raise ValueError("unit_weight and mesh are of a specimen with discretization: finite_element")
         require_stage(self.zero_at_stage, self.stages)

@@ -4,19 +4,24 @@
 
     SolverError
     └── StatisticsError             the evaluations do not allow what was asked for
-        └── TooFewPointsError       fewer measured points than free parameters
+        ├── TooFewPointsError       fewer measured points than free parameters
+        └── NotExaminedError        the sensitivities at the optimum are needed first
 """
 
 from __future__ import annotations
 
 from geoswarm.solver.errors import SolverError
 
-__all__ = ["StatisticsError", "TooFewPointsError"]
+__all__ = ["NotExaminedError", "StatisticsError", "TooFewPointsError"]
 
 
 class StatisticsError(SolverError):
-    """The evaluations at hand do not allow what was asked for; the message says what is missing."""
+    """The stored evaluations do not suffice for the request; the message says what is missing."""
 
 
 class TooFewPointsError(StatisticsError):
     """There are fewer measured points than free parameters: no data can determine them all."""
+
+
+class NotExaminedError(StatisticsError):
+    """The request needs the optimum and its sensitivities, which have not been evaluated yet."""

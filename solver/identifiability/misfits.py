@@ -10,6 +10,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.units import convert
+from geoswarm.solver.words import listed
 
 __all__ = ["DOES_NOT_HOLD", "SHORT", "Misfit", "remedies_of", "sentence_of"]
 
@@ -91,7 +92,7 @@ def sentence_of(misfits: Sequence[Misfit]) -> str:
     parts = []
     if patterns:
         series = list(dict.fromkeys(m.series for m in patterns))
-        parts.append(f"The model does not describe {_listed(series)}{_of_each(patterns, series)}")
+        parts.append(f"The model does not describe {listed(series)}{_of_each(patterns, series)}")
         parts.append("The parameters are those of the closest curve, and their intervals do not hold.")
     if exceeded:
         parts.append(_too_small(exceeded))
@@ -119,7 +120,7 @@ def _how_far(misfits: Sequence[Misfit], name: str) -> str:
     stages = sorted(m.stage for m in misfits if m.stage is not None)
     places = name or "the readings"
     if stages:
-        staged = f"stage{'s' if len(stages) > 1 else ''} {_listed(_spans(stages))}"
+        staged = f"stage{'s' if len(stages) > 1 else ''} {listed(_spans(stages))}"
         places = f"{name} in {staged}" if name else staged
     side = "above" if worst.largest > 0 else "below"
     rest = "" if whole is None else f", root mean square {_amount(whole.deviation, whole.unit)}"
@@ -145,7 +146,7 @@ def _too_small(exceeded: Sequence[Misfit]) -> str:
     left = len(exceeded) - len(each)
     others = f" ({left} more: see the table)" if left else ""
     return (
-        f"{'Stated errors are' if several else 'The stated error is'} not met: the residuals {_listed(each)} as large"
+        f"{'Stated errors are' if several else 'The stated error is'} not met: the residuals {listed(each)} as large"
         f"{others}, so intervals that rest on {'them' if several else 'it'} are about as many times too narrow."
     )
 
@@ -167,10 +168,6 @@ def _spans(numbers: Sequence[int]) -> list[str]:
 
 def _amount(value: float, unit: str) -> str:
     return f"{value:.2g} {unit}".strip()
-
-
-def _listed(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:

@@ -11,12 +11,13 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.objective import PseudoReadings
 from geoswarm.solver.problem import Problem
 
 SMALLEST, LARGEST = 1e-150, 1e150
 """Standard deviations whose squares are ordinary numbers."""
 
-__all__ = ["Noise", "estimate_noise", "known_noise", "noise_objective", "problem_noise"]
+__all__ = ["Noise", "estimate_noise", "known_noise", "noise_objective", "problem_noise", "with_losses"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ def known_noise(problem: Problem, deviations: Mapping[str, float] | float) -> No
         raise StatisticsError(f"noise is given for {', '.join(values)}; observed series: {', '.join(names)}")
     wrong = [f"{name}: {value:g}" for name, value in values.items() if not (np.isfinite(value) and value > 0)]
     if wrong:
-        raise StatisticsError(f"the standard deviation of noise must be above 0, not {', '.join(wrong)}")
+        raise StatisticsError(f"the standard deviation of noise must be above 0, got {', '.join(wrong)}")
     return _judged({name: float(values[name]) for name in names})
 
 
@@ -77,7 +78,7 @@ def _judged(deviations: dict[str, float]) -> Noise:
     beyond = [f"{name}: {value:g}" for name, value in deviations.items() if not SMALLEST <= value <= LARGEST]
     if beyond:
         raise StatisticsError(
-            f"the standard deviation of noise must be from {SMALLEST:g} to {LARGEST:g}, not {', '.join(beyond)}"
+            f"the standard deviation of noise must be from {SMALLEST:g} to {LARGEST:g}, got {', '.join(beyond)}"
         )
     return Noise(deviations, "known", np.inf)
 
@@ -117,6 +118,35 @@ def estimate_noise(
     pooled = sum(squares[s] for s in counted) / sum(free[s] for s in counted)
     deviations = {s: float(np.sqrt(squares[s] / free[s] if free[s] >= 1.0 else pooled)) for s in squares}
     return Noise(deviations, "estimated", float(degrees))
+
+
+def with_losses(
+    estimated: Noise | None, stated: Noise | None, pseudo: PseudoReadings, degrees_taken: Mapping[str, float]
+) -> Noise | None:
+    """Noise where series have robust losses: of these that of the pseudo residuals, of others the stated one, if any.
+
+    Of few readings that of a loss is larger by Huber's (1981, equation 7.6.6) factor 1 + (t_g / m_g) var psi' / (mean
+    psi')^2; 1 without losses, which changes nothing.
+
+    Parameters
+    ----------
+    estimated
+        From the pseudo residuals of all series (:func:`estimate_noise`).
+    stated
+        Of the problem or the user; None without.
+    degrees_taken
+        t_g of each series.
+    """
+    if estimated is None:
+        return None
+    deviations = dict(estimated.deviations)
+    for o in pseudo.observed:
+        if o.loss is not None:
+            share = degrees_taken[o.series] / max(int((o.point_weights > 0).sum()), 1)
+            deviations[o.series] *= 1.0 + share * pseudo.unevenness[o.series]
+        elif stated is not None:
+            deviations[o.series] = stated.deviations[o.series]
+    return Noise(deviations, "estimated", estimated.degrees_of_freedom)
 
 
 def noise_objective(problem: Problem, noise: Noise) -> float:

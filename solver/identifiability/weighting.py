@@ -221,7 +221,7 @@ def reweight(
         weights = scheme_weights(problem, cast(Weighting, weighting), noise=noise)
     changed = reweighted_problem(problem, weights=weights, point_weights=point_weights)
     objective = LeastSquares(
-        [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight) for o in changed.observations]
+        [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight, o.loss) for o in changed.observations]
     )
     series = [o.series for o in changed.observations]
     if samples.responses:

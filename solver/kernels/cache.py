@@ -88,7 +88,7 @@ def settle() -> Path | None:
         found = _temporary(own.name)
         because = f"because neither {' nor '.join(str(one) for one in wanted)} can be written"
         if found is None:
-            log.warning("every process compiles the kernels anew, %s; set %s", because, VARIABLE)
+            log.warning("every process recompiles the kernels, %s; set %s", because, VARIABLE)
             return None
         folder = found
         log.warning("the compiled kernels are kept in %s only, %s; set %s", folder, because, VARIABLE)

@@ -39,7 +39,7 @@ class Monotonic(Part):
     rate: float | None = Field(
         None,
         gt=0.0,
-        description="Change of strain in a day (1 %/h is 0.24), or of stress in a day, kPa; or give duration.",
+        description="Rate of strain, 1/day (1 %/h is 0.24), or of stress, kPa/day; or give duration.",
         json_schema_extra=in_unit("1/day", 0.01, 10, shown=True),
     )
 
@@ -58,7 +58,7 @@ class Monotonic(Part):
     @model_validator(mode="after")
     def _one_pace_and_end(self) -> Monotonic:
         if self.duration is not None and self.rate is not None:
-            raise ValueError("rate and duration are both given; one of them is accepted")
+            raise ValueError("rate and duration are both given; give only one of them")
         exactly_one(self, *self.ends)
         return self
 
@@ -112,7 +112,7 @@ class Hold(Part):
 
     kind: Literal["hold"] = "hold"
     keep: Literal["stress", "strain"] = Field(
-        "stress", description="What stays as it is: the stress (creep) or the strain (relaxation)."
+        "stress", description="What is held: the stress (creep) or the strain (relaxation)."
     )
     duration: float = Field(gt=0.0, le=MAX_DURATION, description="Duration, day.", json_schema_extra=in_unit("day"))
 

@@ -42,7 +42,7 @@ class Loading(Part):
     def _load_within_the_stage(self) -> Loading:
         if self.loading_time > self.duration:
             raise ValueError(
-                f"loading_time = {self.loading_time:g} day: at most the duration, {self.duration:g}, is accepted"
+                f"loading_time must be at most the duration, {self.duration:g} day, got {self.loading_time:g} day"
             )
         return self
 
@@ -51,6 +51,7 @@ class LaboratorySpec(OneMaterialSpec, ABC):
     """Fields of the laboratory tests on a material point of any law."""
 
     depends_on_section: ClassVar[bool] = True
+    series_need: ClassVar[Mapping[str, str]] = {"void_ratio": "initial_void_ratio"}
 
     settings: LawSettings = Field({})
     initial_void_ratio: float | None = Field(
@@ -113,7 +114,7 @@ class FlowSpec(LaboratorySpec, ABC):
         0.0,
         ge=0.0,
         le=MAX_STRESS,
-        description="Pore pressure at the drained ends, kPa; it is added to the pore pressure, nothing else.",
+        description="Pore pressure at the drained ends, kPa; it is only added to the pore pressure.",
         json_schema_extra=in_unit("kPa", 0, 600),
     )
     tolerance: StepError = 1.0e-4
@@ -135,7 +136,7 @@ def exactly_one(part: BaseModel, *names: str) -> str:
     given = [name for name in names if getattr(part, name) is not None]
     if len(given) != 1:
         found = " and ".join(given) + " are given" if given else "none is given"
-        raise ValueError(f"exactly one of {', '.join(names)} is accepted; {found}")
+        raise ValueError(f"give exactly one of {', '.join(names)}; {found}")
     return given[0]
 
 
@@ -148,18 +149,18 @@ def settings_fault(law: Law, settings: Mapping[str, str | float | None]) -> str 
             names = ", ".join(known) if known else "it has none"
             return f"settings.{name}: material {law.kind} has no such setting; known: {names}"
         if one.choices and value not in one.choices:
-            return f"settings.{name} = {value!r}: one of {', '.join(one.choices)} is accepted"
+            return f"settings.{name} must be one of {', '.join(one.choices)}, got {value!r}"
         if not one.choices and isinstance(value, str):
-            return f"settings.{name} = {value!r}: a number of at least {one.lower:g} is accepted"
+            return f"settings.{name} must be a number of at least {one.lower:g}, got {value!r}"
         if not one.choices and isinstance(value, float) and value < one.lower:
-            return f"settings.{name} = {value:g} {one.unit}: at least {one.lower:g} is accepted"
+            return f"settings.{name} must be at least {one.lower:g}, got {value:g} {one.unit}"
     return None
 
 
 def ratio_fault(law: Law, ratio: float | str) -> str | None:
     """What is wrong with the ratio of stresses under which soil of a law is placed, in words, or None."""
     if isinstance(ratio, float) and not 0.0 < ratio <= 100.0:
-        return f"initial_ratio = {ratio:g}: above 0 and at most 100 is accepted, or K0"
+        return f"initial_ratio must be above 0 and at most 100, or K0; got {ratio:g}"
     if ratio == "K0" and not law.knows_K0:
-        return f"initial_ratio = K0: material {law.kind} knows none; a number is accepted"
+        return f"initial_ratio must be a number, got K0: material {law.kind} has no K0"
     return None

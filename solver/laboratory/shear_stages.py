@@ -140,7 +140,7 @@ def shear_leg(
     if stage.control == "strain":
         strain_rows[0] = axes.strain
         if not target < axes.largest:
-            raise InfeasibleError(f"stage {stage.name}: strain = {target:g}: below {axes.largest:g} is accepted")
+            raise InfeasibleError(f"stage {stage.name}: strain must be below {axes.largest:g}, got {target:g}")
         goal[0] = axes.inner(np.array(target)) - axes.inner(np.array(now))
     else:
         stress_rows[0] = axes.stress

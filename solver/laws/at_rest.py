@@ -30,11 +30,11 @@ def horizontal_stress(vertical: float, ratio: float | None, soil: Soil) -> float
     """
     K0 = soil.law.K0(soil.constants) if ratio is None else ratio
     if K0 is None:
-        raise InfeasibleError(f"material {soil.law.kind} knows no K0; give the ratio of horizontal to vertical stress")
+        raise InfeasibleError(f"material {soil.law.kind} has no K0; give the ratio of horizontal to vertical stress")
     lower, upper = horizontal_limits(vertical, soil)
     if not lower <= K0 * vertical <= upper:
         raise InfeasibleError(
-            f"initial horizontal stress = {K0 * vertical:g} kPa (K0 = {K0:g}) violates the strength; K0 from "
-            f"{max(lower, 0.0) / vertical:g} to {upper / vertical:g} is accepted"
+            f"initial horizontal stress = {K0 * vertical:g} kPa (K0 = {K0:g}) violates the strength; K0 must be from "
+            f"{max(lower, 0.0) / vertical:g} to {upper / vertical:g}"
         )
     return K0 * vertical

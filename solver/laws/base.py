@@ -15,7 +15,7 @@ from geoswarm.solver.laws.binary import StressUpdate
 from geoswarm.solver.laws.terms import Term
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 
-__all__ = ["Law", "Setting", "Soil", "StateVariable", "StrengthPlaces"]
+__all__ = ["Law", "Setting", "Soil", "StateTensor", "StateVariable", "StrengthPlaces"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +41,16 @@ class StateVariable:
     symbol: str
     unit: str
     description: str
+
+
+class StateTensor(NamedTuple):
+    """A symmetric tensor among the state variables, which turns with the body: where its xx, yy, zz and xy stand.
+
+    ``shear`` is what it keeps of a shear component: 1 (stress), 2 (engineering strain) or sqrt(2) (as MFront).
+    """
+
+    first: int
+    shear: float
 
 
 class StrengthPlaces(NamedTuple):
@@ -72,6 +82,9 @@ class Law(ABC):
 
     settings: ClassVar[tuple[Setting, ...]] = ()
     state: ClassVar[tuple[StateVariable, ...]] = ()
+    tensors: ClassVar[tuple[StateTensor, ...]] = ()
+    """Which of these are tensors: finite elements with an updated mesh turn them with the body, as they turn stress."""
+
     update: ClassVar[StressUpdate]
     components: ClassVar[frozenset[int]] = frozenset({4, 6})
     """Numbers of stress components that the update takes: 6 for element tests, 4 for finite elements."""
@@ -166,7 +179,7 @@ class Law(ABC):
         for one in self.settings:
             value = given.get(one.name)
             if not one.choices and value is not None and not value >= one.lower:
-                raise InfeasibleError(f"{one.name} = {value:g} {one.unit}: at least {one.lower:g} is accepted")
+                raise InfeasibleError(f"{one.name} must be at least {one.lower:g}, got {value:g} {one.unit}")
         choices = {one.name: given.get(one.name, one.default) for one in self.settings}
         return Soil(self, self.constants({**values, **choices}))
 

@@ -53,13 +53,13 @@ YOUNG = same("E₅₀", "kPa", "secant modulus at half the strength, drained", "
 def moduli_contradiction(values: Mapping[str, float]) -> str | None:
     """What is wrong with the moduli, or None."""
     if values.get("E", 0.0) > 0.0 and values.get("G", 0.0) > 0.0:
-        return f"E = {values['E']:g} and G = {values['G']:g} kPa are both given; exactly one of E and G is accepted"
+        return f"E = {values['E']:g} and G = {values['G']:g} kPa are both given; give only one of them"
     return None
 
 
 def moduli_incomplete(given: frozenset[str]) -> str | None:
     """What is wrong with the moduli that are given, or None."""
-    return None if len(given & {"E", "G"}) == 1 else "exactly one of E and G is accepted"
+    return None if len(given & {"E", "G"}) == 1 else "give exactly one of E and G"
 
 
 def young_of(given: Mapping[str, Any]) -> float:
@@ -71,7 +71,7 @@ def young_of(given: Mapping[str, Any]) -> float:
         None is given.
     """
     if not given["E"] and not given["G"]:
-        raise InfeasibleError("E and G: exactly one of E and G is accepted, a value above 0 kPa")
+        raise InfeasibleError("give exactly one of E and G, a value above 0 kPa")
     return float(given["E"] if given["E"] else 2.0 * (1.0 + given["nu"]) * given["G"])
 
 

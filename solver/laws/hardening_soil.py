@@ -16,6 +16,7 @@ from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     hardening_soil_of,
     shear_strain,
 )
+from geoswarm.solver.constitutive.local_arrays import local_vector
 from geoswarm.solver.constitutive.tensors import principal_axes
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
@@ -147,7 +148,8 @@ def _update(components, _log_time, strain, stress, state, constants, new_stress,
     soil = hardening_soil_of(carray(constants, 14))
     old, step = carray(stress, components), carray(strain, components)
     new, C = carray(new_stress, components), carray(tangent, (components, components))
-    new_state[0], new_state[1], status = hardening_soil_step(old, step, state[0], state[1], soil, new, C)
+    unused = local_vector(6)
+    new_state[0], new_state[1], status = hardening_soil_step(old, step, state[0], state[1], soil, new, C, unused)
     return status
 
 
@@ -195,8 +197,8 @@ class HardeningSoilLaw(Law):
             least = 2.0 * E50 / (2.0 - known["R_f"])
             if not unloading > least:
                 return (
-                    f"Eur_ref = {unloading:g} kPa with E50_ref = {E50:g} kPa: Eur_ref above 2 E50_ref/(2 - R_f) = "
-                    f"{least:g} kPa is accepted"
+                    f"Eur_ref must be above 2 E50_ref/(2 - R_f) = {least:g} kPa with E50_ref = {E50:g} kPa, "
+                    f"got {unloading:g} kPa"
                 )
         return too_dilatant(phi, psi) or two_pasts(known["OCR"], known["POP"])
 
@@ -256,9 +258,7 @@ class HardeningSoilLaw(Law):
             excess = values[0] - values[2] - soil.strength * (values[2] + soil.attraction)
             if excess > _NOTICED * size or -values[2] > soil.tension + _NOTICED * size:
                 found = ", ".join(f"{value:g}" for value in values.tolist())
-                raise InfeasibleError(
-                    f"initial principal stresses {found} kPa violate the strength; stresses within it are accepted"
-                )
+                raise InfeasibleError(f"initial principal stresses {found} kPa violate the strength; give others")
             both = [_surfaces(values, soil), _surfaces(principal_axes(before)[0], soil)]
             rows.append(np.maximum(*both))
         return np.reshape(rows, (*stress.shape[:-1], 2))
@@ -304,7 +304,7 @@ def cap_constants(soil: HardeningSoil, p_ref: float, K0nc: float, Eoed: float) -
     q, p, largest = major - minor, (major + 2.0 * minor) / 3.0, soil.strength * (minor + a)
     if not q < largest:
         lowest = max((p_ref - soil.strength * a) / (1.0 + soil.strength), 0.0) / p_ref
-        raise InfeasibleError(f"K0nc = {K0nc:g} is beyond the strength; K0nc above {lowest:g} is accepted")
+        raise InfeasibleError(f"K0nc must be above {lowest:g}, which the strength allows, got {K0nc:g}")
     stiff = ((minor + a) / soil.reference) ** power
     d_major, d_minor = Eoed, K0nc * Eoed
     y = q * ratio / largest
@@ -322,12 +322,12 @@ def cap_constants(soil: HardeningSoil, p_ref: float, K0nc: float, Eoed: float) -
     if not volume > 0.0:
         raise InfeasibleError(
             f"Eoed_ref = {Eoed:g} kPa with K0nc = {K0nc:g}: elasticity and shear alone are softer or compress as much; "
-            "a lower Eoed_ref or a higher Eur_ref is accepted"
+            "lower Eoed_ref or raise Eur_ref"
         )
     if not distortion > 0.0:
         raise InfeasibleError(
-            f"K0nc = {K0nc:g} with Eoed_ref = {Eoed:g} kPa: shear of E50_ref alone distorts more; a higher K0nc or "
-            "E50_ref, or a lower Eoed_ref is accepted"
+            f"K0nc = {K0nc:g} with Eoed_ref = {Eoed:g} kPa: shear of E50_ref alone distorts more; raise K0nc or "
+            "E50_ref, or lower Eoed_ref"
         )
     square = q * volume / ((p + a) * distortion)
     past = math.sqrt(q * q / square + (p + a) ** 2)

@@ -14,7 +14,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hardening_soil.small_strain import SmallStrain
 from geoswarm.solver.constitutive.hardening_soil.small_strain_step import small_strain_step
 from geoswarm.solver.constitutive.hardening_soil.surfaces import hardening_soil_of
-from geoswarm.solver.laws.base import Setting, StateVariable
+from geoswarm.solver.laws.base import Setting, StateTensor, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.hardening_soil import HardeningSoilLaw
 from geoswarm.solver.laws.sources import BRINKGREVE_SAND
@@ -115,6 +115,7 @@ class HardeningSoilSmallLaw(HardeningSoilLaw):
         StateVariable("gamma_turned", "γ_R", "", "Largest shear strain that a turn ended; where it was first loading."),
         StateVariable("stiffness_least", "G_m", "", "Least Gt/Gur so far."),
     )
+    tensors: ClassVar[tuple[StateTensor, ...]] = (StateTensor(len(HardeningSoilLaw.state), 2.0),)
     update: ClassVar[NumbaUpdate] = _update
 
     def contradiction(self, values: Mapping[str, float]) -> str | None:
@@ -125,8 +126,8 @@ class HardeningSoilSmallLaw(HardeningSoilLaw):
             least = unloading / (2.0 * (1.0 + values.get("nu_ur", default or 0.0)))
             if not initial >= least:
                 return (
-                    f"G0_ref = {initial:g} kPa with Eur_ref = {unloading:g} kPa: G0_ref of at least "
-                    f"Eur_ref/(2 (1 + nu_ur)) = {least:g} kPa is accepted"
+                    f"G0_ref must be at least Eur_ref/(2 (1 + nu_ur)) = {least:g} kPa with "
+                    f"Eur_ref = {unloading:g} kPa, got {initial:g} kPa"
                 )
         return super().contradiction(values)
 

@@ -210,28 +210,26 @@ class ModifiedCamClay(Law):
         """Both of two that exclude each other, kappa above lambda, or more than one preconsolidation."""
         for one, other in _EITHER:
             if values.get(one, 0.0) > 0.0 and values.get(other, 0.0) > 0.0:
-                return (
-                    f"{one} = {values[one]:g} and {other} = {values[other]:g} are both given; one of them is accepted"
-                )
+                return f"{one} = {values[one]:g} and {other} = {values[other]:g} are both given; give only one of them"
         stiff, soft = values.get("lambda"), values.get("kappa")
         if stiff is not None and soft is not None and not stiff > soft:
-            return f"lambda = {stiff:g} with kappa = {soft:g}: lambda above kappa is accepted"
+            return f"lambda must be above kappa = {soft:g}, got {stiff:g}"
         past = {"OCR": 1.0, "POP": 0.0, "p_c": 0.0}
         given = [f"{name} = {values[name]:g}" for name, none in past.items() if values.get(name, none) != none]
-        return f"{' and '.join(given)} are given; one of them is accepted" if len(given) > 1 else None
+        return f"{' and '.join(given)} are given; give only one of them" if len(given) > 1 else None
 
     def incomplete(self, given: frozenset[str]) -> str | None:
         """One of each pair."""
         for one, other in _EITHER:
             if len(given & {one, other}) != 1:
-                return f"exactly one of {one} and {other} is accepted"
+                return f"give exactly one of {one} and {other}"
         return None
 
     def constants(self, given: Mapping[str, Any]) -> FloatArray:
         """Those that the class names."""
         for one, other in _EITHER:
             if not given[one] and not given[other]:
-                raise InfeasibleError(f"{one} and {other}: exactly one of them is accepted, a value above 0")
+                raise InfeasibleError(f"give exactly one of {one} and {other}, a value above 0")
         if given["specific_volume"] == "initial" and not given["e0"]:
             raise InfeasibleError("specific_volume: initial needs e0; N is not accepted with it")
         sine = math.sin(math.radians(given["phi_cs"]))
@@ -295,14 +293,14 @@ class ModifiedCamClay(Law):
             past = np.full(p.shape, constants[_PC])
             if (past < (1.0 - 1.0e-9) * least).any():
                 raise InfeasibleError(
-                    f"p_c = {constants[_PC]:g} kPa: at least {least.max():g} kPa is accepted, the equivalent pressure "
-                    "p + q^2/(M^2 p) of the initial stress"
+                    "p_c must be at least the equivalent pressure p + q^2/(M^2 p) of the initial stress, "
+                    f"{least.max():g} kPa, got {constants[_PC]:g} kPa"
                 )
         e = np.full(p.shape, constants[_E0])
         if constants[_N] > 0.0:
             e = constants[_N] - 1.0 - stiff * np.log(past) + soft * np.log(past / p)
             if not (e > 0.0).all():
-                raise InfeasibleError(f"N = {constants[_N]:g} gives the void ratio {e.min():g}; a larger N is accepted")
+                raise InfeasibleError(f"N = {constants[_N]:g} gives the void ratio {e.min():g}; give a larger N")
         return np.stack([past, e], axis=-1)
 
     def elastic_moduli(self, constants: FloatArray, p: float) -> tuple[float, float]:

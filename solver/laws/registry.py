@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.installed import Installed
+from geoswarm.solver.system.installed import Installed
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law

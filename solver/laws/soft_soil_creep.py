@@ -185,7 +185,7 @@ class SoftSoilCreepLaw(Law):
     def inadmissible(self, values: Mapping[str, float]) -> str | None:
         """What is inadmissible, in words; friction is needed."""
         if values.get("phi") == 0.0:
-            return f"phi = 0 degree: {self.title} needs friction; a value above 0 and below 90 degree is accepted"
+            return f"phi must be above 0 and below 90 degree, got 0 degree: {self.title} needs friction"
         return super().inadmissible(values)
 
     def contradiction(self, values: Mapping[str, float]) -> str | None:
@@ -194,13 +194,13 @@ class SoftSoilCreepLaw(Law):
         known = {**defaults, **values}
         stiff, soft = known.get("lambda_star"), known.get("kappa_star")
         if stiff is not None and soft is not None and not stiff > soft:
-            return f"lambda_star = {stiff:g} with kappa_star = {soft:g}: lambda_star above kappa_star is accepted"
+            return f"lambda_star must be above kappa_star = {soft:g}, got {stiff:g}"
         phi, psi, K0nc, M = known.get("phi"), known["psi"], known["K0nc"], known["M"]
         fault = too_dilatant(phi, psi)
         if fault is not None:
             return fault
         if K0nc > 0.0 and M > 0.0:
-            return f"K0nc = {K0nc:g} and M = {M:g} are both given; one of them is accepted, the other follows from it"
+            return f"K0nc = {K0nc:g} and M = {M:g} are both given; give only one, the other follows from it"
         fault = two_pasts(known["OCR"], known["POP"])
         if fault is not None:
             return fault

@@ -104,11 +104,11 @@ def too_dilatant(phi: float | None, psi: float) -> str | None:
     """What is wrong with more dilatancy than friction, degree; None: nothing, or friction is not known."""
     if phi is None or psi <= phi:
         return None
-    return f"psi = {psi:g} degree with phi = {phi:g} degree: psi at most phi is accepted"
+    return f"psi must be at most phi = {phi:g} degree, got {psi:g} degree"
 
 
 def two_pasts(OCR: float, POP: float) -> str | None:
     """What is wrong with two preconsolidations, POP in kPa; None: nothing."""
     if OCR == 1.0 or POP == 0.0:
         return None
-    return f"OCR = {OCR:g} and POP = {POP:g} kPa are both given; one of them is accepted"
+    return f"OCR = {OCR:g} and POP = {POP:g} kPa are both given; give only one of them"

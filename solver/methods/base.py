@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, TypeAlias
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue
+from geoswarm.solver.methods.widths import NEXT, Next, Situation
 from geoswarm.solver.section import Section
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ Role: TypeAlias = Literal["search", "sampling", "follow_up"]
 """A search goes for the lowest objective, a sampling draws independently of it, a follow-up examines an optimum."""
 
 DESIGN_COMPLETED = "design_completed"
-OF_JOB = "id of the job whose optimum this is, which then shows what is found"
+OF_JOB = "id of the job whose optimum this is; its findings are shown there"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +51,8 @@ class Task:
         Number of evaluations after which the job ends at the latest; None when no number limits it.
     offered
         Runs of earlier jobs; for methods that take offers.
+    quick
+        Runs of the forward model take milliseconds.
     """
 
     space: SearchSpace
@@ -57,6 +60,7 @@ class Task:
     initial: FloatArray
     most: int | None
     offered: Runs | None
+    quick: bool = False
 
 
 class Maker(Protocol):
@@ -107,6 +111,30 @@ class Method(Section, ABC):
         """Number of points that are drawn as a whole before the first evaluation."""
         return 0
 
+    @property
+    def follows_slots(self) -> bool:
+        """Whether the size of a generation follows the runs that can be under way at once."""
+        return False
+
+    @property
+    def may_overlap(self) -> bool:
+        """Whether a generation may be begun before the one in front of it is complete."""
+        return False
+
+    def asks_next(self, situation: Situation | None, lengths: Sequence[float], *, quick: bool) -> Next:  # noqa: ARG002
+        """Return what an engine asks for when it has closed a generation.
+
+        Parameters
+        ----------
+        situation
+            What the engine sees; None: nothing, and sizes stay as they are.
+        lengths
+            What the last runs took [s], those of the closed generation included.
+        quick
+            Runs of the forward model take milliseconds.
+        """
+        return NEXT
+
     def issues(self, problem: Problem) -> list[Issue]:  # noqa: ARG002  others need it
         """Return why it does not fit the parameters and measurements of a problem."""
         return []
@@ -142,7 +170,7 @@ class SearchMethod(Method):
             return [Issue("stopping", f"a {self.title} needs at least one criterion: {criteria}")]
         most = stopping.max_evaluations
         if most is not None and most < least:
-            message = f"must be at least the number of {name} ({least}), not {most}"
+            message = f"must be at least the number of {name} ({least}), got {most}"
             return [Issue("stopping.max_evaluations", message)]
         return []
 
@@ -153,8 +181,11 @@ class FollowUpMethod(Method):
     role: ClassVar[Role] = "follow_up"
     bias: ClassVar[str] = (
         "The evaluations are planned positions of a follow-up, neither sampled nor searched: their correlations and "
-        "widths describe the plan. What they were made for stands under uncertainty."
+        "widths describe the plan. Their purpose is described under uncertainty."
     )
+
+    compares: ClassVar[bool] = True
+    """Whether its evaluations are compared with readings, so that objectives mean something."""
 
     if TYPE_CHECKING:  # each declares the field where it stands in its section
         of: str | None
@@ -169,13 +200,13 @@ class FollowUpMethod(Method):
         names = [p.name for p in free]
         issues = []
         if set(at) != set(names):
-            message = f"must name the free parameters {', '.join(names)}, not {', '.join(at)}"
+            message = f"must name the free parameters {', '.join(names)}, got {', '.join(at)}"
             issues.append(Issue("method.at", message))
         for parameter in free:
             value = at.get(parameter.name, parameter.lower)
             if not parameter.lower <= value <= parameter.upper:
                 bounds = f"between the bounds {parameter.lower:g} and {parameter.upper:g}"
-                issues.append(Issue(f"method.at.{parameter.name}", f"must be {bounds}, not {value:g}"))
+                issues.append(Issue(f"method.at.{parameter.name}", f"must be {bounds}, got {value:g}"))
         issues += self.further_issues(names)
         points = sum(int((o.point_weights > 0).sum()) for o in problem.observations if o.weight > 0)
         if points < len(names):

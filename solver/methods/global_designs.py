@@ -69,7 +69,7 @@ class SobolMethod(GlobalMethod):
     @classmethod
     def _power_of_two(cls, value: int) -> int:
         if value & (value - 1):
-            raise PydanticCustomError("power_of_two", "must be a power of two, not {value}", {"value": value})
+            raise PydanticCustomError("power_of_two", "must be a power of two, got {value}", {"value": value})
         return value
 
 

@@ -36,7 +36,7 @@ class MonteCarloMethod(Method):
         if self.sampling != "random" and self.samples > LARGEST_DESIGN:
             raise PydanticCustomError(
                 "design",
-                "sampling {sampling} draws its points as a whole and takes at most {most} samples, not {samples}; "
+                "sampling {sampling} draws its points as a whole and takes at most {most} samples, got {samples}; "
                 "sampling: random has no such limit",
                 {"sampling": self.sampling, "most": LARGEST_DESIGN, "samples": self.samples},
             )

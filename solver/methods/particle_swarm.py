@@ -9,16 +9,17 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.methods.base import Maker, SearchMethod, Task
+from geoswarm.solver.methods.widths import Next, Situation, overlapping, wide, worth_overlapping
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from geoswarm.solver.search import ParticleSwarm, Search, Snapshot, SwarmSettings
 
 __all__ = ["POLISHED", "POLISH_UNFINISHED", "ParticleSwarmMethod", "swarm_settings"]
 
 POLISHED = "polished"
 POLISH_UNFINISHED = "polish_unfinished"
-
-_LEAST_AUTOMATIC, _MOST_AUTOMATIC = 8, 200  # particles
 
 Particles: TypeAlias = Annotated[
     Annotated[int, Field(ge=1, le=1000), Tag("number")] | Annotated[Literal["auto"], Tag("auto")],
@@ -37,9 +38,15 @@ class ParticleSwarmMethod(SearchMethod):
 
     kind: Literal["particle_swarm"] = "particle_swarm"
     particles: Particles = Field(
-        10,
-        description="particles in a generation, 1 for one run after the other; auto: chosen once, at the start, from "
-        "the evaluations that can run at once then (a multiple of them, at least 8)",
+        "auto",
+        description="particles in a generation, 1 for one run at a time; auto: as many as runs can be in "
+        "progress at once, set again for each generation (at least 10 of a forward model whose runs take milliseconds, "
+        "and of the textbook swarm, which keeps its number)",
+    )
+    overlap: bool | None = Field(
+        None,
+        description="requests each generation while the previous one is running, so that no slot waits for its last "
+        "run; absent: with particles: auto where the last runs took more than a second and differed in length",
     )
     form: Literal["constriction", "inertia_weight"] = Field("constriction", description="form of the velocity equation")
     inertia_weight: float | None = Field(
@@ -64,7 +71,7 @@ class ParticleSwarmMethod(SearchMethod):
     )
     polish: bool = Field(
         False,
-        description="where an accelerated search would begin again elsewhere: polish the best by Levenberg-Marquardt "
+        description="where an accelerated search would restart elsewhere: polish the best by Levenberg-Marquardt "
         "steps and end",
     )
 
@@ -79,7 +86,7 @@ class ParticleSwarmMethod(SearchMethod):
     @classmethod
     def _one_particle_is_aimed(cls, value: str, info: Any) -> str:
         if value == "none" and info.data.get("particles") == 1:
-            raise PydanticCustomError("acceleration", "one particle alone is no swarm: set particles to 2 at least")
+            raise PydanticCustomError("acceleration", "a swarm needs at least 2 particles")
         return value
 
     @field_validator("polish")
@@ -90,6 +97,12 @@ class ParticleSwarmMethod(SearchMethod):
         return value
 
     @model_validator(mode="after")
+    def _overlap_is_aimed(self) -> ParticleSwarmMethod:
+        if self.overlap and not self._can_overlap:
+            raise PydanticCustomError("overlap", "needs acceleration: response_surface, and no polish")
+        return self
+
+    @model_validator(mode="after")
     def _constriction_exists(self) -> ParticleSwarmMethod:
         if self.form == "constriction":
             cognitive = 2.05 if self.cognitive_coefficient is None else self.cognitive_coefficient
@@ -97,7 +110,7 @@ class ParticleSwarmMethod(SearchMethod):
             if not cognitive + social > 4:
                 raise PydanticCustomError(
                     "constriction",
-                    "form constriction needs cognitive_coefficient + social_coefficient above 4, not {total}",
+                    "form constriction needs cognitive_coefficient + social_coefficient above 4, got {total}",
                     {"total": f"{cognitive + social:g}"},
                 )
         return self
@@ -105,12 +118,36 @@ class ParticleSwarmMethod(SearchMethod):
     @property
     def least(self) -> tuple[int, str]:
         """Particles."""
-        return (2 if self.particles == "auto" else self.particles), "particles"
+        return (1 if self.particles == "auto" else self.particles), "particles"
 
     @property
     def learns(self) -> bool:
         """With acceleration."""
         return self.acceleration != "none"
+
+    @property
+    def _can_overlap(self) -> bool:
+        return self.learns and not self.polish
+
+    @property
+    def may_overlap(self) -> bool:
+        """Where that was asked for, or left to the engine with ``particles: auto``."""
+        return self._can_overlap and (self.follows_slots if self.overlap is None else self.overlap)
+
+    @property
+    def follows_slots(self) -> bool:
+        """With ``particles: auto``; the textbook swarm keeps its particles."""
+        return self.particles == "auto" and self.learns
+
+    def asks_next(self, situation: Situation | None, lengths: Sequence[float], *, quick: bool) -> Next:
+        """As many runs as slots; two generations under way where that was asked for, or runs differ in length."""
+        if not self.follows_slots or situation is None:
+            return Next(None, bool(self.overlap))
+        size = wide(situation.slots, quick=quick)
+        ahead = self.overlap
+        if ahead is None:
+            ahead = self._can_overlap and not quick and worth_overlapping(lengths, size)
+        return Next(max(size, overlapping(situation.slots)) if ahead else size, ahead)
 
     @property
     def takes_offers(self) -> bool:
@@ -121,7 +158,7 @@ class ParticleSwarmMethod(SearchMethod):
         """Form, topology, particles."""
         form = self.form.replace("_", " ")
         automatic = self.particles == "auto"
-        count = "as many particles as workers suggested" if automatic else f"{self.particles} particles"
+        count = "as many particles as runs at once" if automatic else f"{self.particles} particles"
         return f"particle swarm ({form}, {self.topology}), {count}"
 
     def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002  others need it
@@ -143,8 +180,14 @@ class _SwarmMaker:
     def start(self, slots: int) -> ParticleSwarm:
         from geoswarm.solver.search import ParticleSwarm
 
-        task = self.task
-        return ParticleSwarm(task.space, swarm_settings(self.method, slots), task.seed, task.initial, task.offered)
+        task, method = self.task, self.method
+        particles = wide(slots, quick=task.quick or not method.learns)
+        if method.overlap:
+            particles = max(particles, overlapping(slots))
+        if task.most is not None:
+            particles = min(particles, task.most)
+        begin = ParticleSwarm.begin_overlapping if method.overlap else ParticleSwarm
+        return begin(task.space, swarm_settings(method, particles), task.seed, task.initial, task.offered)
 
     def restore(self, snapshot: Snapshot) -> ParticleSwarm:
         from geoswarm.solver.search import ParticleSwarm
@@ -152,19 +195,17 @@ class _SwarmMaker:
         return ParticleSwarm.restore(self.task.space, swarm_settings(self.method), self.task.seed, snapshot)
 
 
-def particles_for(slots: int) -> int:
-    """Size of a generation that keeps ``slots`` busy: the least multiple of them from 8 on, 200 at most."""
-    return min(slots * -(-_LEAST_AUTOMATIC // slots), _MOST_AUTOMATIC)
+def swarm_settings(method: ParticleSwarmMethod, particles: int = 1) -> SwarmSettings:
+    """Translate the ``method`` section of a swarm; a coefficient not given takes the default of its form.
 
-
-def swarm_settings(method: ParticleSwarmMethod, slots: int = 1) -> SwarmSettings:
-    """Translate the ``method`` section of a swarm; a coefficient not given takes the default of its form."""
+    ``particles``: of the first generation, where the method leaves them to the engine.
+    """
     from geoswarm.solver.search import SwarmSettings
 
     constriction = method.form == "constriction"
     coefficient = 2.05 if constriction else 1.49618
     return SwarmSettings(
-        particles=particles_for(slots) if method.particles == "auto" else method.particles,
+        particles=particles if method.particles == "auto" else method.particles,
         form=method.form,
         cognitive_coefficient=_or(method.cognitive_coefficient, coefficient),
         social_coefficient=_or(method.social_coefficient, coefficient),

@@ -55,7 +55,7 @@ class ProfileMethod(FollowUpMethod):
         for key, section in (("rise", self.rise), ("step", self.step)):
             unknown = [name for name in section if name not in free]
             if unknown:
-                message = f"{', '.join(unknown)}: no free parameter; free: {', '.join(free)}"
+                message = f"{', '.join(unknown)}: not a free parameter; free: {', '.join(free)}"
                 issues.append(Issue(f"method.{key}", message))
         return issues
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.installed import Installed
 from geoswarm.solver.methods.base import Method, Role
+from geoswarm.solver.system.installed import Installed
 
 __all__ = ["BUILT_IN", "GROUP", "UnknownMethodError", "built_in_methods", "find_method", "forget", "kinds", "kinds_of"]
 
@@ -15,6 +15,9 @@ BUILT_IN = {
     "monte_carlo": "geoswarm.solver.methods.monte_carlo:MonteCarloMethod",
     "sensitivity": "geoswarm.solver.methods.sensitivity:SensitivityMethod",
     "profile": "geoswarm.solver.methods.profile:ProfileMethod",
+    "explore": "geoswarm.solver.methods.explore:ExploreMethod",
+    "predict": "geoswarm.solver.methods.predict:PredictMethod",
+    "design": "geoswarm.solver.methods.design:DesignMethod",
     "sobol": "geoswarm.solver.methods.global_designs:SobolMethod",
     "morris": "geoswarm.solver.methods.global_designs:MorrisMethod",
 }

@@ -33,8 +33,8 @@ class SensitivityMethod(FollowUpMethod):
         None,
         gt=0,
         le=0.1,
-        description="largest difference, in parts of the range in search coordinates; where absent, it is found for "
-        "each parameter, and it takes some more evaluations",
+        description="largest difference, in parts of the range in search coordinates; found for each parameter if "
+        "absent, which takes some more evaluations",
     )
     polish: bool = Field(
         False, description="go to the minimum first by Levenberg-Marquardt steps, one generation of 2 d + 1 each"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
-from geoswarm.solver.objective.least_squares import LeastSquares, ObservedSeries
+from geoswarm.solver.loss import OUTLYING, TUNING, Loss, LossKind
+from geoswarm.solver.objective.least_squares import LEAST_SLOPE, LeastSquares, ObservedSeries, PseudoReadings
 
-__all__ = ["LeastSquares", "ObservedSeries"]
+__all__ = ["LEAST_SLOPE", "OUTLYING", "TUNING", "LeastSquares", "Loss", "LossKind", "ObservedSeries", "PseudoReadings"]

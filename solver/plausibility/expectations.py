@@ -23,7 +23,9 @@ def unexpected_bounds(problem: Problem) -> Iterator[str]:
 
     Correlations outside their published range take no part; one without a published scatter counts with a third.
     """
-    if problem.index_properties is None:
+    if problem.index_properties is None and not any(
+        part.index_properties_of_soils for part in problem.forward_model.by_part().values()
+    ):
         return
     from geoswarm.solver.estimates.index import estimates_of  # with Numba, for which a formula should not wait
 

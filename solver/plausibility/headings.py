@@ -21,8 +21,8 @@ def contradicted_headings(problem: Problem) -> Iterator[str]:
                 continue
             if not _same(unit, heading):
                 yield (
-                    f"observations[{index}].{axis}_unit = {unit}, but by its heading column '{heading.name}' is in "
-                    f"{heading.unit}; {axis}_unit holds: leave it out for {heading.unit}, or mend the heading"
+                    f"observations[{index}].{axis}_unit = {unit}, but according to its heading column '{heading.name}' "
+                    f"is in {heading.unit}; {axis}_unit holds: leave it out for {heading.unit}, or correct the heading"
                 )
 
 

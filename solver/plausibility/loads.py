@@ -51,7 +51,7 @@ def _unread(readings: StagedReadings) -> Iterator[str]:
             f"in {meant} they would end with it: x_unit: {meant}"
             if meant
             else f"check x_unit (now {readings.x_unit}) and {readings.section}.stages[].duration (day), or leave out "
-            "the stages that were not read"
+            "the stages without readings"
         )
         yield (
             f"{readings.title} the readings end at {end:g} {readings.x_unit}, in stage {last} of {wanted[-1]}, which "

@@ -1,4 +1,4 @@
-"""From a document to a checked problem: every section for itself first, so that all mistakes are reported at once."""
+"""From a document to a checked problem: first each section on its own, so that all mistakes are reported together."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from geoswarm.solver.problem.checks.feasibility import estimates_in_conflict, in
 from geoswarm.solver.problem.checks.sizes import point_issues, size_issues
 from geoswarm.solver.problem.issues import describe, issues_of, validated
 from geoswarm.solver.problem.observation_section import ObservationSection
-from geoswarm.solver.problem.observations import Observation, build_observations
+from geoswarm.solver.problem.observations import Observation, build_observations, preparation_issues
 from geoswarm.solver.problem.parameters import (
     FixedParameter,
     FreeParameter,
@@ -89,6 +89,16 @@ def load_problem(path: str | Path, completed: Callable[[dict[str, Any]], dict[st
     ------
     ProblemError
         Lists every mistake with its path.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import geoswarm as gs
+    >>> model = "forward_model: {kind: formula, series: {y: {expression: a * x}}}"
+    >>> data = "observations: [{series: y, points: {x: [1], y: [2]}}], stopping: {max_evaluations: 20}"
+    >>> _ = Path("line.yaml").write_text(f"{{{model}, parameters: {{a: {{lower: 0, upper: 9}}}}, {data}}}")
+    >>> gs.load_problem("line.yaml").free_names
+    ('a',)
     """
     path = Path(path)
     document = read_problem_file(path)
@@ -230,7 +240,7 @@ class _Assembly:
     def _mapping(self, key: str, most: int) -> dict[str, Any]:
         section = self.document.get(key, {})
         if not isinstance(section, dict) or (key in self.document and not section):
-            self._report(key, f"must be a mapping of names, not {describe(section)}")
+            self._report(key, f"must be a mapping of names, got {describe(section)}")
             return {}
         if len(section) > most:
             self._report(key, f"has {len(section)} entries; at most {most} are accepted")
@@ -262,12 +272,12 @@ class _Assembly:
     def _form(self, section: Any, path: str) -> type[ParameterSection] | None:
         if not isinstance(section, dict):
             hint = f"; write {{value: {describe(section)}}}" if isinstance(section, int | float) else ""
-            self._report(path, f"{_FORMS}, not {describe(section)}{hint}")
+            self._report(path, f"{_FORMS}, got {describe(section)}{hint}")
             return None
         forms = [form for form in PARAMETER_FORMS.values() if not form.model_fields.keys().isdisjoint(section)]
         if len(forms) == 1:
             return forms[0]
-        self._report(path, f"{_FORMS}, not {describe(section)}")
+        self._report(path, f"{_FORMS}, got {describe(section)}")
         return None
 
     def _constraints(
@@ -283,7 +293,9 @@ class _Assembly:
                 self._report(path, str(error))
                 continue
             if not expression.is_comparison:
-                self._report(path, f"'{expression.text}' is no comparison; write for example lambda_star > kappa_star")
+                self._report(
+                    path, f"'{expression.text}' is not a comparison; write for example lambda_star > kappa_star"
+                )
             constraints.append(expression)
         return tuple(constraints)
 
@@ -292,7 +304,7 @@ class _Assembly:
         if not isinstance(sections, list) or not 1 <= len(sections) <= _MOST_OBSERVATIONS:
             if "observations" in self.document:
                 given = describe(sections)
-                self._report("observations", f"must be a list of 1 to {_MOST_OBSERVATIONS} observations, not {given}")
+                self._report("observations", f"must be a list of 1 to {_MOST_OBSERVATIONS} observations, got {given}")
             return ()
         complete: list[tuple[str, ObservationSection, Points]] = []
         for index, section in enumerate(sections):
@@ -311,7 +323,7 @@ class _Assembly:
         if model is None or spec is None or too_many:
             return ()
         observations, found = build_observations(complete, model, spec)
-        self.issues += found or _preparation_issues(model, observations)
+        self.issues += found or preparation_issues(model, observations)
         return observations
 
     def _with_inputs(self, model: ForwardModel | None, observations: tuple[Observation, ...]) -> ForwardModel | None:
@@ -374,7 +386,7 @@ class _Assembly:
         section = self.document.get("method", {"kind": "particle_swarm"})
         kind = section.get("kind") if isinstance(section, dict) else None
         if not isinstance(section, dict):
-            self._report("method", f"must be a mapping with a kind of {', '.join(kinds())}, not {describe(section)}")
+            self._report("method", f"must be a mapping with a kind of {', '.join(kinds())}, got {describe(section)}")
         elif not isinstance(kind, str) or kind not in kinds():
             given = "is missing" if "kind" not in section else f"unknown kind {describe(kind).removeprefix('text ')}"
             hint = did_you_mean(kind, kinds()) if isinstance(kind, str) else ""
@@ -397,14 +409,3 @@ class _Assembly:
     def _check_stopping(self, method: Method | None, stopping: Stopping | None) -> None:
         if method is not None and stopping is not None:
             self.issues += method.stopping_issues(stopping)
-
-
-def _preparation_issues(model: ForwardModel, observations: tuple[Observation, ...]) -> list[Issue]:
-    """What a model only finds when it is prepared, such as a series that needs a further key of its section."""
-    try:
-        model.prepare({observation.series: observation.x for observation in observations})
-    except ProblemError as error:
-        return list(error.issues)
-    except (SolverError, ValueError) as error:
-        return [Issue("observations", str(error))]
-    return []

@@ -1,4 +1,4 @@
-"""A problem in the making: what is wrong with it by line, and what its forward model offers meanwhile."""
+"""A draft of a problem: its mistakes by line, and parameters and series of its forward model so far."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Draft:
 
 
 def draft_of_text(text: str) -> Draft:
-    """Read and judge a problem that is being written as YAML."""
+    """Read and check a draft written as YAML."""
     try:
         document = read_document(text, "yaml")
     except ProblemError as error:
@@ -72,7 +72,7 @@ def draft_of_text(text: str) -> Draft:
 
 
 def draft_of_document(document: Mapping[str, Any]) -> Draft:
-    """Judge a problem that is being put together, and write it as YAML.
+    """Check a draft given as a document, and write it as YAML.
 
     Raises
     ------

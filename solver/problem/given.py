@@ -1,4 +1,4 @@
-"""Values of all parameters from those that somebody gives."""
+"""Values of all parameters from given ones."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["given_mistake", "values_from", "without_value"]
 
 
 def given_mistake(problem: Problem, name: str) -> str | None:
-    """What is wrong with giving a parameter a value, or None."""
+    """Why a parameter cannot be given a value, or None."""
     from geoswarm.solver.words import did_you_mean
 
     parameter = problem.parameters.get(name)

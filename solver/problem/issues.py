@@ -137,19 +137,19 @@ def _message(detail: ErrorDetails, accepted: Callable[[], list[str]]) -> str:
         return "is missing"
     if kind in _TYPES:
         hint = "; write it without quotes" if isinstance(value, str) and _is_number(value) else ""
-        return f"must be {_TYPES[kind]}, not {given}{hint}"
+        return f"must be {_TYPES[kind]}, got {given}{hint}"
     if kind == "finite_number":
-        return f"must be a finite number, not {given}"
+        return f"must be a finite number, got {given}"
     if kind in ("literal_error", "enum"):
         hint = did_you_mean(value, _quoted(context["expected"])) if isinstance(value, str) else ""
-        return f"must be {context['expected']}, not {given}{hint}"
+        return f"must be {context['expected']}, got {given}{hint}"
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return (
-            f"must have {context.get('discriminator', 'a key')} {context.get('expected_tags', '')}, not {given}".strip()
+            f"must have {context.get('discriminator', 'a key')} {context.get('expected_tags', '')}, got {given}".strip()
         )
     for limit, words in (("gt", "above"), ("ge", "at least"), ("lt", "below"), ("le", "at most")):
         if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal") and limit in context:
-            return f"must be {words} {number(context[limit])}, not {given}"
+            return f"must be {words} {number(context[limit])}, got {given}"
     if kind in ("too_short", "string_too_short"):
         unit = "characters" if kind.startswith("string") else "entries"
         return "must not be empty" if context["min_length"] == 1 else f"needs at least {context['min_length']} {unit}"

@@ -1,4 +1,4 @@
-"""The section of one observation: its readings or their file, and what is done to them."""
+"""The section of one observation: its readings or their file, and how they are processed."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import AfterValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from geoswarm.solver.loss import LossKind
 from geoswarm.solver.problem.preparation import Resample
 from geoswarm.solver.problem.tables.dates import DateForm, moment_in
 from geoswarm.solver.problem.tables.numerals import DecimalSign
@@ -85,7 +86,7 @@ class ObservationSection(Section):
         None, min_length=1, description="header (or letter, cells, name) of the file's y column, if it is not y"
     )
     y_minus: str | None = Field(
-        None, min_length=1, description="column that is subtracted from that of y, row by row: the other gauge"
+        None, min_length=1, description="column subtracted from that of y, row by row: the second gauge"
     )
     weight_column: str | None = Field(
         None, min_length=1, description="header of the weight column, if it is not weight"
@@ -102,7 +103,7 @@ class ObservationSection(Section):
     gross_error_column: str | None = Field(
         None,
         min_length=1,
-        description="column with an entry beside every reading that is a gross error (empty, 0, no, ok, -: none)",
+        description="column with an entry for every reading that is a gross error (empty, 0, no, ok, -: none)",
     )
     x_dates: DateForm | None = Field(
         None,
@@ -110,7 +111,7 @@ class ObservationSection(Section):
         "(12/31/2024), serial (numbers of days, as spreadsheets count)",
     )
     x_time_column: str | None = Field(
-        None, min_length=1, description="column with the time of day, where that of x holds dates alone"
+        None, min_length=1, description="column with the time of day, where x holds dates only"
     )
     x_origin: Moment | None = Field(
         None, description='where x holds dates: the one at which x is 0 ("2024-03-01 08:30"); the first if absent'
@@ -121,7 +122,7 @@ class ObservationSection(Section):
         "1,000)",
     )
     incomplete_rows: Literal["leave_out"] | None = Field(
-        None, description="rows that lack one of the wanted numbers are left out; without this they are mistakes"
+        None, description="leave out rows that lack one of the required numbers; otherwise they are errors"
     )
     x_unit: str | None = Field(
         None, description="unit of x in the data; that of its heading, or the series' base unit, if absent"
@@ -134,12 +135,13 @@ class ObservationSection(Section):
         description="the zero reading, which is subtracted: first, {x: 0.5} for the reading at that x, or {y: 12.31}",
     )
     y_factor: float = Field(
-        1.0, description="y, less the zero reading, times this: -1 turns the sign; the constant of a gauge"
+        1.0,
+        description="factor for y, after the zero reading is subtracted: -1 changes the sign; the constant of a gauge",
     )
     gross_errors: list[Annotated[int, Field(ge=1)]] = Field(
         default=[],
         max_length=10_000,
-        description="numbers of the readings, from 1, that are gross errors: they are shown and do not count",
+        description="numbers of the readings, from 1, that are gross errors: they are shown but not used",
     )
     sort: bool = Field(False, description="put the readings in the order of x first")
     repeated_x: Literal["average", "shift"] | None = Field(
@@ -147,20 +149,32 @@ class ObservationSection(Section):
         description="readings at equal x: average takes their mean, shift spreads them evenly up to the next x",
     )
     resample: Resample | None = Field(
-        None, description="means of neighbouring readings in place of very many: {per_decade: 20} or {every: 10}"
+        None, description="replaces very many readings with means of neighbouring ones: {per_decade: 20} or {every: 10}"
     )
     weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
     error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
-    x_from: float | None = Field(None, description="points of a smaller x, in x_unit, take no part")
-    x_to: float | None = Field(None, description="points of a larger x, in x_unit, take no part")
+    loss: LossKind | None = Field(
+        None,
+        description="weighs readings far from the curve less than by their square, so that outliers do not dominate "
+        "the fit: soft_l1, huber or cauchy; squares if absent",
+    )
+    loss_scale: float | None = Field(
+        None,
+        gt=0,
+        allow_inf_nan=False,
+        description="residual, in y_unit, above which the loss weighs less; if absent 1.287 (soft_l1), 1.345 (huber) "
+        "or 2.385 (cauchy) times error",
+    )
+    x_from: float | None = Field(None, description="points with a smaller x, in x_unit, are left out")
+    x_to: float | None = Field(None, description="points with a larger x, in x_unit, are left out")
     stage_x_from: float | None = Field(
         None,
         ge=0,
-        description="of a test in stages: readings sooner after their load than this, in x_unit, take no part (those "
+        description="of a test in stages: readings sooner after their load than this, in x_unit, are left out (those "
         "before the end of primary consolidation, which the soil laws do not contain)",
     )
     leave_out_stages: list[Annotated[int, Field(ge=1)]] = Field(
-        default=[], max_length=1000, description="numbers of stages, from 1, whose readings take no part"
+        default=[], max_length=1000, description="numbers of stages, from 1, whose readings are left out"
     )
 
     notes: list[Note] = Field(
@@ -181,6 +195,14 @@ class ObservationSection(Section):
         if (self.points is None) == (self.file is None):
             given = "both are given" if self.file else "none is given"
             raise PydanticCustomError("one_source", "give either points or file; {given}", {"given": given})
+        if self.loss is None and self.loss_scale is not None:
+            raise PydanticCustomError(
+                "loss", "loss_scale is that of a loss: give loss as well (soft_l1, huber, cauchy)"
+            )
+        if self.loss is not None and self.loss_scale is None and self.error is None:
+            raise PydanticCustomError(
+                "loss", "loss: {loss} needs a scale; give loss_scale, or the error of a reading", {"loss": self.loss}
+            )
         columns = [name for name in _OF_A_FILE if getattr(self, name) is not None]
         if self.file is None and columns:
             raise PydanticCustomError(

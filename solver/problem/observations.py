@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
-from geoswarm.solver.errors import Issue
+from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
+from geoswarm.solver.loss import TUNING, Loss
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.points import Points
@@ -20,9 +21,10 @@ from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
 from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["Observation", "build_observations"]
+__all__ = ["Observation", "build_observations", "preparation_issues"]
 
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
+_LEAST_SCALE = 1e-150  # of a loss: its square is an ordinary number
 _MOST_ISSUES = 100
 _MOST_NAMES = 50  # known series that a message lists
 
@@ -51,6 +53,8 @@ class Observation:
         Weight as the user gave it.
     error, given_error
         Standard deviation of a reading in the base unit and as the user gave it; None when it is not known.
+    loss, given_loss
+        Robust loss with its scale in the base unit, and loss and loss_scale as the user gave them; None for squares.
     inputs
         Further quantities at the points, each of shape (m,), that a formula uses.
     gross_x, gross_y
@@ -68,6 +72,8 @@ class Observation:
     given_weight: float
     error: float | None = None
     given_error: float | None = None
+    loss: Loss | None = None
+    given_loss: Mapping[str, Any] = field(default_factory=dict)
     chosen: BoolArray | None = None
     selection: Mapping[str, Any] = field(default_factory=dict)
     inputs: dict[str, FloatArray] = field(default_factory=dict)
@@ -76,7 +82,7 @@ class Observation:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Where the readings come from and what was done to them, in sentences."""
+        """Origin and processing of the readings, in sentences."""
         return self.points.notes
 
     def document(self) -> dict[str, Any]:
@@ -88,6 +94,7 @@ class Observation:
             **{name: unit for name, unit in units.items() if unit is not None},
             "weight": self.given_weight,
             **({} if self.given_error is None else {"error": self.given_error}),
+            **self.given_loss,
             **self.selection,
             **({"gross_errors": [place + 1 for place in self.points.gross_errors]} if self.points.gross_errors else {}),
             **({"notes": list(self.points.notes)} if self.points.notes else {}),
@@ -95,11 +102,11 @@ class Observation:
 
     @property
     def left_out(self) -> int:
-        """Number of points that take no part, gross errors among them."""
+        """Number of points that are left out, including gross errors."""
         return 0 if self.chosen is None else int((~self.chosen).sum())
 
     def chosen_points(self) -> Points:
-        """The points that take part, in the user's units."""
+        """The points that are used, in the user's units."""
         if self.chosen is None:
             return self.points
         kept = np.flatnonzero(self.chosen).tolist()
@@ -129,7 +136,8 @@ def build_observations(
             break
         name = section.series
         if name not in infos:
-            message = f"unknown series '{name[:60]}' of forward model {kind}{did_you_mean(name, infos)}; known: {known}"
+            hint = spec.remedy_for(name) or did_you_mean(name, infos)
+            message = f"unknown series '{name[:60]}' of forward model {kind}{hint}; known: {known}"
             issues.append(Issue(f"{path}.series", message))
             continue
         if name in seen:
@@ -196,10 +204,10 @@ def _build(
         return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
     for array in (x, y, weights, gross_x, gross_y):
         array.flags.writeable = False
-    deviation = section.error
-    if deviation is not None and units["y"] is not None:  # a difference: offsets of a unit do not matter
-        low, high = convert([0.0, deviation], units["y"], info.y_unit)
-        deviation = float(high - low)
+    deviation = _difference(section.error, units["y"], info)
+    loss, wrong = _loss(section, deviation, units["y"], info)
+    if wrong is not None:
+        return None, [Issue(f"{path}.loss_scale", wrong)]
     return (
         Observation(
             section.series,
@@ -213,6 +221,10 @@ def _build(
             given_weight=section.weight,
             error=deviation,
             given_error=section.error,
+            loss=loss,
+            given_loss={
+                name: value for name in ("loss", "loss_scale") if (value := getattr(section, name)) is not None
+            },
             chosen=None if chosen.all() else chosen,
             selection={name: getattr(section, name) for name in SELECTION if getattr(section, name) not in (None, [])},
             inputs={name: np.array(values, dtype=np.float64)[kept] for name, values in points.inputs.items()},
@@ -221,6 +233,30 @@ def _build(
         ),
         [],
     )
+
+
+def _difference(value: float | None, unit: str | None, info: SeriesInfo) -> float | None:
+    """A difference of y in the base unit: offsets of a unit do not matter."""
+    if value is None or unit is None:
+        return value
+    low, high = convert([0.0, value], unit, info.y_unit)
+    return float(high - low)
+
+
+def _loss(
+    section: ObservationSection, error: float | None, unit: str | None, info: SeriesInfo
+) -> tuple[Loss | None, str | None]:
+    """The loss with its scale in the base unit, and what is wrong with it; ``error`` in the base unit."""
+    if section.loss is None:
+        return None, None
+    scale = _difference(section.loss_scale, unit, info)
+    if scale is None:
+        assert error is not None  # the section has one of the two
+        scale = TUNING[section.loss] * error
+    if not _LEAST_SCALE <= scale <= 1.0 / _LEAST_SCALE:
+        most = 1.0 / _LEAST_SCALE
+        return None, f"must be from {_LEAST_SCALE:g} to {most:g} {info.y_unit}, got {scale:g} {info.y_unit}"
+    return Loss(section.loss, scale), None
 
 
 def _unit(
@@ -306,3 +342,14 @@ def _range(info: SeriesInfo) -> str:
 
 def _suffix(unit: str) -> str:
     return "" if unit in ("", "1", "-", "dimensionless") else f" {unit}"
+
+
+def preparation_issues(model: ForwardModel, observations: tuple[Observation, ...]) -> list[Issue]:
+    """Return what a model only finds when it is prepared, such as a series that needs a further key of its section."""
+    try:
+        model.prepare({observation.series: observation.x for observation in observations})
+    except ProblemError as error:
+        return list(error.issues)
+    except (SolverError, ValueError) as error:
+        return [Issue("observations", str(error))]
+    return []

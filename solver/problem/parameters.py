@@ -123,19 +123,19 @@ def _bound_mistakes(path: str, section: FreeSection) -> list[Issue]:
     lower, upper, initial = section.lower, section.upper, section.initial
     issues = []
     if lower >= upper:
-        issues.append(Issue(f"{path}.lower", f"must be below upper ({number(upper)}), not {number(lower)}"))
+        issues.append(Issue(f"{path}.lower", f"must be below upper ({number(upper)}), got {number(lower)}"))
     elif not math.isfinite(upper - lower):
         issues.append(Issue(f"{path}.upper", f"is too far from lower ({number(lower)}); the largest range is 1.79e308"))
     if section.scale == "log":
         issues += [
-            Issue(f"{path}.{bound}", f"must be above 0 on a log scale, not {number(value)}")
+            Issue(f"{path}.{bound}", f"must be above 0 on a log scale, got {number(value)}")
             for bound, value in (("lower", lower), ("upper", upper))
             if value <= 0
         ]
     if section.integer:
         given = (("lower", lower), ("upper", upper), ("initial", initial))
         issues += [
-            Issue(f"{path}.{key}", f"must be a whole number (integer: true), not {number(value)}")
+            Issue(f"{path}.{key}", f"must be a whole number (integer: true), got {number(value)}")
             for key, value in given
             if value is not None and not value.is_integer()
         ]
@@ -143,7 +143,7 @@ def _bound_mistakes(path: str, section: FreeSection) -> list[Issue]:
         issues.append(
             Issue(
                 f"{path}.initial",
-                f"must lie between lower {number(lower)} and upper {number(upper)}, not {number(initial)}",
+                f"must lie between lower {number(lower)} and upper {number(upper)}, got {number(initial)}",
             )
         )
     return issues
@@ -219,10 +219,10 @@ def _limit_issues(parameter: Parameter, info: ParameterInfo) -> list[Issue]:
 
 
 def outside_limits(value: float, info: ParameterInfo) -> str | None:
-    """What is wrong with a value in view of the model's limits, or None."""
+    """Why a value violates the model's limits, or None."""
     unit = f" {info.unit}" if info.unit and info.unit != "dimensionless" else ""
     if info.lower is not None and (value < info.lower or (info.lower_open and value == info.lower)):
-        return f"must be {'above' if info.lower_open else 'at least'} {number(info.lower)}{unit}, not {number(value)}"
+        return f"must be {'above' if info.lower_open else 'at least'} {number(info.lower)}{unit}, got {number(value)}"
     if info.upper is not None and (value > info.upper or (info.upper_open and value == info.upper)):
-        return f"must be {'below' if info.upper_open else 'at most'} {number(info.upper)}{unit}, not {number(value)}"
+        return f"must be {'below' if info.upper_open else 'at most'} {number(info.upper)}{unit}, got {number(value)}"
     return None

@@ -1,4 +1,4 @@
-"""Measured points as an observation's section gives them: inside the problem or in a file, prepared as it asks."""
+"""Measured points of an observation's section, inside the problem or in a file, prepared as the section says."""
 
 from __future__ import annotations
 
@@ -14,9 +14,23 @@ from geoswarm.solver.problem.tables.cells import file_content
 from geoswarm.solver.problem.tables.columns import Columns, Heading, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.reading import TableError
-from geoswarm.solver.problem.text.reading import read_document
+from geoswarm.solver.problem.text.reading import read_document, read_problem_file
 
-__all__ = ["Points", "measured_points", "points_of_file", "read_points"]
+__all__ = ["Points", "inlined_document", "measured_points", "points_of_file", "read_points"]
+
+_TAKEN_IN = {
+    "sort",
+    "repeated_x",
+    "resample",
+    "y_zero",
+    "y_factor",
+    "decimal_sign",
+    "incomplete_rows",
+    "sheet",
+    "where",
+}
+_TAKEN_IN |= {"x_column", "y_column", "y_minus", "weight_column", "inputs", "gross_error_column", "x_dates"}
+_TAKEN_IN |= {"x_time_column", "x_origin", "file"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,3 +212,35 @@ def _weight_issues(points: Points, path: str) -> list[Issue]:
     if not any(points.weight):
         return [Issue(path, "all weights are 0; at least one must be above 0")]
     return []
+
+
+def inlined_document(path: Path) -> dict[str, Any]:
+    """Read a problem file that may lack what another problem gives; only its measurement files are read.
+
+    Raises
+    ------
+    ProblemError
+        A file cannot be read.
+    """
+    document = {"name": path.stem, **read_problem_file(path)}
+    observations = document.get("observations")
+    if not isinstance(observations, list):
+        return document
+    found: list[Any] = []
+    for index, given in enumerate(observations):
+        if not isinstance(given, dict) or "file" not in given:
+            found.append(given)
+            continue
+        place = f"observations[{index}]"
+        section, issues = validated(ObservationSection, given, place)
+        if section is None:
+            raise ProblemError(issues)
+        points, issues = read_points(section, place, path.parent)
+        if points is None or issues:
+            raise ProblemError(issues)
+        kept = {key: value for key, value in given.items() if key not in _TAKEN_IN}
+        for axis, heading in (("x", points.x_heading), ("y", points.y_heading)):
+            if heading is not None and heading.unit is not None:
+                kept.setdefault(f"{axis}_unit", "day" if heading.dates else heading.unit)
+        found.append(kept | {"points": points.document()})
+    return document | {"observations": found}

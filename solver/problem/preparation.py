@@ -1,4 +1,4 @@
-"""What is done to readings before they become observations: zero reading, sorting, readings at equal x, thinning."""
+"""Processing of readings before they become observations: zero reading, sorting, readings at equal x, thinning."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MANY_POINTS = 20_000
 
 
 class Resample(Section):
-    """Fewer points in place of very many: each is the mean of its neighbours."""
+    """Fewer points instead of very many: each is the mean of its neighbours."""
 
     per_decade: int | None = Field(None, ge=1, le=1000, description="groups of equal length in log x: points a decade")
     every: int | None = Field(None, ge=2, description="groups of so many readings in a row")
@@ -64,7 +64,7 @@ class Readings:
 
 @dataclass(frozen=True, slots=True)
 class Preparation:
-    """What is to be done to readings."""
+    """How to process readings."""
 
     zero: Literal["first"] | ZeroReading | None = None
     factor: float = 1.0
@@ -78,7 +78,7 @@ class NoZeroError(Exception):
 
 
 def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[str]]:
-    """Sort by x, subtract the zero reading, multiply, make x differ, and thin, in this order; and say what was done.
+    """Sort by x, subtract the zero reading, multiply, make x differ, and thin, in this order; report each step.
 
     The weight of a mean is the sum of those of its readings, so a series as a whole weighs what it did. Gross errors
     take no part in zero readings and means, and stand among the others by their x.
@@ -185,7 +185,7 @@ def _means(
 
 
 def many_points_warning(series: str, points: int) -> str | None:
-    """What to say of a series with very many points."""
+    """Warning about a series with very many points."""
     if points <= MANY_POINTS:
         return None
     return (

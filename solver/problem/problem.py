@@ -43,21 +43,31 @@ class Problem:
     parameters
         All parameters by name in the order of the problem file.
     constraints
-        Comparisons that every proposal satisfies.
+        Comparisons that every proposal must satisfy.
     observations
         Measured points, one observation a series.
     method, stopping
         How to search and when to stop.
     seed
-        Fixes all random numbers; None: to be chosen.
+        Seed of all random numbers; None to choose one.
     weighting
-        Scheme that took part in the weights of the observations.
+        Weighting scheme of the observations.
     warm_start
         Ids of earlier jobs whose runs are offered to the search.
     limits, failures, priority
-        What one evaluation may use, what its failure means, and the job's rank among others.
+        What one evaluation may use, what happens when it fails, and the job's rank among others.
     index_properties
-        Of the soil, where they are known; they take no part in the calibration.
+        Index properties of the soil, if known; they are not used in the calibration.
+
+    Examples
+    --------
+    >>> import geoswarm as gs
+    >>> def line(x, a, b):
+    ...     return a + b * x
+    >>> parameters = {"a": gs.free(0, 10), "b": gs.free(0, 10)}
+    >>> problem = gs.problem(line, parameters=parameters, observations=gs.observed([0, 1], [1, 3]))
+    >>> problem.parameters["a"].upper, problem.observations[0].y.tolist()
+    (10.0, [1.0, 3.0])
     """
 
     name: str
@@ -101,7 +111,7 @@ class Problem:
 
     @property
     def planned_evaluations(self) -> int | None:
-        """Number of evaluations after which a job ends at the latest; None when no number limits it."""
+        """Maximum number of evaluations of a job; None if it is unlimited."""
         limit = self.stopping.max_evaluations
         planned = self.method.planned(len(self.free))
         return min((n for n in (limit, planned) if n is not None), default=None)

@@ -1,4 +1,4 @@
-"""The sections of a problem file that say how its evaluations are run: limits of each, and what a failure means."""
+"""The sections of a problem file on running its evaluations: limits, and what happens when one fails."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DEFAULT_RETRIES: Mapping[str, int] = {"worker_lost": 2}
 
 
 class Limits(BaseModel):
-    """What one evaluation may use. Who exceeds it is killed, with all processes that it has started."""
+    """What one evaluation may use. An evaluation that exceeds it is killed with all processes that it started."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -29,30 +29,30 @@ class Limits(BaseModel):
 
 
 class Failures(BaseModel):
-    """What happens when an evaluation fails: further tries first, then the policy."""
+    """What happens when an evaluation fails: retries first, then the policy."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     retry: dict[FailureReason, Annotated[int, Field(ge=0, le=1000)]] = Field(
-        default={}, description="further tries by reason; worker_lost 2 and all others 0 if absent"
+        default={}, description="further attempts by reason; worker_lost 2 and all others 0 if absent"
     )
     policy: Policy | dict[FailureReason, Policy] = Field(
         "penalise",
-        description="penalise: the search takes it for infinitely bad and goes on; fail: the job ends as failed;"
+        description="penalise: the search treats it as infinitely bad and continues; fail: the job ends as failed;"
         " for all reasons, or by reason",
     )
 
     def retries(self, reason: str) -> int:
-        """Return the number of further tries at an evaluation that failed for this reason."""
+        """Return the number of retries of an evaluation that failed for this reason."""
         given: Mapping[Any, int] = self.retry  # a stored reason is any text
         return given.get(reason, DEFAULT_RETRIES.get(reason, 0))
 
     def tries_again(self, reason: str, earlier: Sequence[str]) -> bool:
-        """Whether an evaluation that failed for this reason is tried again, after tries that ended so ``earlier``."""
+        """Whether an evaluation that failed for this reason is retried after the ``earlier`` outcomes."""
         return list(earlier).count(reason) < self.retries(reason)
 
     def ends_job(self, reason: str) -> bool:
-        """Whether a failure for this reason, with no try left, ends the job."""
+        """Whether a failure for this reason, without retries left, ends the job."""
         given: Mapping[Any, Policy] | Policy = self.policy
         return (given if isinstance(given, str) else given.get(reason)) == "fail"
 

@@ -43,7 +43,7 @@ class FreeSection(Section):
     upper: float = Field(description="highest value")
     scale: Scale = Field("linear", description="log: the search runs over the logarithm; both bounds above 0")
     initial: float | None = Field(None, description="estimate to start from; the first particle of the swarm")
-    integer: bool = Field(False, description="takes whole numbers only, as do its bounds")
+    integer: bool = Field(False, description="accepts whole numbers only, as do its bounds")
 
 
 class FixedSection(Section):
@@ -91,7 +91,7 @@ class Stopping(Section):
 
 
 class Settings(Section):
-    """What of a problem is neither physics nor method."""
+    """Settings of a problem beyond physics and method."""
 
     name: str = Field("calibration", min_length=1, max_length=200, description="name of the problem")
 
@@ -103,7 +103,9 @@ class Settings(Section):
         return value
 
     constraints: list[str] = Field(
-        default=[], max_length=100, description='comparisons that hold for every proposal: "lambda_star > kappa_star"'
+        default=[],
+        max_length=100,
+        description='comparisons that every proposal must satisfy: "lambda_star > kappa_star"',
     )
     weighting: Weighting | None = Field(
         None,
@@ -117,13 +119,13 @@ class Settings(Section):
         0,
         ge=-10,
         le=10,
-        description="in the service: one's own jobs of a higher one get more workers "
-        "(an administrator's: among all jobs)",
+        description="in the service: of an owner's jobs, those with a higher priority get more workers "
+        "(an administrator's: of all jobs)",
     )
 
 
 class WarmStart(Section):
-    """Earlier runs to learn from."""
+    """Earlier runs offered to the search."""
 
     jobs: list[str] = Field(
         min_length=1,
@@ -136,7 +138,7 @@ class WarmStart(Section):
 class ProblemFile(Settings):
     """A calibration problem: what to calculate, what to identify, what was measured, how to search and when to stop."""
 
-    forward_model: AnyForwardModelSpec = Field(description="what is calculated; its kind decides about the other keys")
+    forward_model: AnyForwardModelSpec = Field(description="what is calculated; its kind determines the other keys")
     parameters: dict[str, ParameterSection] = Field(min_length=1, max_length=100, description="parameters by name")
     observations: list[ObservationSection] = Field(min_length=1, max_length=1000, description="what was measured")
     method: MethodSection = Field(default=ParticleSwarmMethod(), description="how to search")
@@ -144,6 +146,6 @@ class ProblemFile(Settings):
     limits: Limits = Field(default=Limits(), description="what one evaluation may use")
     failures: Failures = Field(default=Failures(), description="what happens when an evaluation fails")
     index_properties: IndexSection | None = Field(
-        None, description="of the soil: correlations then tell what to expect of the parameters"
+        None, description="of the soil: correlations then suggest values of the parameters"
     )
     warm_start: WarmStart | None = Field(None, description="earlier runs that an accelerated swarm learns from")

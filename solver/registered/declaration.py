@@ -74,7 +74,7 @@ class Declaration(BaseModel):
         kind = self.forward_model.get("kind")
         accepted = [one for one in kinds() if one != "registered"]
         if kind not in accepted:
-            raise ValueError(f"forward_model.kind must be one of {', '.join(accepted)}, not {kind!r}")
+            raise ValueError(f"forward_model.kind must be one of {', '.join(accepted)}, got {kind!r}")
         folder = Path(str(self.forward_model.get("folder") or ""))
         if folder.is_absolute() or ".." in folder.parts:
             raise ValueError(

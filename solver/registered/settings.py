@@ -42,7 +42,7 @@ class NumberSetting(_Setting):
     def fault(self, value: Given) -> str | None:
         """What is wrong with a value, in words."""
         if isinstance(value, bool | str):
-            return f"must be a number, not {value!r}"
+            return f"must be a number, got {value!r}"
         if self.type == "integer" and not float(value).is_integer():
             return f"must be a whole number, got {value:g}"
         low, high = self.lower, self.upper
@@ -70,7 +70,7 @@ class SwitchSetting(_Setting):
 
     def fault(self, value: Given) -> str | None:
         """What is wrong with a value, in words."""
-        return None if isinstance(value, bool) else f"must be true or false, not {value!r}"
+        return None if isinstance(value, bool) else f"must be true or false, got {value!r}"
 
     def number(self, value: Given) -> float:
         """1 or 0."""
@@ -86,7 +86,7 @@ class ChoiceSetting(_Setting):
 
     type: Literal["choice"]
     choices: dict[SettingName, StrictFloat | StrictInt | StrictStr] = Field(
-        min_length=1, max_length=100, description="What each name stands for: a number, or a text of yours."
+        min_length=1, max_length=100, description="What each name stands for: a number or a text."
     )
     default: str
 
@@ -101,7 +101,7 @@ class ChoiceSetting(_Setting):
         """What is wrong with a value, in words."""
         if isinstance(value, str) and value in self.choices:
             return None
-        return f"must be one of {', '.join(self.choices)}, not {str(value)[:60]!r}"
+        return f"must be one of {', '.join(self.choices)}, got {str(value)[:60]!r}"
 
     def number(self, value: Given) -> float | None:
         """The number that it stands for; None: it is a text."""

@@ -98,7 +98,7 @@ class RegisteredSpec(ForwardModelSpec):
     def _changed(self, version: str) -> str:
         return (
             f"model {self.model} has version {version[:12]} on this machine, the problem wants "
-            f"{(self.version or '')[:12]}: its files have changed; put them back, or submit the problem anew"
+            f"{(self.version or '')[:12]}: its files have changed; restore them, or submit the problem again"
         )
 
     def program(self) -> tuple[ForwardModel, dict[str, float]]:

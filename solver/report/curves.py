@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.forward.base import SeriesInfo
+from geoswarm.solver.objective import OUTLYING
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.report.thinning import MOST_SHOWN, shown
@@ -52,6 +53,8 @@ class SeriesCurve:
         Readings marked as gross errors, shape (q,); they take no part.
     breaks
         x at which a load is applied, of a test with loads in stages over time, shape (k,); empty for other series.
+    loss_weights
+        Weights that a robust loss gives the measured points, shape (m,); None without a loss.
     """
 
     series: str
@@ -68,6 +71,7 @@ class SeriesCurve:
     breaks: FloatArray = field(default_factory=lambda: np.empty(0))
     gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
     gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
+    loss_weights: FloatArray | None = None
 
     def thinned(self) -> SeriesCurve:
         """Return the curve with as many points as a figure can show."""
@@ -83,12 +87,19 @@ class SeriesCurve:
             measured_x=self.measured_x[points],
             measured_y=self.measured_y[points],
             at_points=self.at_points[points],
+            loss_weights=None if self.loss_weights is None else self.loss_weights[points],
         )
 
     @property
     def residuals(self) -> FloatArray:
         """Calculated minus measured at the measured points, shape (m,)."""
         return self.at_points - self.measured_y
+
+    @property
+    def outliers(self) -> BoolArray:
+        """Measured points that a robust loss all but sets aside, shape (m,); none without a loss."""
+        none = np.zeros(self.measured_y.shape, dtype=np.bool_)
+        return none if self.loss_weights is None else np.asarray(self.loss_weights < OUTLYING)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +115,8 @@ class SeriesShare:
     share
         w_g f'_g / f, between 0 and 1; 0 when the objective is 0.
     root_mean_square
-        Of the residuals, weighted as the points are, in ``unit``: that of the measured values.
+        Of the residuals, weighted as the points are, in ``unit``: that of the measured values. Of a series with a loss
+        the root of its mean loss.
     """
 
     series: str
@@ -232,6 +244,10 @@ def _curve(
         return convert(values, info.y_unit, y_unit)
 
     order = np.argsort(observation.x, kind="stable")
+    weights = None
+    if observation.loss is not None:
+        z = np.sqrt(observation.point_weights) * ((np.asarray(at_points) - observation.y) / observation.loss.scale)
+        weights = observation.loss.weight(z)
     along = np.argsort(x, kind="stable")
     return SeriesCurve(
         series=observation.series,
@@ -248,4 +264,5 @@ def _curve(
         breaks=to_x(breaks),
         gross_x=to_x(observation.gross_x),
         gross_y=to_y(observation.gross_y),
+        loss_weights=None if weights is None else weights[order],
     )

@@ -32,19 +32,21 @@ class BestFit:
 
 @dataclass(frozen=True, slots=True)
 class Optimum:
-    """The best fit after polishing, what the data determine there, and minima of other basins that were looked at.
+    """The best fit after polishing, what the data determine there, and the minima of other explored basins.
 
-    ``elsewhere``: their parameters, shape (d,), natural values, and objectives.
+    ``elsewhere``: their parameters, shape (d,), natural values, and objectives; ``looked``: where the descents to them
+    began.
     """
 
     polished: Polished
     linearisation: Linearisation
     elsewhere: tuple[tuple[FloatArray, float], ...] = ()
+    looked: tuple[FloatArray, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class RunRecord:
-    """One run as a report tells of it.
+    """One run as a report describes it.
 
     Parameters
     ----------

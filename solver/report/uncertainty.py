@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from geoswarm.solver.identifiability.stored.findings import NO_FINDINGS, Findings
 from geoswarm.solver.identifiability.stored.posterior import Posterior
+from geoswarm.solver.words import number
 
 __all__ = ["NOTHING_FURTHER", "Uncertainty"]
 
@@ -42,7 +43,19 @@ class Uncertainty:
             first = findings.global_sensitivities[0]
             order = sorted(first.indices, key=lambda index: -index.main)
             return f"Influence on the objective, the largest first: {', '.join(i.parameter for i in order)}."
-        return f"Nothing can be told yet after {evaluations} evaluations of this follow-up."
+        if findings.predictions:
+            prediction = findings.predictions[0]
+            ends = [
+                f"{one.series} {number(float(one.median[-1]))} ({number(float(one.lower[-1]))} … "
+                f"{number(float(one.upper[-1]))}) {one.y_unit}".rstrip()
+                + f" at {one.x_quantity} {number(float(one.x[-1]))} {one.x_unit}".rstrip()
+                for one in prediction.series
+            ]
+            return f"Median and {prediction.level:.0%} band: {'; '.join(ends)}."
+        if findings.designs:
+            first_two = " then ".join(candidate.name for candidate in findings.designs[0].candidates[:2])
+            return f"The most informative test: {first_two}."
+        return f"No result yet after {evaluations} evaluations of this follow-up."
 
 
 NOTHING_FURTHER = Uncertainty()

@@ -20,11 +20,11 @@ from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.wire import readable
-from geoswarm.solver.system.environment import clean_environment
+from geoswarm.solver.system.environment import ONE_THREAD, clean_environment
 from geoswarm.solver.system.processes import kill_session, memory_below
 from geoswarm.solver.warm import GROUPS
 
-__all__ = ["ONE_THREAD", "ForkServerLink"]
+__all__ = ["ForkServerLink"]
 
 log = logging.getLogger(__name__)
 
@@ -34,9 +34,6 @@ READY_SECONDS = 120.0  # it loads every kernel that is compiled
 ANSWER_SECONDS = 15.0  # to fork or to kill, when it is ready
 WAKE_SECONDS = 1.0
 COMPILE_SECONDS = 1800.0
-
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-"""Environment of a process that evaluates: one numerical thread, as there is one worker a core."""
 
 
 class ForkServerLink:
@@ -123,7 +120,7 @@ class ForkServerLink:
                 self._lose()
                 if pause is None:
                     raise NoProcessError(f"no evaluation process could be started: {error}") from error
-                log.warning("the fork server of the evaluation process is gone, another one is started: %s", error)
+                log.warning("the fork server of the evaluation process has ended; another one is started: %s", error)
                 time.sleep(pause)
         raise AssertionError
 

@@ -1,4 +1,4 @@
-"""Tries a problem before it becomes a job: one forward calculation and an estimate of the cost."""
+"""Tests a problem before it becomes a job: one forward calculation and an estimate of the cost."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class TestRunReport:
 
 @dataclass(frozen=True, slots=True)
 class CheckReport:
-    """What a valid problem would do and cost.
+    """What a valid problem will run and cost.
 
     Parameters
     ----------
@@ -80,6 +80,10 @@ class CheckReport:
         without a plan.
     warnings
         What is probably not meant, what in the measurements the model does not contain, and what to do, in sentences.
+    notes
+        What was done to the readings, by series.
+    assumptions
+        What the forward model assumes where the problem says nothing, with the field that would say it, in sentences.
     """
 
     name: str
@@ -92,6 +96,7 @@ class CheckReport:
     estimated_seconds: float | None
     warnings: tuple[str, ...] = ()
     notes: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    assumptions: tuple[str, ...] = ()
 
 
 def check_problem(
@@ -135,6 +140,7 @@ def check_problem(
         free_parameters=problem.free_names,
         warnings=(*implausible(problem), *(found.sentence for found in find_consolidation(problem))),
         notes={o.series: o.notes for o in problem.observations if o.notes},
+        assumptions=problem.forward_model.assumptions,
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
         test_run=_report(run, problem, problem.values(point.tolist())),

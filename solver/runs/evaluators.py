@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import TypeAlias
 
 from geoswarm.solver.arrays import FloatArray
@@ -19,9 +20,12 @@ from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
 
-__all__ = ["WATCHED", "EvaluateGeneration", "Finished", "evaluator"]
+__all__ = ["WATCHED", "EvaluateGeneration", "Finished", "Results", "evaluator"]
 
-EvaluateGeneration: TypeAlias = Callable[[FloatArray], list[Evaluation]]
+Results: TypeAlias = Callable[[], list[Evaluation]]
+"""Waits for the evaluations of positions, and gives them in order."""
+
+EvaluateGeneration: TypeAlias = Callable[[FloatArray], Results]
 
 Finished: TypeAlias = Callable[[FloatArray, Evaluation], None]
 """Called with the position and outcome of every evaluation as it finishes, in any order."""
@@ -36,14 +40,15 @@ WATCHED = sys.platform == "linux"
 """Whether this system lets processes be watched as :mod:`geoswarm.solver.runner` does it."""
 
 _GUARD = (
-    "each of them reads the script that was started: in a script, calibrate(workers={workers}) must stand below "
+    "each of them reads the script that was started: in a script, calibrate(workers={workers}) must be below "
     "if __name__ == '__main__':"
 )
 
 
 @contextmanager
 def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Iterator[EvaluateGeneration]:
-    """Give a function that evaluates all positions of a generation, shape (n, d), and returns them in order.
+    """Yield a function that starts evaluating all positions of a generation, shape (n, d); calling its result waits
+    for them and returns them in order. A generation may be begun while another is under way.
 
     One worker is this very process, unless the problem limits an evaluation or starts programs. Several are watched
     processes: a run that exceeds a limit or ends its process is a failed evaluation. As they take seconds to start, our
@@ -59,8 +64,14 @@ def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Ite
     with ExitStack() as started:
         shared: _Shared | None = None
 
+        def share(positions: FloatArray) -> Results:
+            nonlocal shared
+            if shared is None:
+                shared = started.enter_context(_shared(calibration, workers, finished))
+            return shared.begin(positions)
+
         def evaluate(positions: FloatArray) -> list[Evaluation]:
-            nonlocal here, shared
+            nonlocal here
             evaluations: list[Evaluation] = []
             while len(evaluations) < len(positions) and here > 0.0:
                 position = positions[len(evaluations)]
@@ -69,11 +80,12 @@ def evaluator(calibration: Calibration, workers: int, finished: Finished) -> Ite
                 here -= evaluations[-1].seconds
             if len(evaluations) == len(positions):
                 return evaluations
-            if shared is None:
-                shared = started.enter_context(_shared(calibration, workers, finished))
-            return evaluations + shared(positions[len(evaluations) :])
+            return evaluations + share(positions[len(evaluations) :])()
 
-        yield evaluate
+        def begin(positions: FloatArray) -> Results:
+            return partial(evaluate, positions) if here > 0.0 else share(positions)
+
+        yield begin
 
 
 def _seconds_here(calibration: Calibration, limited: bool) -> float:
@@ -93,38 +105,70 @@ def _shared(calibration: Calibration, workers: int, finished: Finished) -> Itera
     from geoswarm.solver.runner.team import Team
 
     with Team(calibration, workers) as team:
-        yield _Shared(team.threads, workers, team.evaluate, finished)
+        shared = _Shared(team.threads, workers, team.evaluate, finished)
+        yield shared
+        if shared.under_way:
+            team.abandon()  # the search has ended without them
+
+
+class _Batch:
+    """Positions that were begun together, shape (n, d), and what is known of them by place."""
+
+    def __init__(self, positions: FloatArray) -> None:
+        self.positions = positions
+        self.evaluations: dict[int, Evaluation] = {}
+
+    @property
+    def complete(self) -> bool:
+        return len(self.evaluations) == len(self.positions)
 
 
 class _Shared:
-    """Evaluates positions by an executor, cheap ones several at a time."""
+    """Evaluates positions by an executor, cheap ones several at a time, in the order in which they were begun."""
 
-    def __init__(self, executor: Executor, workers: int, evaluate: EvaluateGeneration, finished: Finished) -> None:
+    def __init__(
+        self,
+        executor: Executor,
+        workers: int,
+        evaluate: Callable[[FloatArray], list[Evaluation]],
+        finished: Finished,
+    ) -> None:
         self._executor = executor
         self._workers = workers
         self._evaluate = evaluate
         self._finished = finished
         self._seconds = 0.0
+        self._tasks: dict[Future[list[Evaluation]], tuple[_Batch, range]] = {}
         self.count = 0
         """How many have been evaluated."""
 
-    def __call__(self, positions: FloatArray) -> list[Evaluation]:
+    @property
+    def under_way(self) -> bool:
+        """Whether evaluations may still be running."""
+        return bool(self._tasks)
+
+    def begin(self, positions: FloatArray) -> Results:
+        """Start evaluating positions, shape (n, d)."""
         mean = self._seconds / self.count if self.count else _SECONDS_PER_TASK
         most = max(1, int(_SECONDS_PER_TASK / max(mean, 1e-9)))
         size = min(most, -(-len(positions) // self._workers))
-        tasks: dict[Future[list[Evaluation]], range] = {}
-        evaluations: dict[int, Evaluation] = {}
+        batch = _Batch(positions)
         for first in range(0, len(positions), size):
             places = range(first, min(first + size, len(positions)))
-            tasks[self._executor.submit(self._evaluate, positions[places.start : places.stop])] = places
-        while tasks:
-            for task in wait(tasks, return_when=FIRST_COMPLETED).done:
-                for place, evaluation in zip(tasks.pop(task), task.result(), strict=True):
-                    evaluations[place] = evaluation
-                    self._finished(positions[place], evaluation)
-        self._seconds += sum(e.seconds for e in evaluations.values())
-        self.count += len(evaluations)
-        return [evaluations[place] for place in range(len(positions))]
+            task = self._executor.submit(self._evaluate, positions[places.start : places.stop])
+            self._tasks[task] = batch, places
+        return partial(self._wait_for, batch)
+
+    def _wait_for(self, batch: _Batch) -> list[Evaluation]:
+        while not batch.complete:
+            for task in wait(self._tasks, return_when=FIRST_COMPLETED).done:
+                of, places = self._tasks.pop(task)
+                for place, evaluation in zip(places, task.result(), strict=True):
+                    of.evaluations[place] = evaluation
+                    self._finished(of.positions[place], evaluation)
+                    self._seconds += evaluation.seconds
+                    self.count += 1
+        return [batch.evaluations[place] for place in range(len(batch.positions))]
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""What a run in process has finished so far, on disk: a run that was cut off goes on from it to the same history.
+"""Finished evaluations of an in-process run, on disk: an interrupted run continues from them to the same history.
 
 A journal is a file of records, only ever appended to. A record is its kind (one byte), its length, a checksum and its
 content, so a record that was cut off is found and left out. Kinds, in order: the run (problem, seed), the search at its
@@ -32,7 +32,7 @@ _SECONDS_BETWEEN_SYNCS = 1.0
 
 
 class Keeper:
-    """What a calibration in process hands over as it goes; this one keeps nothing and knows of nothing."""
+    """What an in-process calibration hands over during the run; this one keeps nothing."""
 
     seconds = 0.0
     """Running time of the part before this one [s]."""
@@ -60,7 +60,7 @@ class Keeper:
 
 @dataclass(frozen=True, slots=True)
 class RunIdentity:
-    """What must be the same for a run to go on: the canonical problem without its seed, the seed, what was offered."""
+    """What must match to continue a run: the canonical problem without its seed, the seed, and the offer."""
 
     problem: Mapping[str, Any]
     seed: int

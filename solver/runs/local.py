@@ -6,18 +6,19 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Literal
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
 from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import fatal_message
-from geoswarm.solver.runs.evaluators import EvaluateGeneration, evaluator
+from geoswarm.solver.runs.evaluators import evaluator
 from geoswarm.solver.runs.journal import Keeper
 from geoswarm.solver.runs.notebook import result_html
 from geoswarm.solver.runs.runlog import RunKey, RunLog
+from geoswarm.solver.runs.under_way import UnderWay
 from geoswarm.solver.warm import compile_kernels
 
 __all__ = [
@@ -107,6 +108,7 @@ def calibrate(
     on_generation: Callable[[GenerationRecord], None] | None = None,
     offer: Offer | None = None,
     keeper: Keeper | None = None,
+    situations: Callable[[Situation, int], Situation] = lambda seen, _: seen,
 ) -> CalibrationResult:
     """Run a calibration to its end in this process.
 
@@ -125,6 +127,9 @@ def calibrate(
         Runs of earlier calibrations with the same forward model, for an accelerated search to learn from.
     keeper
         Keeps evaluations and generations as they finish, and knows those of an earlier part of this run.
+    situations
+        Given what is seen when a generation is closed, and its number (-1: before the first one), says what decides on
+        the next one with ``particles: auto``, as where a history is repeated whose widths are known.
 
     Raises
     ------
@@ -137,14 +142,13 @@ def calibrate(
     """
     if problem.warm_start and offer is None:
         raise ProblemError(
-            [Issue("warm_start.jobs", "only the service knows its jobs; here runs are given as an offer")]
+            [Issue("warm_start.jobs", "jobs are known to the service only; give their runs as an offer")]
         )
     seed = choose_seed(problem.seed if seed is None else seed)
     calibration = Calibration(problem, seed, offer)
     history: list[EvaluationRecord] = []
     records: list[GenerationRecord] = []
     log, responses = RunLog(calibration), list[list[dict[str, FloatArray]]]()
-    known: dict[bytes, Evaluation] = {}
 
     def fetch(keys: Sequence[RunKey]) -> list[dict[str, FloatArray]]:
         return [responses[generation][particle] for generation, particle in keys]
@@ -156,10 +160,15 @@ def calibrate(
     def finished(position: FloatArray, evaluation: Evaluation) -> None:
         keeper.finished(position, evaluation, time.monotonic() - began)
 
-    progress = keeper.start(calibration, workers)
-    with evaluator(calibration, workers, finished) as evaluate_generation:
+    slots = problem.forward_model.at_once(workers)
+    progress = keeper.start(calibration, situations(Situation(slots), -1).slots)
+    with evaluator(calibration, workers, finished) as begin:
+        under_way = UnderWay(begin, keeper)
         while True:
-            evaluations = evaluate_once(progress.positions, known, partial(_recalled, keeper, evaluate_generation))
+            under_way.begin(progress.generation, progress.positions)
+            if progress.ahead is not None and progress.ahead_begun:
+                under_way.begin(progress.generation + 1, progress.ahead)
+            evaluations = under_way.results(progress.generation)
             history += [EvaluationRecord(progress.generation, i, e) for i, e in enumerate(evaluations)]
             fatal = _fatal(problem, progress.generation, evaluations)
             if fatal is not None:
@@ -172,7 +181,8 @@ def calibrate(
             step, seconds = keeper.known_step(progress.generation), time.monotonic() - began
             if step is None:
                 runs = log.runs(fetch) if calibration.accelerated else None
-                step = calibration.advance(progress, objectives, seconds, runs)
+                situation = situations(Situation(slots, [e.seconds for e in evaluations]), progress.generation)
+                step = calibration.advance(progress, objectives, seconds, runs, situation=situation)
             keeper.closed(progress.generation, evaluations, step, seconds)
             records.append(generation_record(problem, progress.generation, objectives, step.progress))
             if on_generation is not None:
@@ -181,26 +191,6 @@ def calibrate(
                 break
             progress = step.progress
     return _result(problem, seed, step.progress, step.stop_reasons, history, records, time.monotonic() - began)
-
-
-def evaluate_once(
-    positions: FloatArray, known: dict[bytes, Evaluation], evaluate: EvaluateGeneration
-) -> list[Evaluation]:
-    """Evaluate those positions, shape (n, d), that are not ``known`` yet, each once; return all in order."""
-    keys = [position.tobytes() for position in positions]
-    new = [i for i, key in enumerate(keys) if key not in known and key not in keys[:i]]
-    if new:
-        known |= zip((keys[i] for i in new), evaluate(positions[new]), strict=True)
-    fresh = set(new)
-    return [known[key] if i in fresh else replace(known[key], seconds=0.0) for i, key in enumerate(keys)]
-
-
-def _recalled(keeper: Keeper, evaluate: EvaluateGeneration, positions: FloatArray) -> list[Evaluation]:
-    """Evaluate what an earlier part of this run has not; return all in order."""
-    stored = [keeper.recall(position) for position in positions]
-    missing = [i for i, evaluation in enumerate(stored) if evaluation is None]
-    fresh = dict(zip(missing, evaluate(positions[missing]) if missing else [], strict=True))
-    return [fresh[i] if evaluation is None else evaluation for i, evaluation in enumerate(stored)]
 
 
 def _fatal(problem: Problem, generation: int, evaluations: Sequence[Evaluation]) -> str | None:

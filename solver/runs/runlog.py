@@ -1,4 +1,4 @@
-"""The runs of a job as a search that learns from them sees them, and those that earlier jobs offer to it."""
+"""The runs of a job, and those offered from earlier jobs, for searches that learn from them."""
 
 from __future__ import annotations
 
@@ -30,10 +30,9 @@ class _Generation:
 
 
 class RunLog:
-    """Positions and objectives of all finished generations, read once, and residuals of the runs looked at lately.
+    """Positions and objectives of all finished generations, read once, and residuals of recently used runs.
 
-    Responses stay where they are stored: a search looks at a selection only, however many there are.
-    :attr:`failed` of the runs have none.
+    Responses stay where they are stored: a search reads a selection only. :attr:`failed` counts runs without responses.
 
     Parameters
     ----------

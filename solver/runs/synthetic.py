@@ -22,7 +22,7 @@ def write_readings(
     folder: Path | None = None,
     decimals: int = 3,
 ) -> Sequence[Path]:
-    """Write the data files of a problem anew: same x, and as y what its model gives, with the stated errors as noise.
+    """Rewrite the data files of a problem: the same x, and as y the model's values with the stated errors as noise.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class EarlierRuns:
     Parameters
     ----------
     problem
-        What was calibrated.
+        The calibrated problem.
     parameters
         Natural values of its free parameters, shape (n, d).
     responses
@@ -57,7 +57,7 @@ def forward_model_hash(problem: Problem) -> str:
 
 
 def offer_of(problem: Problem, earlier: EarlierRuns) -> Offer | str:
-    """Return what earlier runs offer to a problem, or why that is nothing.
+    """Return the runs that earlier problems offer to a problem, or why there are none.
 
     A run can be taken over when the forward model is the same, its curves have all points that are observed now, and
     its parameters are a point of the new search: all values that are not free now are equal, the others lie between
@@ -76,7 +76,7 @@ def offer_of(problem: Problem, earlier: EarlierRuns) -> Offer | str:
 def usable_runs(
     problem: Problem, earlier: Problem, runs: FloatArray
 ) -> tuple[dict[str, IntArray], list[int], FloatArray] | str:
-    """Tell which runs of an earlier problem with the same forward model can be taken over, or why none can.
+    """Return the runs of an earlier problem with the same forward model that can be reused, or why none can.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def usable_runs(
 
 
 def best_of(problem: Problem, offers: Sequence[Offer]) -> Offer | None:
-    """Join offers, each point once, and keep :data:`MOST_OFFERED` runs at most; None: there are none."""
+    """Join offers, each point once, and keep at most :data:`MOST_OFFERED` runs; None if there are none."""
     if not offers:
         return None
     parameters = np.concatenate([offer.parameters for offer in offers])

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from geoswarm.solver.search.acceleration import Runs
-from geoswarm.solver.search.base import Search, Snapshot
+from geoswarm.solver.search.base import Search, Snapshot, WideSearch
 from geoswarm.solver.search.diversity import diversity
 from geoswarm.solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
 from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
@@ -33,5 +33,6 @@ __all__ = [
     "SearchSpace",
     "Snapshot",
     "SwarmSettings",
+    "WideSearch",
     "diversity",
 ]

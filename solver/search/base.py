@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration.runs import Runs
 
-__all__ = ["Search", "Snapshot"]
+__all__ = ["Search", "Snapshot", "WideSearch"]
 
 Snapshot: TypeAlias = dict[str, Any]
 """State of a search between two generations; JSON-able, restores bit for bit."""
@@ -33,4 +33,17 @@ class Search(Protocol):
         """
 
     def snapshot(self) -> Snapshot:
-        """State from which the same class restores a search that goes on bit for bit alike."""
+        """State from which the same class restores a search that continues bit for bit alike."""
+
+
+@runtime_checkable
+class WideSearch(Search, Protocol):
+    """A search whose generations may have any size, and may overlap."""
+
+    def ask_ahead(self) -> FloatArray | None:
+        """Positions of the generation after the current one, if it has been asked for; else None."""
+
+    def tell(
+        self, objectives: FloatArray, runs: Runs | None = None, *, particles: int | None = None, ahead: bool = False
+    ) -> None:
+        """Close the current generation and ask for one of the given size, ``ahead`` of results or not."""

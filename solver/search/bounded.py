@@ -18,7 +18,7 @@ _ENOUGH = 1e-10  # a slope, or a relative gain, below which nothing is left to g
 def bounded_least_squares(
     matrix: FloatArray, wanted: FloatArray, lower: FloatArray, upper: FloatArray, *, most_steps: int | None = None
 ) -> FloatArray:
-    """Return x, shape (n,), from ``lower`` to ``upper``, that makes the norm of ``matrix @ x - wanted`` least.
+    """Return x, shape (n,), from ``lower`` to ``upper``, that minimises the norm of ``matrix @ x - wanted``.
 
     P. B. Stark, R. L. Parker, Bounded-variable least-squares: an algorithm and applications, Computational Statistics
     10 (1995) 129-141; begun at the solution without bounds, as they advise.

@@ -73,7 +73,7 @@ class DifferentialEvolution:
     def restore(
         cls, space: SearchSpace, settings: EvolutionSettings, seed: int, snapshot: Snapshot
     ) -> DifferentialEvolution:
-        """Rebuild the search that gave ``snapshot``; it goes on bit for bit alike."""
+        """Rebuild the search from ``snapshot``; it continues bit for bit alike."""
         search = cls.__new__(cls)
         search._space, search._settings, search._seed = space, settings, seed
         search.generation = snapshot["generation"]
@@ -96,7 +96,7 @@ class DifferentialEvolution:
         return self._space.to_natural(self._trials)
 
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:  # noqa: ARG002  (it does not learn)
-        """Take the objectives of the trials, shape (members,); make those of the next generation."""
+        """Take the objectives of the trials, shape (members,); make the trials of the next generation."""
         if objectives.shape != self._objectives.shape:
             raise ValueError(f"objectives has shape {objectives.shape}, expected {self._objectives.shape}")
         taken = objectives <= self._objectives

@@ -1,4 +1,4 @@
-"""How widely a generation is scattered."""
+"""The scatter of a generation."""
 
 from __future__ import annotations
 

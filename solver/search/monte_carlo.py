@@ -110,7 +110,7 @@ class MonteCarlo:
         snapshot: Snapshot,
         design: SamplingDesign | None = None,
     ) -> MonteCarlo:
-        """Rebuild the sampling that gave ``snapshot``."""
+        """Rebuild the sampling from ``snapshot``."""
         sampling = cls(space, settings, seed, design)
         sampling.generation = snapshot["generation"]
         return sampling

@@ -15,7 +15,8 @@ With position x, velocity v, personal best p, neighbourhood best g, r1 and r2 un
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -85,6 +86,14 @@ class SwarmSettings:
         return chi, chi * c1, chi * c2
 
 
+@dataclass(frozen=True, slots=True)
+class _Moves:
+    """Where particles go and how fast, search coordinates, both of shape (n, d)."""
+
+    position: FloatArray
+    velocity: FloatArray
+
+
 class ParticleSwarm:
     """Ask / tell particle swarm.
 
@@ -138,10 +147,31 @@ class ParticleSwarm:
         self._separate()
         self._best_position = self._position.copy()
         self._ending: Ending | None = None
+        self._ahead: _Moves | None = None
+
+    @classmethod
+    def begin_overlapping(
+        cls,
+        space: SearchSpace,
+        settings: SwarmSettings,
+        seed: int,
+        initial: FloatArray | None = None,
+        offered: Runs | None = None,
+    ) -> ParticleSwarm:
+        """Start with two generations at once: the first, and the next one, which is asked ahead."""
+        n = settings.particles
+        swarm = cls(space, replace(settings, particles=2 * n), seed, initial, offered)
+        swarm._settings = settings
+        swarm._ahead = _Moves(swarm._position[n:], swarm._velocity[n:])
+        swarm._position, swarm._velocity = swarm._position[:n], swarm._velocity[:n]
+        swarm._best_position, swarm._best_objective = swarm._best_position[:n], swarm._best_objective[:n]
+        if swarm._proposer is not None:
+            swarm._proposer.split(n)
+        return swarm
 
     @classmethod
     def restore(cls, space: SearchSpace, settings: SwarmSettings, seed: int, snapshot: Snapshot) -> ParticleSwarm:
-        """Rebuild the swarm that gave ``snapshot``; it goes on bit for bit alike."""
+        """Rebuild the swarm from ``snapshot``; it continues bit for bit alike."""
         swarm = cls.__new__(cls)
         swarm._space, swarm._settings, swarm._seed = space, settings, seed
         swarm.generation = snapshot["generation"]
@@ -153,18 +183,28 @@ class ParticleSwarm:
         swarm._proposer = _proposer(space, settings, seed, None if state is None else ProposerState.from_json(state))
         ending = snapshot.get("ending")
         swarm._ending = None if ending is None else Ending.from_json(ending)
+        ahead = snapshot.get("ahead")
+        swarm._ahead = None if ahead is None else _Moves(*(np.array(ahead[name]) for name in ("position", "velocity")))
         return swarm
 
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able; an objective not yet known is None."""
-        return {
+        snapshot: Snapshot = {
             "generation": self.generation,
             "position": self._position.tolist(),
             "velocity": self._velocity.tolist(),
             "best_position": self._best_position.tolist(),
             "best_objective": [f if math.isfinite(f) else None for f in self._best_objective.tolist()],
             "proposer": None if self._proposer is None else self._proposer.state.to_json(),
-        } | ({} if self._ending is None else {"ending": self._ending.to_json()})
+        }
+        if self._ending is not None:
+            snapshot["ending"] = self._ending.to_json()
+        if self._ahead is not None:
+            snapshot["ahead"] = {
+                "position": self._ahead.position.tolist(),
+                "velocity": self._ahead.velocity.tolist(),
+            }
+        return snapshot
 
     def ask(self) -> FloatArray | None:
         """Positions of the current generation, shape (n, d), natural values; None when the best is polished."""
@@ -174,11 +214,33 @@ class ParticleSwarm:
             return None
         return self._space.to_natural(self._position)
 
-    def tell(self, objectives: FloatArray, runs: Runs | None = None, *, particles: int | None = None) -> None:
+    def ask_ahead(self) -> FloatArray | None:
+        """Positions of the generation after the current one, natural values, if it has been asked for."""
+        return None if self._ahead is None else self._space.to_natural(self._ahead.position)
+
+    def tell(
+        self,
+        objectives: FloatArray,
+        runs: Runs | None = None,
+        *,
+        particles: int | None = None,
+        ahead: bool = False,
+    ) -> None:
         """Take the objectives of the current generation, shape (n,), and move every particle.
 
-        ``runs``, all evaluations so far, lets an accelerated swarm aim them. ``particles`` is how many the next
-        generation has, as many as this one if None: the best stay, new ones are drawn. The history depends on it.
+        Parameters
+        ----------
+        objectives
+            f of each particle; inf where its run failed.
+        runs
+            All evaluations so far; they let an accelerated swarm aim.
+        particles
+            How many the generation that is asked for now has, as many as the one before it if None: the best stay, new
+            ones are drawn. The history depends on it.
+        ahead
+            Two generations are to be under way from now on: besides the next one the one after it is asked for, which
+            knows nothing of the results of the next one. The history depends on it. Only of an accelerated swarm that
+            is not polished.
         """
         if self._ending is not None:
             if runs is None:
@@ -192,10 +254,33 @@ class ParticleSwarm:
         better = objectives < self._best_objective
         self._best_objective = np.where(better, objectives, self._best_objective)
         self._best_position = np.where(better[:, None], self._position, self._best_position)
+        if self._proposer is not None and runs is not None:
+            self._proposer.tell(runs, len(objectives))
+        if self._ahead is None:
+            self._move_on(runs, particles, None)
+        else:
+            self._resize(len(self._ahead.position))
+            self._position, self._velocity = self._ahead.position, self._ahead.velocity
+            self.generation += 1
+            self._ahead = None
+        if ahead and self._ending is None:
+            self._ask_ahead(runs, particles)
+
+    def _ask_ahead(self, runs: Runs | None, particles: int | None) -> None:
+        """Ask for the generation after the current one, of which nothing is known yet."""
+        if self._proposer is None or self._settings.polish:
+            raise ValueError("only an accelerated swarm that is not polished asks ahead")
+        beyond = copy(self)
+        beyond._move_on(runs, particles, self._position)
+        self._ahead = _Moves(beyond._position, beyond._velocity)
+
+    def _move_on(self, runs: Runs | None, particles: int | None, pending: FloatArray | None) -> None:
+        """Move every particle; ``pending``: positions of the generation before, where they are out."""
         if particles is not None:
             self._resize(particles)
         self.generation += 1
-        before = self._position.copy()
+        before = self._position
+        self._position, self._velocity = before.copy(), self._velocity.copy()
         informants = [self._informant(i) for i in range(len(before))]
         for i, informant in enumerate(informants):
             random = particle_generator(self._seed, self.generation, i)
@@ -205,7 +290,7 @@ class ParticleSwarm:
                 self._position[i], self._velocity[i] = self._draw(random, None)
         if self._proposer is not None and runs is not None:
             worst_first = np.argsort(-self._best_objective, kind="stable").astype(np.int64)
-            aimed = self._proposer.propose(self.generation, self._position, worst_first, runs, len(objectives))
+            aimed = self._proposer.propose(self.generation, self._position, worst_first, runs, pending)
             for i, point in aimed.items():
                 self._position[i], self._velocity[i] = point, self._limit(point - before[i])
             if self._proposer.leaving:

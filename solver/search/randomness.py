@@ -1,4 +1,4 @@
-"""Random numbers that depend on (seed, generation, particle) alone.
+"""Random numbers that depend on (seed, generation, particle) only.
 
 The order in which particles are computed, the number of workers and any restart therefore change nothing.
 """
@@ -23,5 +23,5 @@ def design_generator(seed: int) -> np.random.Generator:
 
 
 def proposer_generator(seed: int, generation: int) -> np.random.Generator:
-    """Return the random stream of what aims particles of a generation."""
+    """Return the random stream for aiming particles of a generation."""
     return particle_generator(seed, generation, _DESIGN)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import TypeAlias
 
-import numpy as np
-
-from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.sketches.declared import Track
 from geoswarm.solver.sketches.shapes import Point, Sheet, text_width
 from geoswarm.solver.sketches.ticks import short
@@ -43,9 +40,7 @@ class Labels:
     def __init__(
         self, lines: Sequence[Sequence[Point]], across: tuple[float, float], down: tuple[float, float]
     ) -> None:
-        pieces = [(a, b) for line in lines for a, b in itertools.pairwise(line)]
-        ends: FloatArray = np.array(pieces, dtype=np.float64).reshape(-1, 2, 2)
-        self._start, self._along = ends[:, 0], ends[:, 1] - ends[:, 0]
+        self._pieces = [piece for line in lines for piece in pairwise(line)]
         self._across, self._down = across, down
         self._taken: list[Box] = []
 
@@ -69,21 +64,19 @@ class Labels:
         left, right, top, bottom = box
         if any(left < b and right > a and top < d and bottom > c for a, b, c, d in self._taken):
             return False
-        return not _crossing(self._start, self._along, box).any()
+        return not any(_crossing(a, b, box) for a, b in self._pieces)
 
 
-def _crossing(start: FloatArray, along: FloatArray, box: Box) -> BoolArray:
-    """Which pieces, shape (n, 2) each, pass through a box: the part of each that is within both its strips."""
-    enter, leave = np.zeros(len(start)), np.ones(len(start))
-    for axis, (low, high) in enumerate((box[:2], box[2:])):
-        position, step = start[:, axis], along[:, axis]
-        still = step == 0.0
-        safe = np.where(still, 1.0, step)
-        one, other = (low - position) / safe, (high - position) / safe
-        outside = still & ((position <= low) | (position >= high))
-        enter = np.where(still, np.where(outside, 2.0, enter), np.maximum(enter, np.minimum(one, other)))
-        leave = np.where(still, leave, np.minimum(leave, np.maximum(one, other)))
-    return np.asarray(enter < leave)
+def _crossing(start: Point, end: Point, box: Box) -> bool:
+    """Whether a piece of a line passes through a box: whether its parts within both strips overlap."""
+    enter, leave = 0.0, 1.0
+    for one, other, low, high in ((start[0], end[0], *box[:2]), (start[1], end[1], *box[2:])):
+        if max(one, other) <= low or min(one, other) >= high:
+            return False
+        if one != other:
+            first, last = sorted(((low - one) / (other - one), (high - one) / (other - one)))
+            enter, leave = max(enter, first), min(leave, last)
+    return enter < leave
 
 
 def mark(sheet: Sheet, labels: Labels, track: Track, points: Sequence[Point], *, named: bool) -> None:

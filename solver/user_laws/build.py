@@ -81,7 +81,7 @@ def build_umat(
         raise BuildError("no source is given; name at least one Fortran file")
     for source in sources:
         if not source.is_file():
-            raise BuildError(f"{source} is no file")
+            raise BuildError(f"{source} is not a file")
         if source.suffix.lower() not in _SUFFIXES:
             raise BuildError(f"{source}: the name of a Fortran source ends in one of {', '.join(_SUFFIXES)}")
     program = shutil.which(compiler)

@@ -83,7 +83,7 @@ class UserLaw(Law):
         values = self.values(constants) | {"p": stress[..., :3].mean(axis=-1)}
         scale = np.asarray(value_of(self.section.time_scale, values, "time_scale"))
         if not (scale > 0.0).all():
-            raise InfeasibleError(f"time_scale = {scale.min():g} day: a value above 0 day is accepted")
+            raise InfeasibleError(f"time_scale must be above 0 day, got {scale.min():g} day")
         found: FloatArray = np.log(np.broadcast_to(scale, stress.shape[:-1]))
         return found
 
@@ -104,7 +104,7 @@ class UserLaw(Law):
                 )
             bulk, shear = float(tangent[:3, :3].mean()), float(np.diag(tangent)[3:].mean())
         if not (bulk > 0.0 and shear > 0.0):
-            raise InfeasibleError(f"bulk and shear modulus {bulk:g} and {shear:g} kPa: values above 0 are accepted")
+            raise InfeasibleError(f"bulk and shear modulus must be above 0, got {bulk:g} and {shear:g} kPa")
         return bulk, shear
 
     def forget_troubles(self) -> None:

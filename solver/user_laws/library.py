@@ -44,7 +44,7 @@ def opened(path: Path, version: str) -> ctypes.CDLL:
         raise RunFailedError("not_started", f"the library {path} cannot be read: {error.strerror or error}") from None
     if found != version:
         raise RunFailedError(
-            "not_started", f"the library {path} has changed since the problem was read; start anew, or put it back"
+            "not_started", f"the library {path} has changed since the problem was read; start over, or restore it"
         )
     try:
         return loaded(path)

@@ -37,7 +37,7 @@ def _parse(value: Any) -> Any:
         if section is None:
             known = ", ".join(SECTIONS)
             hint = did_you_mean(law, SECTIONS) if isinstance(law, str) else ""
-            raise ValueError(f"law: one of {known} is accepted in a section of a material{hint}; others by their name")
+            raise ValueError(f"law must be one of {known} in a section of a material{hint}; others by their name")
         _refuse_unknown(section, value)
         return section.model_validate_json(json.dumps(dict(value)), strict=True)
     if isinstance(value, str):

@@ -30,7 +30,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleError, Issue, ProblemError
-from geoswarm.solver.laws.base import StateVariable
+from geoswarm.solver.laws.base import StateTensor, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
 from geoswarm.solver.laws.libraries.mfront_bridge import MESSAGE_LENGTH, PLACES, TROUBLES, mfront_update
 from geoswarm.solver.parameter_info import ParameterInfo
@@ -80,9 +80,9 @@ class MfrontSection(UserLawSection):
         description="Initial values of internal state variables: numbers, or expressions of parameters and the stress.",
     )
     external: dict[str, Formula] = Field(
-        {}, max_length=100, description="External state variables beside the temperature: numbers or expressions."
+        {}, max_length=100, description="External state variables other than the temperature: numbers or expressions."
     )
-    temperature: float = Field(293.15, description="Temperature that it gets.")
+    temperature: float = Field(293.15, description="Temperature passed to it.")
     # What a canonical problem has beside: nobody writes it.
     read: SkipJsonSchema[Behaviour | None] = Field(None, description="what the library says of the behaviour")
 
@@ -101,7 +101,7 @@ class MfrontSection(UserLawSection):
             files = []
         found = next((Path(str(one.locate())) for one in files if one.name == _OGS_FILE), None)
         if found is None:
-            text = f"{needs_extra(f'library: {OGS}', OGS)}; or name a library of yours"
+            text = f"{needs_extra(f'library: {OGS}', OGS)}; or name your own library"
             raise ProblemError([Issue(f"{path}.library", text)])
         return found.resolve().parent
 
@@ -181,14 +181,18 @@ def _law(text: str) -> MfrontLaw:
     }
     if read is not None:
         state: list[StateVariable] = []
+        tensors: list[StateTensor] = []
         for name, kind in zip(read.state, read.state_kinds, strict=True):
             parts = [f"{name}_{one}" for one in _MANDEL] if kind else [name]
             text = "As the behaviour keeps it: tension positive, shear times sqrt(2)." if kind else "Of the behaviour."
+            tensors += [StateTensor(len(state), math.sqrt(2.0))] if kind else []
             state += [StateVariable(part, part, "", text) for part in parts]
+        tensors.append(StateTensor(len(state), 2.0))
         state += [StateVariable(f"strain_{one}", f"ε_{one}", "", "Total strain.") for one in _COMPONENTS]
         known = {6: "Tridimensional" in read.hypotheses, 4: read.plane is not None}
         attributes |= {
             "state": tuple(state),
+            "tensors": tuple(tensors),
             "components": frozenset(count for count, there in known.items() if there),
         }
     return MfrontLaw.of(section, attributes)

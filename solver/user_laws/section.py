@@ -45,12 +45,12 @@ class _FormulaRule:
             except ExpressionError as error:
                 raise ValueError(str(error)) from error
             if found.is_comparison:
-                raise ValueError(f"'{found.text}' is a comparison; a number or an expression is accepted")
+                raise ValueError(f"'{found.text}' is a comparison; give a number or an expression")
             if found.names:
                 return found
             value = found.value({})
         if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-            raise ValueError("a number, or an expression of parameters as text, is accepted")
+            raise ValueError("must be a number, or an expression of parameters as text")
         return float(value)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
@@ -125,21 +125,23 @@ class UserLawSection(Section):
         None, description="Elastic moduli for estimates; those of the law's tangent at rest unless given."
     )
     time_scale: Formula | None = Field(
-        None, description="Time in which creep slows down by half, day; steps of holds begin with it."
+        None, description="Time in which creep slows down by half, day: the first time step of a hold."
     )
     limit: ParameterName | None = Field(None, description="State variable that tells whether the point yields.")
     perfectly_plastic: bool = Field(
         False, description="The tangent may lose all stiffness: finite elements mix elastic stiffness into it."
     )
     tangent: Literal["routine", "differences"] = Field(
-        "routine", description="That of the library, or differences, which cost a call more a component."
+        "routine", description="That of the library, or by differences, which cost one more call per component."
     )
     stress_unit: str = Field("kPa", max_length=50, description="Unit of stress in the library.")
     time_unit: str = Field("day", max_length=50, description="Unit of time in the library.")
-    least_time: float = Field(1.0e-9, gt=0.0, description="Least time increment that it gets, day: many divide by it.")
-    temperature: float = Field(0.0, description="Temperature that it gets.")
+    least_time: float = Field(
+        1.0e-9, gt=0.0, description="Smallest time increment passed to it, day: many routines divide by it."
+    )
+    temperature: float = Field(0.0, description="Temperature passed to it.")
     stateful: bool = Field(
-        False, description="It keeps state between calls (SAVE, COMMON): each run gets a process of its own."
+        False, description="It keeps state between calls (SAVE, COMMON): each run gets its own process."
     )
     # What a canonical problem has beside: nobody writes it.
     folder: SkipJsonSchema[str | None] = Field(None, description="where the library lies")
@@ -202,7 +204,9 @@ class UserLawSection(Section):
         """A limit that is none of the state variables known, in words."""
         if self.limit is None or self.limit in known:
             return None
-        return f"limit: {self.limit} is no {what}{did_you_mean(self.limit, known)}; known: {', '.join(known) or 'none'}"
+        return (
+            f"limit: {self.limit} is not a {what}{did_you_mean(self.limit, known)}; known: {', '.join(known) or 'none'}"
+        )
 
     def with_files(self, folder: Path | None, path: str) -> Self:
         """With the folder and the fingerprint of the library; nothing of it is executed in this process.
@@ -220,7 +224,7 @@ class UserLawSection(Section):
         base = self.library_folder(folder, path) if self.folder is None else Path(self.folder)
         place = base / self.file
         if not place.is_file():
-            what = "is no file" if place.exists() else f"is not in {base}"
+            what = "is not a file" if place.exists() else f"is not in {base}"
             raise ProblemError([Issue(f"{path}.library", f"{self.file} {what}")])
         return self.model_copy(update={"folder": str(base), "version": fingerprint(place)})
 

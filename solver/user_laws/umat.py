@@ -18,14 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Annotated, Any, ClassVar, Literal, Self
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.declared_parameter import ParameterName
-from geoswarm.solver.laws.base import StateVariable
+from geoswarm.solver.laws.base import StateTensor, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
 from geoswarm.solver.laws.libraries.umat_bridge import BESIDE, NAME_LENGTH, PLACES, TROUBLES, umat_update
 from geoswarm.solver.section import Section
@@ -51,6 +52,8 @@ _BESIDE = tuple(
     ]
 )
 
+_SHEAR: Final = {"stress": 1.0, "strain": 2.0}
+
 
 class UmatState(Section):
     """One of the routine's state variables (STATEV)."""
@@ -60,9 +63,14 @@ class UmatState(Section):
     unit: str = Field("", max_length=50)
     description: str = Field("", max_length=300)
     initial: Formula = Field(
-        0.0, description="Where the soil is placed: a number or an expression of parameters and the stress there."
+        0.0, description="Initial value: a number, or an expression of parameters and the initial stress."
     )
     discrete: bool = Field(False, description="A flag or counter: never a mean of several steps.")
+    tensor: Literal["stress", "strain"] | None = Field(
+        None,
+        description="This and the next three form a tensor (11, 22, 33, 12; strain: engineering) that turns with the "
+        "body where the mesh is updated.",
+    )
 
 
 class UmatSection(UserLawSection):
@@ -93,15 +101,30 @@ class UmatSection(UserLawSection):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.shear_order[1] == self.shear_order[2]:
-            raise ValueError("shear_order: [xy, xz, yz] or [xy, yz, xz] is accepted")
+            raise ValueError("shear_order must be [xy, xz, yz] or [xy, yz, xz]")
         names = [one.name for one in self.state]
         beside = {one.name for one in _BESIDE}
         for name in names:
             if names.count(name) > 1 or name in beside:
-                raise ValueError(f"state: the name {name} stands for two variables")
-        if fault := self.wrong_limit(names) or self.wrong_names():
+                raise ValueError(f"state: the name {name} is given to two variables")
+        if fault := self._wrong_tensor() or self.wrong_limit(names) or self.wrong_names():
             raise ValueError(fault)
         return self
+
+    def _wrong_tensor(self) -> str | None:
+        """A tensor of less than four variables of its own, in words."""
+        places = [place for place, one in enumerate(self.state) if one.tensor is not None]
+        for place, after in pairwise([*places, len(self.state)]):
+            own = self.state[place : place + 4]
+            what = f"state.{own[0].name}.tensor = {own[0].tensor}"
+            if after - place < 4:
+                return (
+                    f"{what}: {after - place} variables before the next tensor or the end; at least four are accepted: "
+                    "11, 22, 33, 12"
+                )
+            if any(one.discrete for one in own):
+                return f"{what}: components that are not discrete are accepted"
+        return None
 
     @property
     def made(self) -> UmatLaw:
@@ -117,6 +140,10 @@ def _law(text: str) -> UmatLaw:
         "state": (
             *(StateVariable(one.name, one.symbol or one.name, one.unit, one.description) for one in section.state),
             *_BESIDE,
+        ),
+        "tensors": (
+            *(StateTensor(n, _SHEAR[one.tensor]) for n, one in enumerate(section.state) if one.tensor is not None),
+            StateTensor(len(section.state), _SHEAR["strain"]),
         ),
         "discrete": np.array([*(one.discrete for one in section.state), *[False] * (BESIDE - 1), True]),
         "__doc__": f"The user routine {section.function} of {section.library}.",

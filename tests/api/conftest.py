@@ -121,7 +121,7 @@ def server(service: JobService) -> Iterator[LiveServer]:
         yield running
 
 
-def wait_until(condition: Callable[[], bool], seconds: float = 10.0) -> None:
+def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
     """Wait for something that happens in another thread."""
     deadline = time.monotonic() + seconds
     while not condition():

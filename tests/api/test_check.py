@@ -69,3 +69,21 @@ def test_what_is_probably_not_meant_is_told(app: App) -> None:
         "forward_model.stages[].duration",
     ]
     assert "compression is positive; give them with the opposite sign" in told[2]
+
+
+def test_what_the_model_assumes_is_told(app: App) -> None:
+    model = {
+        "kind": "triaxial",
+        "material": "elastic",
+        "initial_stress": 100.0,
+        "drainage": "undrained",
+        "shearing": [{"kind": "monotonic", "axial_strain": 0.01}],
+    }
+    problem = line_problem(
+        forward_model=model,
+        parameters={"E": {"lower": 1.0e3, "upper": 1.0e5}, "nu": {"value": 0.3}},
+        observations=[{"series": "q", "points": {"x": [0.01], "y": [40.0]}}],
+    )
+    (sentence,) = app.post(f"{API}/problems/check", json=problem).json()["assumptions"]
+    assert sentence.startswith("water_bulk_modulus is not given, so the pore water is rigid")
+    assert app.post(f"{API}/problems/check", json=line_problem()).json()["assumptions"] == []

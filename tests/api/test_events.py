@@ -25,12 +25,12 @@ from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_
 
 
 def submit(server: LiveServer, **changes: Any) -> str:
-    return str(httpx.post(f"{server.url}{API}/jobs", json=line_problem(**changes)).json()["id"])
+    return str(httpx.post(f"{server.url}{API}/jobs", json=line_problem(**changes), timeout=60).json()["id"])
 
 
 def act(server: LiveServer, job: str, *actions: str) -> None:
     for action in actions:
-        assert httpx.post(f"{server.url}{API}/jobs/{job}/{action}").status_code == 200
+        assert httpx.post(f"{server.url}{API}/jobs/{job}/{action}", timeout=60).status_code == 200
 
 
 def read(server: LiveServer, job: str, query: str = "", headers: dict[str, str] | None = None) -> list[dict[str, str]]:
@@ -80,13 +80,13 @@ def test_nothing_after_the_end_means_do_not_come_again(server: LiveServer) -> No
     job = submit(server)
     act(server, job, "cancel")
     last = read(server, job)[-1]["id"]
-    answer = httpx.get(f"{server.url}{API}/jobs/{job}/events", headers={"Last-Event-ID": last})
+    answer = httpx.get(f"{server.url}{API}/jobs/{job}/events", headers={"Last-Event-ID": last}, timeout=60)
     assert (answer.status_code, answer.content) == (204, b"")
 
 
 @pytest.mark.parametrize("last", ["x", "-1", "1.5", "9" * 30])
 def test_a_last_event_id_that_is_none_is_refused(server: LiveServer, last: str) -> None:
-    answer = httpx.get(f"{server.url}{API}/jobs/{submit(server)}/events", headers={"Last-Event-ID": last})
+    answer = httpx.get(f"{server.url}{API}/jobs/{submit(server)}/events", headers={"Last-Event-ID": last}, timeout=60)
     assert answer.status_code == 422
     assert "Last-Event-ID" in answer.json()["detail"]
 
@@ -198,6 +198,7 @@ def test_a_batch_is_written_once_for_all() -> None:
     assert texts.of(batch) == "".join(map(encode_event, batch))
 
 
+@pytest.mark.slow
 def test_many_watchers_of_a_busy_job_do_not_hold_up_the_loop(service: JobService) -> None:
     """200 streams of a job with some 400 generations a second: the loop comes round soon, all hear the end."""
     service.submit(parse_problem(line_problem()))

@@ -57,6 +57,7 @@ def answers(server: LiveServer, path: str, status: int, key: str, size: int = 10
         ("PATCH", "/jobs/0123456789abcdef"),
         ("POST", "/jobs/0123456789abcdef/reweight"),
         ("POST", "/jobs/0123456789abcdef/sensitivity"),
+        ("POST", "/jobs/0123456789abcdef/explore"),
         ("POST", "/jobs/0123456789abcdef/cancel"),
         ("GET", "/jobs"),
     ],

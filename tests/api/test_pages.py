@@ -35,7 +35,7 @@ def test_a_waiting_job_is_followed_live(app: App) -> None:
     job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
     page = app.get(f"/jobs/{job}").text
     assert f'data-job="{job}" data-state="queued"' in page
-    assert "No successful evaluation yet." in page
+    assert "No evaluation has succeeded yet." in page
 
 
 def test_names_are_escaped(app: App) -> None:
@@ -56,6 +56,7 @@ def test_pages_load_nothing_from_elsewhere_and_have_no_inline_script_or_style(ap
         "/sign-in",
         f"/jobs/{job}",
         f"/jobs/{job}/statistics",
+        f"/jobs/{job}/search",
         f"/jobs/{job}/mesh",
     ):
         text = app.get(path).text
@@ -98,6 +99,7 @@ def test_nothing_to_draw(views: list[Generation]) -> None:
 
 def test_numbers_for_readers() -> None:
     assert (number(None), number(0.000123456), number(12.0)) == ("–", "0.0001235", "12")
+    assert (number(2.453e-9), number(-1.0e12)) == ("2.453e-9", "-1e12")
 
 
 @pytest.mark.parametrize(

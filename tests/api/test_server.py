@@ -40,7 +40,7 @@ def test_urls_of_listening_sockets() -> None:
 
 def test_stopping_ends_open_streams_quickly(service: JobService) -> None:
     server = LiveServer(service, ApiSettings())
-    job = httpx.post(f"{server.url}{API}/jobs", json=line_problem()).json()["id"]
+    job = httpx.post(f"{server.url}{API}/jobs", json=line_problem(), timeout=60).json()["id"]
     ended = threading.Event()
     first = threading.Event()
 
@@ -65,7 +65,7 @@ def test_a_body_over_the_limit_gets_its_answer_over_a_real_connection(service: J
             f"{server.url}{API}/jobs", content=b" " * 3_000_000, headers={"Content-Type": "application/json"}
         )
         assert answer.status_code == 413
-        assert httpx.get(f"{server.url}/health/live").status_code == 200
+        assert httpx.get(f"{server.url}/health/live", timeout=60).status_code == 200
     finally:
         server.stop()
 
@@ -104,7 +104,7 @@ def test_a_signal_ends_the_process_gracefully_with_an_open_stream(tmp_path: Path
     try:
         assert process.stdout is not None
         url = process.stdout.readline().decode().strip()
-        job = httpx.post(f"{url}{API}/jobs", json=line_problem()).json()["id"]
+        job = httpx.post(f"{url}{API}/jobs", json=line_problem(), timeout=60).json()["id"]
         with httpx.stream("GET", f"{url}{API}/jobs/{job}/events", timeout=20) as answer:
             lines = answer.iter_lines()
             assert next(lines).startswith("retry")

@@ -118,7 +118,7 @@ def test_a_session_ends(guarded: App, service: JobService, how: str) -> None:
                 connection.execute(text("UPDATE sessions SET expires_at = created_at - 1"))
     answer = guarded.get(f"{API}/jobs", headers=session)
     assert answer.status_code == 401
-    assert "session is over" in answer.json()["detail"]
+    assert "session has ended" in answer.json()["detail"]
     assert guarded.get("/", headers=session).headers["location"] == "/sign-in?next=/"
 
 

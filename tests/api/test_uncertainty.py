@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
+from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.hosts.engine import Engine
@@ -75,6 +77,22 @@ def test_sensitivities_give_the_textbook_errors(examined: tuple[App, str, str]) 
     assert errors_of(statistics) == errors_of(found)
 
 
+def test_an_exploration_counts_in_the_statistics(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, _ = examined
+    before = app.get(f"{API}/jobs/{job}/statistics").json()["basins"]
+    submitted = app.post(f"{API}/jobs/{job}/explore", json={"runs": 40})
+    assert submitted.status_code == 201
+    assert wait_for_end(engine.service, submitted.json()["id"]).state == "finished"
+    found = app.get(f"{API}/jobs/{job}/uncertainty").json()
+    assert 0 < found["explored"] <= 40
+    assert "explore" in [one["kind"] for one in found["follow_ups"]]
+    after = app.get(f"{API}/jobs/{job}/statistics").json()["basins"]
+    assert after["hidden"] <= before["hidden"]
+    assert after["others"] == []  # of a line
+    assert app.post(f"{API}/jobs/{job}/explore", json={"runs": 0}).status_code == 422
+    assert app.post(f"{API}/jobs/0123456789abcdef/explore").status_code == 404
+
+
 def test_known_noise_counts_instead_of_the_residuals(examined: tuple[App, str, str]) -> None:
     app, job, _ = examined
     for noise in ("0.2", "y=0.2"):
@@ -136,7 +154,7 @@ def test_global_sensitivity_and_the_report_of_everything(examined: tuple[App, st
     assert app.get(f"{API}/jobs/{submitted.json()['id']}/statistics").json()["samples"]["source"] == "follow_up"
     refused = app.post(f"{API}/jobs/{job}/global-sensitivity", json={"samples": 100})
     assert refused.status_code == 422
-    assert refused.json()["issues"] == [{"path": "method.samples", "message": "must be a power of two, not 100"}]
+    assert refused.json()["issues"] == [{"path": "method.samples", "message": "must be a power of two, got 100"}]
 
 
 def test_posterior_agrees_with_the_linear_interval(examined: tuple[App, str, str]) -> None:
@@ -187,3 +205,76 @@ def test_answers_are_described(app: App) -> None:
         operation = paths[f"{API}/jobs/{{job_id}}/{path}"][method]
         schema = operation["responses"]["200"]["content"]["application/json"]["schema"]
         assert schema["$ref"].endswith("Answer")
+
+
+LATER: dict[str, Any] = {
+    "name": "later",
+    "forward_model": {"kind": "formula", "series": {"y": "a + b * x"}},
+    "observations": [{"series": "y", "points": {"x": [3.0, 6.0]}}],
+}
+
+
+def test_a_prediction_has_the_textbook_band(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, _ = examined
+    submitted = app.post(f"{API}/jobs/{job}/predict", json={"problem": LATER, "runs": 400})
+    assert submitted.status_code == 201, submitted.text
+    follow_up = submitted.json()["id"]
+    assert wait_for_end(engine.service, follow_up).state == "finished"
+    found = app.get(f"{API}/jobs/{job}/uncertainty").json()
+    (prediction,) = found["predictions"]
+    assert prediction == app.get(f"{API}/jobs/{follow_up}/uncertainty").json()["predictions"][0]
+    (series,) = prediction["series"]
+    design = np.stack([np.ones_like(X), X], axis=1)
+    best = np.linalg.lstsq(design, Y, rcond=None)[0]
+    at = np.array([[1.0, 3.0], [1.0, 6.0]])
+    variance = np.sum((Y - design @ best) ** 2) / (X.size - 2)
+    error = np.sqrt(variance * np.einsum("ij,jk,ik->i", at, np.linalg.inv(design.T @ design), at))
+    np.testing.assert_allclose(series["median"], at @ best, atol=0.05 * error.max())
+    np.testing.assert_allclose(
+        np.array(series["upper"]) - series["lower"], 2 * stats.t.ppf(0.95, X.size - 2) * error, rtol=0.07
+    )
+    assert {f["kind"] for f in found["follow_ups"]} >= {"predict"}
+    question = parse_problem(app.get(f"{API}/jobs/{follow_up}/problem").json())
+    history = [record.evaluation for record in calibrate(question).history]
+    assert findings_of(question, 0, history).predictions[0].to_json() == prediction  # to the last bit
+    figures = app.get(f"{API}/jobs/{job}/figures").json()["items"]
+    assert "prediction.later" in figures
+    assert app.get(f"{API}/jobs/{follow_up}/figures").json()["items"] == ["prediction.later"]
+    table = app.get(f"{API}/jobs/{job}/figures/prediction.later.csv").text.splitlines()
+    assert table[0].startswith("series,x,x_unit,median,lower,upper")
+    page = app.get(f"{API}/jobs/{follow_up}/report.html").text
+    assert "Prediction: later" in page
+
+
+def test_mistakes_of_a_prediction_have_their_path(examined: tuple[App, str, str]) -> None:
+    app, job, _ = examined
+    other = LATER | {"forward_model": {"kind": "formula", "series": {"y": "a + c * x"}}}
+    refused = app.post(f"{API}/jobs/{job}/predict", json={"problem": other})
+    assert refused.status_code == 422
+    assert "parameters.c" in refused.text
+    assert app.post(f"{API}/jobs/{job}/predict").status_code == 422
+
+
+def test_a_design_puts_the_candidate_that_tells_most_first(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, _ = examined
+    text = """
+    candidates:
+      - {name: inside, observations: [{series: y, points: {x: [1.5]}}]}
+      - {name: outside, observations: [{series: y, points: {x: [9.0]}}]}
+    """
+    submitted = app.post(f"{API}/jobs/{job}/design", json={"candidates": text, "predict": LATER, "draws": 2})
+    assert submitted.status_code == 201, submitted.text
+    follow_up = submitted.json()["id"]
+    assert wait_for_end(engine.service, follow_up).state == "finished"
+    (found,) = app.get(f"{API}/jobs/{job}/uncertainty").json()["designs"]
+    assert [one["name"] for one in found["candidates"]] == ["outside", "inside"]
+    assert found["predicted"] == "later"
+    rows = np.stack([np.ones_like(X), X], axis=1)
+    before, after = np.linalg.inv(rows.T @ rows), np.linalg.inv(rows.T @ rows + np.outer([1.0, 9.0], [1.0, 9.0]))
+    expected = 1.0 - np.sqrt(np.diag(after) / np.diag(before))
+    np.testing.assert_allclose(list(found["candidates"][0]["parameters"].values()), expected, atol=2e-3)
+    assert "design" in app.get(f"{API}/jobs/{follow_up}/figures").json()["items"]
+    wrong = {"candidates": [{"name": "x", "observations": [{"series": "z", "points": {"x": [1]}}]}]}
+    refused = app.post(f"{API}/jobs/{job}/design", json={"candidates": wrong})
+    assert refused.status_code == 422
+    assert "candidates[0].observations[0].series" in refused.text

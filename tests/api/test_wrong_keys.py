@@ -70,5 +70,5 @@ def test_a_proxy_that_is_no_address_is_named(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("GEOSWARM_TRUSTED_PROXIES", "10.0.0.0/8, ::1")
     assert ApiSettings.from_environment().trusted_proxies == ("10.0.0.0/8", "::1")
     monkeypatch.setenv("GEOSWARM_TRUSTED_PROXIES", "proxy.example")
-    with pytest.raises(ApiError, match=r"GEOSWARM_TRUSTED_PROXIES.*'proxy.example' is no address"):
+    with pytest.raises(ApiError, match=r"GEOSWARM_TRUSTED_PROXIES.*'proxy.example' is not an address"):
         ApiSettings.from_environment()

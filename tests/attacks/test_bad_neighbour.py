@@ -141,6 +141,7 @@ def log_size(folder: Path) -> int:
 
 
 @pytest.mark.timeout(900)
+@pytest.mark.slow
 def test_some_attacks_at_once_are_not_noticed(tmp_path: Path) -> None:
     names = [
         "long cells and digits",

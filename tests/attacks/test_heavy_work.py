@@ -38,6 +38,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.mark.parametrize(
     "route", ["problems/read", *(pytest.param(r, marks=pytest.mark.slow) for r in ("problems/check", "jobs"))]
 )
+@pytest.mark.slow
 def test_a_model_that_fails_while_it_is_built_fails_its_request_alone(
     service: Service, builds: str, detail: str, route: str
 ) -> None:
@@ -90,6 +91,7 @@ def _hangs(service: Service) -> bool:
         return "geoswarm_heavy_busy 0" not in client.get("/metrics").text
 
 
+@pytest.mark.slow
 def test_the_service_takes_its_processes_with_it(tmp_path: Path) -> None:
     with serving(tmp_path, free_port(), "--workers", "1") as running:
         with running.client() as client:

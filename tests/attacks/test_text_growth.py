@@ -30,8 +30,8 @@ from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean, typeset
 from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.logs import JsonFormatter, TextFormatter
-from geoswarm.workers.queries.cursors import decode_cursor
 from geoswarm.workers.secrets import redact
+from geoswarm.workers.store.cursors import decode_cursor
 
 LONGEST = 100_000
 QUICK = 0.02

@@ -14,14 +14,19 @@ from pathlib import Path
 import psycopg
 
 from tests.chaos.fleet import Fleet, send
+from tests.integration.cuttable import CuttableLine
 from tests.servers import PostgresServer, RedisServer
 
 __all__ = ["Disturber"]
 
 log = logging.getLogger(__name__)
 
-KILLS = {"worker": 3, "pool": 3, "evaluation": 3, "fork server": 1, "coordinator": 3, "api": 2, "sweep": 1, "frozen": 2}
-"""How often each kind of process is chosen, relative to the others; a frozen one is a worker that comes back late."""
+KILLS = {
+    **{"worker": 3, "pool": 3, "evaluation": 3, "fork server": 1, "coordinator": 3, "api": 2, "sweep": 1, "frozen": 2},
+    **{"agent": 3, "agent frozen": 2, "line": 2},
+}
+"""How often each kind of fault is chosen, relative to the others; what is frozen comes back late, as does a line."""
+DONE = {"frozen": "worker process frozen", "agent frozen": "agent frozen", "line": "line of an agent cut"}
 FROZEN_SECONDS = (4.0, 16.0)  # shorter and longer than a lease
 REDIS_RESTARTS = 5
 POSTGRES_RESTARTS = 3
@@ -39,10 +44,18 @@ class Disturber:
     """Kills and restarts for a while; ``counts`` tells what was done."""
 
     def __init__(
-        self, fleet: Fleet, postgres: PostgresServer, redis: RedisServer, database_url: str, chance: random.Random
+        self,
+        fleet: Fleet,
+        postgres: PostgresServer,
+        redis: RedisServer,
+        line: CuttableLine,
+        database_url: str,
+        chance: random.Random,
     ) -> None:
         self.counts: Counter[str] = Counter()
         self._frozen: dict[int, float] = {}
+        self._line = line
+        self._cut_until: float | None = None
         self._postgres_fast = bool(chance.getrandbits(1))
         self._fleet = fleet
         self._postgres = postgres
@@ -94,14 +107,18 @@ class Disturber:
         order = sorted(kinds, key=lambda kind: self._chance.random() ** (1 / KILLS[kind]), reverse=True)
         for kind in order:
             if self._kill_a(kind):
-                self._note("worker process frozen" if kind == "frozen" else f"{kind} killed")
+                self._note(DONE.get(kind, f"{kind} killed"))
                 return
 
     def _kill_a(self, kind: str) -> bool:
         fleet = self._fleet
-        if kind in ("worker", "api", "sweep"):
-            names = [name for name in fleet.members if name.startswith(kind)]
-            return fleet.kill(self._chance.choice(names))
+        if kind in ("worker", "agent", "api", "sweep"):
+            return fleet.kill(self._chance.choice(self._named(kind)))
+        if kind == "line":
+            return self._cut()
+        if kind == "agent frozen":
+            process = fleet.members[self._chance.choice(self._named("agent"))].process
+            return process is not None and process.poll() is None and self._stop(process.pid)
         below = fleet.below()
         if kind == "frozen":
             return self._freeze(below["pool"])
@@ -115,11 +132,29 @@ class Disturber:
         awake = [pid for pid in pool if pid not in self._frozen]
         if len(awake) < 2:
             return False
-        pid = self._chance.choice(awake)
+        return self._stop(self._chance.choice(awake))
+
+    def _named(self, kind: str) -> list[str]:
+        return [name for name in self._fleet.members if name.startswith(kind)]
+
+    def _stop(self, pid: int) -> bool:
+        if pid in self._frozen:
+            return False
         self._frozen[pid] = time.monotonic() + self._chance.uniform(*FROZEN_SECONDS)
         return send(pid, signal.SIGSTOP)
 
+    def _cut(self) -> bool:
+        """Cut the line between an agent and the service for a while."""
+        if self._cut_until is not None:
+            return False
+        self._cut_until = time.monotonic() + self._chance.uniform(*FROZEN_SECONDS)
+        self._line.cut()
+        return True
+
     def _thaw(self, now: float) -> None:
+        if self._cut_until is not None and self._cut_until < now:
+            self._cut_until = None
+            self._line.mend()
         for pid in [pid for pid, until in self._frozen.items() if until < now]:
             del self._frozen[pid]
             if pid in self._fleet.processes():  # another process may have its number by now

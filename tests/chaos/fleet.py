@@ -26,12 +26,13 @@ __all__ = ["Fleet", "send"]
 
 MARK = "GEOSWARM_TEST_FLEET"
 RESTART_SECONDS = 0.5  # before the next start of what ended by itself, as a supervisor waits
-END_SECONDS = 20.0
+END_SECONDS = 60.0
 
 
 @dataclass(slots=True)
 class _Member:
     arguments: Sequence[str]
+    environment: Mapping[str, str]
     process: subprocess.Popen[bytes] | None = None
     killed: bool = False
     start_at: float = 0.0
@@ -46,10 +47,19 @@ class Fleet:
         Arguments of ``geoswarm`` by a name for the process; names of workers begin with ``worker``.
     folder
         Where each writes its log.
+    environment, own
+        Variables of all, and by name those of single ones.
     """
 
-    def __init__(self, commands: Mapping[str, Sequence[str]], folder: Path, environment: Mapping[str, str]) -> None:
-        self.members = {name: _Member(arguments) for name, arguments in commands.items()}
+    def __init__(
+        self,
+        commands: Mapping[str, Sequence[str]],
+        folder: Path,
+        environment: Mapping[str, str],
+        own: Mapping[str, Mapping[str, str]] | None = None,
+    ) -> None:
+        of = own or {}
+        self.members = {name: _Member(arguments, of.get(name, {})) for name, arguments in commands.items()}
         self.ended: Counter[str] = Counter()  # by themselves, with a code other than 0
         self.restarts = 0
         self._folder = folder
@@ -92,7 +102,7 @@ class Fleet:
                         stdin=subprocess.DEVNULL,
                         stdout=log,
                         stderr=subprocess.STDOUT,
-                        env=self._environment,
+                        env={**self._environment, **member.environment},
                     )
 
     def kill(self, name: str) -> bool:

@@ -48,7 +48,10 @@ def plan(scale: float, cured: Path) -> list[Planned]:
 
     def swarm(evaluations: int, **method: Any) -> dict[str, Any]:
         stopping = {"max_evaluations": size(evaluations, method.get("particles", 10))}
-        return {"method": {"kind": "particle_swarm", "acceleration": "none", **method}, "stopping": stopping}
+        return {
+            "method": {"kind": "particle_swarm", "particles": 10, "acceleration": "none", **method},
+            "stopping": stopping,
+        }
 
     def sampled(samples: int, batch: int) -> dict[str, Any]:
         return {"method": {"kind": "monte_carlo", "samples": size(samples, batch), "batch": batch}, "stopping": {}}
@@ -79,7 +82,10 @@ def plan(scale: float, cured: Path) -> list[Planned]:
         "sleeping 20 ms, urgent": (0.2, slow("sleep", 0.02, swarm(3000), priority=5)),
         "sleeping 100 ms": (0.0, slow("sleep", 0.1, swarm(2500, topology="ring"))),
         "sleeping 50 ms, sampled, not urgent": (0.0, slow("sleep", 0.05, sampled(3000, 20), priority=-5)),
-        "sleeping 25 ms, accelerated": (0.4, slow("sleep", 0.025, swarm(1500, acceleration="response_surface"))),
+        "sleeping 25 ms, overlapping": (
+            0.4,
+            slow("sleep", 0.025, swarm(1500, acceleration="response_surface", overlap=True)),
+        ),
         "computing 30 ms": (0.6, slow("compute", 0.03, swarm(800))),
         "failing now and then, tried three times": (0.0, slow("diverge", 0, swarm(1500)) | failing),
         "failing often, sampled": (0.7, slow("diverge", 0, sampled(3000, 30)) | failing),

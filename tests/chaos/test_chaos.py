@@ -1,4 +1,7 @@
-"""Chaos: twelve jobs on PostgreSQL and Redis while processes are killed, servers restarted, messages lost and doubled.
+"""Chaos: twelve jobs on PostgreSQL and Redis, done by workers and agents, while all of it is disturbed.
+
+Processes are killed and frozen, servers restarted, messages lost and doubled, an agent's line to the service is cut;
+the clock of another agent is off by an hour.
 
 Everything random comes from one seed, which a failure names. ``CHAOS_SECONDS`` and ``CHAOS_SEED`` in the environment
 choose duration and seed of the long run; ``CHAOS_REPORT`` is a file to which the summaries are appended.
@@ -26,14 +29,17 @@ from geoswarm.client.errors import GeoswarmError
 from geoswarm.records.evaluation import Evaluation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.chaos.faults import Disturber
-from tests.chaos.fleet import Fleet
+from tests.chaos.fleet import MARK, Fleet
 from tests.chaos.jobs import Planned, User, plan
 from tests.chaos.proxy import LossyProxy
+from tests.integration.clocks import an_hour_ahead
+from tests.integration.cuttable import CuttableLine
 from tests.integration.engines import wait_for
 from tests.servers import PostgresServer, RedisServer, free_port
 
@@ -47,6 +53,7 @@ SHORT_SECONDS = 25.0
 SHORT_SCALE = 0.06
 LONG_SCALE = 0.9 * LONG_SECONDS / 300.0  # keeps four workers on two idle cores busy for longer than the faults last
 WORKERS = (2, 1, 1)  # processes of each
+AGENTS = 2  # of one slot
 FINISH_SECONDS = 1800.0
 
 Bits = tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[str, list[float]], str | None]
@@ -60,6 +67,7 @@ def test_a_short_chaos_changes_nothing(
     summary = chaos(SHORT_SECONDS, SHORT_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
     assert summary["jobs"] == 12
     assert summary["faults"]["redis restarted empty"] == 5
+    assert summary["evaluations by agents"] > 0
 
 
 @pytest.mark.slow
@@ -70,6 +78,7 @@ def test_a_long_chaos_changes_nothing(
     summary = chaos(LONG_SECONDS, LONG_SCALE, SEED, fresh_postgres_url, postgres_server, redis_server, tmp_path)
     assert summary["jobs"] == 12
     assert summary["faults"]["redis restarted empty"] == 5
+    assert summary["evaluations by agents"] > 0
 
 
 def chaos(
@@ -90,19 +99,29 @@ def chaos(
     expected = [calm_history(job.problem) for job in jobs]
     cured.unlink()
     key, port = secrets.token_hex(16), free_port()
-    with LossyProxy(redis.port, random.Random(chance.random())) as proxy:
+    with LossyProxy(redis.port, random.Random(chance.random())) as proxy, CuttableLine(port) as line:
         backends = ("--database", database_url, "--broker", f"redis://127.0.0.1:{proxy.port}/0")
         commands = {
             f"worker {number}": ("worker", "--concurrency", str(processes), *backends)
             for number, processes in enumerate(WORKERS)
         }
         commands |= {"api": ("serve", "--port", str(port), *backends), "sweep": ("sweep", *backends)}
+        for number in range(AGENTS):  # the first one behind a line that can be cut
+            address = f"http://127.0.0.1:{line.port if number == 0 else port}"
+            commands[f"agent {number}"] = ("agent", "--server", address, "--slots", "1")
+        wrong = {f"agent {AGENTS - 1}": an_hour_ahead()}
+        environment = {
+            "GEOSWARM_API_KEY": key,
+            "GEOSWARM_KEY": agent_key(database_url),
+            "GEOSWARM_PASS_ENVIRONMENT": MARK,
+            "XDG_STATE_HOME": str(folder / "state"),
+        }
         with (
-            Fleet(commands, folder, {"GEOSWARM_API_KEY": key}) as fleet,
+            Fleet(commands, folder, environment, wrong) as fleet,
             Client(f"http://127.0.0.1:{port}", api_key=key, timeout=10.0) as client,
         ):
             try:
-                summary = run(fleet, client, jobs, seconds, chance, database_url, postgres, redis)
+                summary = run(fleet, client, jobs, seconds, chance, database_url, postgres, redis, line)
                 summary |= {"messages": dict(proxy.counts), **check(database_url, jobs, expected, summary.pop("calm"))}
                 codes = fleet.stop()
                 # one that was started a moment ago does not know yet what to do when it is asked to end
@@ -128,20 +147,21 @@ def run(
     database_url: str,
     postgres: PostgresServer,
     redis: RedisServer,
+    line: CuttableLine,
 ) -> dict[str, Any]:
     """Submit and disturb; return what was done."""
 
     def all_there() -> bool:
         fleet.supervise()
         try:
-            return len(client.workers()) == sum(WORKERS)
+            return len(client.workers()) == sum(WORKERS) + AGENTS
         except GeoswarmError:
             return False
 
-    wait_for(all_there, f"{sum(WORKERS)} workers", 60.0)
+    wait_for(all_there, f"{sum(WORKERS)} workers and {AGENTS} agents", 120.0)
     began = time.monotonic()
     user = User(client, jobs, seconds, random.Random(chance.random()))
-    disturber = Disturber(fleet, postgres, redis, database_url, chance)
+    disturber = Disturber(fleet, postgres, redis, line, database_url, chance)
     user.start()
     disturber.disturb(seconds)
     calm = time.time()
@@ -177,6 +197,15 @@ def run(
     }
 
 
+def agent_key(database_url: str) -> str:
+    """Make a key of role agent."""
+    store = Store(Settings(database_url=database_url))
+    try:
+        return ApiKeys(store).create("agents", "agent")[0]
+    finally:
+        store.close()
+
+
 def calm_history(problem: Problem) -> list[Bits]:
     """What the undisturbed run in one process gives."""
     return [
@@ -196,7 +225,7 @@ def calm_history(problem: Problem) -> list[Bits]:
 def check(database_url: str, jobs: list[Planned], expected: list[list[Bits]], calm: float) -> dict[str, Any]:
     """Compare every job with its undisturbed run, and its accounts with themselves; return the totals."""
     outcomes: Counter[str] = Counter()
-    evaluations, runs, ended = 0, 0.0, []
+    evaluations, by_agents, runs, ended = 0, 0, 0.0, []
     store = Store(Settings(database_url=database_url))
     try:
         service = JobService(store, MuteDoorbell())
@@ -222,6 +251,7 @@ def check(database_url: str, jobs: list[Planned], expected: list[list[Bits]], ca
             assert_told_once(service, job_id, view.generations)
             for one in found:
                 outcomes.update(tries(service, job_id, one))
+            by_agents += sum("/" in (one.worker or "") for one in found)
             evaluations += len(found)
             runs += sum(one.seconds or 0.0 for one in found)
             ended.append(view.finished_at)
@@ -231,6 +261,7 @@ def check(database_url: str, jobs: list[Planned], expected: list[list[Bits]], ca
         "jobs": len(jobs),
         "jobs that ended after the faults": sum(at is not None and at.timestamp() > calm for at in ended),
         "evaluations": evaluations,
+        "evaluations by agents": by_agents,
         "seconds of counted forward runs": round(runs, 1),
         "tries": dict(outcomes),
     }

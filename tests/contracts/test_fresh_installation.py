@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.contracts.repository import ROOT
-from tests.installation import Installation, build
+from tests.installation import Installation, build, install
 
 
 @pytest.mark.slow  # fetches every package of the server, compiles the kernels
@@ -36,3 +36,23 @@ def test_the_demo_works_in_a_new_installation(tmp_path: Path) -> None:
     assert re.search(r"lambda_star +λ\* +0\.08\d", done.stdout), done.stdout
     assert "Traceback" not in done.stdout + done.stderr
     assert list(empty.iterdir()) == []
+
+
+@pytest.mark.slow  # fetches every package of the server and of the figures, compiles the kernels, follows all tutorials
+@pytest.mark.timeout(3600)
+def test_tutorials_work_in_a_new_installation(tmp_path: Path) -> None:
+    installed = install(tmp_path, "server", "plots")
+    home = tmp_path / "home"
+    home.mkdir()
+    done = subprocess.run(
+        [installed.python, ROOT / "scripts" / "try_installed.py", "--tutorials"],
+        cwd=tmp_path,
+        env=installed.environment(HOME=str(home)),
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    pages = {path.stem for path in (ROOT / "docs" / "tutorials").glob("*.md")} - {"README", "own-program"}
+    assert set(re.findall(r"^([\w-]+): done", done.stdout, re.MULTILINE)) == pages

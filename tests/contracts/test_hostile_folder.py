@@ -74,6 +74,7 @@ def running(command: list[str], folder: Path, environment: dict[str, str]) -> It
             process.send_signal(signal.SIGTERM)
 
 
+@pytest.mark.slow
 def test_console_script_module_and_script_give_the_same(
     installed: Installation, folder: Path, environment: dict[str, str]
 ) -> None:
@@ -91,6 +92,7 @@ def test_console_script_module_and_script_give_the_same(
     assert answers == answers[:1] * 3
 
 
+@pytest.mark.slow
 def test_what_runs_is_the_installation(installed: Installation, folder: Path, environment: dict[str, str]) -> None:
     code = "import geoswarm.api, geoswarm.workers, geoswarm.solver as last; print(last.__file__)"
     done = subprocess.run(

@@ -90,5 +90,5 @@ def test_shell_scripts_are_executable_and_strict(script: Path) -> None:
 def test_make_help_lists_the_commands() -> None:
     done = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
     listed = re.findall(r"^  make ([a-z-]+) ", done.stdout, flags=re.MULTILINE)
-    whole = "help setup servers engines demo check format test test-all lock bench clean"
+    whole = "help setup servers engines demo check docs format test test-all lock bench clean"
     assert listed == whole.split()

@@ -13,6 +13,7 @@ from tests.api.conftest import wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_job import LONG, SOON, textbook
+from tests.dashboard.test_statistics import ended, two_lines
 
 Visit = Callable[..., Opened]
 
@@ -36,7 +37,10 @@ def test_parameters_convergence_and_fits_stand_side_by_side(embedded: Site, visi
     expect(parameters).to_have_count(3)
     expect(parameters.nth(1).locator("td.n").nth(2)).to_have_text("0.5 fixed")
     best = min((embedded.service.get(job_id).objective or 0.0, i) for i, job_id in enumerate(ids))
-    expect(page.locator("#facts tr").nth(1).locator("td.n").nth(best[1])).to_contain_text("(lowest)")
+    expect(page.locator("#facts tr", has_text="Best objective").locator("td.n").nth(best[1])).to_contain_text(
+        "(lowest)"
+    )
+    expect(page.locator("#facts tr").nth(1)).to_contain_text("Root mean square")
     for name in ("Lowest objective over evaluations of 3 jobs", "y: measured points and the best evaluation of 3 jobs"):
         figure = page.get_by_role("figure", name=re.compile(name))
         expect(figure.locator(".main-svg").first).to_be_visible()
@@ -71,3 +75,26 @@ def test_a_running_job_is_followed(embedded: Site, visit: Visit, ids: list[str])
     finally:
         if embedded.service.get(view.id).state != "cancelled":
             embedded.service.cancel(view.id)
+
+
+def test_other_weights_are_compared_under_those_of_the_first_job(embedded: Site, visit: Visit) -> None:
+    first = ended(embedded.service, two_lines(name="half weight"))
+    observations = two_lines()["observations"]
+    observations[1] = observations[1] | {"weight": 40.0}
+    second = ended(embedded.service, two_lines(name="heavy weight", observations=observations, seed=9))
+    anew = embedded.service.statistics.reweighted(second, weights={"y": 1.0, "z": 0.5})["best"]["objective"]
+    page, _ = visit(embedded, f"/compare?job={first}&job={second}")
+    expect(page.locator("#ranking")).to_contain_text("all are compared under those of half weight")
+    cells = page.locator("#facts tr", has_text="under the weights of half weight").locator("td.n")
+    expect(cells.nth(1)).to_contain_text(f"{anew:.3g}"[:4])
+    own = embedded.service.get(first).objective
+    assert own is not None
+    expect(cells.nth(0 if own <= anew else 1)).to_contain_text("(lowest)")
+    expect(page.locator("#facts tr", has_text="under its own weights")).not_to_contain_text("lowest")
+
+
+def test_different_readings_are_not_ranked(embedded: Site, visit: Visit, ids: list[str]) -> None:
+    other = ended(embedded.service, two_lines(name="other readings"))
+    page, _ = visit(embedded, f"/compare?job={ids[0]}&job={other}")
+    expect(page.locator("#ranking")).to_contain_text("fitted to different readings")
+    expect(page.locator("#facts")).not_to_contain_text("lowest")

@@ -111,8 +111,12 @@ def test_jobs(
     embedded: Site, visit: Visit, look: str, check_view: CheckView, calibrated: list[str], running: str
 ) -> None:
     page, _ = visit(embedded, f"/jobs/{calibrated[0]}", **LOOKS[look])
-    expect(page.locator("#convergence .main-svg").first).to_be_visible()
+    expect(page.locator("#fit .main-svg").first).to_be_visible()
+    expect(page.locator("#answer")).to_contain_text("root mean square", timeout=SOON)
     check_view(page, "job-finished")
+    page.goto(f"/jobs/{calibrated[0]}/search")
+    expect(page.locator("#convergence .main-svg").first).to_be_visible()
+    check_view(page, "job-search")
     page.locator("#particles select").first.select_option("parallel")
     page.locator("#particles").scroll_into_view_if_needed()
     expect(page.locator("#particles [role=figure]")).to_have_attribute("aria-label", re.compile("in parallel"))
@@ -120,8 +124,8 @@ def test_jobs(
     page.get_by_role("button", name="Open evaluation").first.click()
     expect(page.get_by_role("dialog")).to_be_visible()
     check_view(page, "job-evaluation", whole=False)
-    page.keyboard.press("Escape")
-    page.get_by_role("button", name="Go on").click()
+    page.goto(f"/jobs/{calibrated[0]}")
+    page.get_by_role("button", name="Continue").click()
     check_view(page, "job-go-on", whole=False)
     page.goto(f"/jobs/{running}")
     state(page).to_have_text("running", timeout=SOON)
@@ -149,7 +153,7 @@ def test_failed_jobs(embedded: Site, visit: Visit, look: str, check_view: CheckV
 
 def test_new(embedded: Site, visit: Visit, look: str, check_view: CheckView) -> None:
     page, _ = visit(embedded, "/new", **LOOKS[look])
-    expect(page.locator("#verdict")).to_contain_text("still to be given")
+    expect(page.locator("#verdict")).to_contain_text("still missing")
     check_view(page, "new-empty")
     page.goto("/new?example=oedometer")
     expect(page.locator("#verdict")).to_contain_text("Complete")

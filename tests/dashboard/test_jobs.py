@@ -63,7 +63,7 @@ def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
     expect(row.locator(".state")).to_have_text("finished", timeout=30_000)
     expect(box).to_be_checked()
     expect(box).to_be_focused()
-    assert page.locator("#chosen").inner_text() == "1 job chosen; choose at least one more."
+    assert page.locator("#chosen").inner_text() == "1 job chosen; choose at least one more to compare."
 
 
 def test_pages_are_leafed_through(embedded: Site, visit: Visit) -> None:
@@ -73,7 +73,7 @@ def test_pages_are_leafed_through(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/?q=leaf&state=cancelled&sort=name")
     rows = page.locator("tr[data-job]")
     expect(rows).to_have_count(50)
-    page.get_by_role("link", name="Further jobs").click()
+    page.get_by_role("link", name="More jobs").click()
     expect(rows).to_have_count(2)
     expect(rows.first).to_contain_text("leaf-50")
     page.get_by_role("link", name="First page").click()
@@ -91,3 +91,33 @@ def test_two_jobs_are_chosen_and_compared(embedded: Site, visit: Visit, ids: lis
     expect(page.locator("h1")).to_have_text("Compare jobs")
     expect(page).to_have_url(re.compile(f"job={ids[0]}&job={ids[1]}"))
     assert page.locator(".chosen li").count() == 2
+
+
+def test_columns_sort_jobs_are_counted_and_many_are_deleted_at_once(embedded: Site, visit: Visit) -> None:
+    made = []
+    for name, most in (("bulk-b", 60), ("bulk-a", 30), ("bulk-c", 90)):
+        problem = parse_problem(textbook(name=name, stopping={"max_evaluations": most}))
+        made.append(embedded.service.submit(problem)[0].id)
+    for job_id in made:
+        wait_for_end(embedded.service, job_id)
+    running = embedded.service.submit(parse_problem(textbook(name="bulk-running", **LONG)))[0].id
+    page, guard = visit(embedded, "/?q=bulk-")
+    guard.allow("409")
+    rows = page.locator("tr[data-job]")
+    expect(page.locator("#total")).to_have_text("4 jobs that match")
+    page.get_by_role("link", name="Job", exact=True).click()
+    expect(rows).to_have_text([re.compile(name) for name in ("bulk-a", "bulk-b", "bulk-c", "bulk-running")])
+    page.locator("th[aria-sort=ascending]").get_by_role("link").click()
+    expect(rows.first).to_contain_text("bulk-running")
+    expect(page.locator("th[aria-sort=descending]")).to_contain_text("Job")
+    check_accessibility(page)
+    for box in page.get_by_role("checkbox").all():
+        box.check()
+    page.get_by_role("button", name="Delete", exact=True).click()
+    page.get_by_role("dialog").get_by_role("button", name="Delete").click()
+    expect(page.locator("#status")).to_contain_text("3 jobs deleted; 1 not")
+    expect(rows).to_have_count(1)
+    page.get_by_role("button", name="Cancel", exact=True).click()
+    page.get_by_role("dialog").get_by_role("button", name="Cancel them").click()
+    expect(page.locator(f"tr[data-job='{running}'] .state")).to_have_text("cancelled")
+    expect(page.locator("#total")).to_have_text("1 job that matches")

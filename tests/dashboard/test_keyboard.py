@@ -54,6 +54,7 @@ def test_every_control_of_every_view_is_reached(embedded: Site, visit: Visit) ->
         ("/new?example=oedometer", "#verdict.good"),
         ("/workers", "#workers tbody tr"),
         (f"/jobs/{line}", "#figures a"),
+        (f"/jobs/{line}/search", "#evaluations tbody tr"),
         (f"/jobs/{lines}/statistics", "#verdicts .card"),
         (f"/jobs/{ground}/mesh", ".body canvas"),
     ):
@@ -81,7 +82,7 @@ def test_a_job_is_steered_without_a_pointer(embedded: Site, visit: Visit) -> Non
     expect(dialog).to_have_count(0)
     expect(page.get_by_role("button", name="Cancel")).to_be_focused()
     page.keyboard.press("Enter")
-    press(page, "End it")
+    press(page, "Cancel the job")
     state(page).to_have_text("cancelled", timeout=SOON)
     assert embedded.service.get(view.id).state == "cancelled"
 

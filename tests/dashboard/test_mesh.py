@@ -52,7 +52,7 @@ def test_contours_deformation_and_vectors_are_shown(embedded: Site, visit: Visit
     assert 0x46327E in after  # the lowest band
     assert 0xA2DA37 in after  # the highest
     assert 0x46327E not in before
-    page.get_by_label("Deformation as a number").fill("0")
+    page.get_by_label("Deformation scale as a number").fill("0")
     page.keyboard.press("Enter")
     expect(canvas).not_to_have_attribute("aria-label", re.compile("deformed"))
     row = page.locator("#vectors tbody tr")

@@ -101,7 +101,7 @@ def build_oedometer(page: Page, readings: Path) -> None:
     fill(page, stopping__max_evaluations="60", stopping__stagnation_generations="", stopping__target_objective="5e-9")
     page.get_by_text("More: seed").click()
     fill(page, seed="2008")
-    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    expect(page.locator("#verdict")).to_have_text("Complete and valid: ready to start.")
 
 
 def check_and_start(page: Page) -> str:
@@ -158,7 +158,9 @@ def test_a_sheet_of_a_workbook_is_mapped(embedded: Site, visit: Visit) -> None:
     mapping = page.locator(".mapping")
     mapping.get_by_label("Sheet").select_option("Readings")
     expect(mapping.get_by_label("Unit of y")).to_have_value("mm")
-    expect(mapping.get_by_role("alert")).to_contain_text("line 5, column settlement (mm): '#N/A' is no finite number")
+    expect(mapping.get_by_role("alert")).to_contain_text(
+        "line 5, column settlement (mm): '#N/A' is not a finite number"
+    )
     expect(page.locator("#take")).to_be_disabled()
     mapping.get_by_label("Leave out rows without a number").check()
     said = mapping.get_by_role("status")
@@ -255,15 +257,15 @@ def answer_late(route: Route) -> None:
 def test_a_draft_outlives_a_reload_and_can_be_thrown_away(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new")
     page.route("**/examples/formula", answer_late)
-    page.get_by_label("Begin with an example").select_option("formula")
+    page.get_by_label("Start from an example").select_option("formula")
     page.locator('[data-path="name"]').fill("mine")  # not before the example is there, which would overwrite it
     expect(page.get_by_label("The problem as YAML")).to_have_value(re.compile("^name: mine\n"))
     page.reload()
     expect(page.locator('[data-path="name"]')).to_have_value("mine")
     expect(page.locator("#verdict")).to_contain_text("Complete")
-    page.get_by_role("button", name="Start anew").click()
+    page.get_by_role("button", name="Start over").click()
     expect(page.locator('[data-path="name"]')).to_have_value("calibration")
-    expect(page.locator("#verdict")).to_have_text("3 still to be given")
+    expect(page.locator("#verdict")).to_have_text("3 still missing")
     assert page.locator(".observation").count() == 0
 
 
@@ -271,9 +273,9 @@ def test_an_example_that_comes_too_late_is_left_out(embedded: Site, visit: Visit
     page, _ = visit(embedded, "/new")
     held: list[Route] = []
     page.route("**/examples/formula", lambda route: held.append(route))
-    page.get_by_label("Begin with an example").select_option("formula")
+    page.get_by_label("Start from an example").select_option("formula")
     expect(page.locator('[data-path="name"]')).to_be_disabled()
-    page.get_by_role("button", name="Start anew").click()
+    page.get_by_role("button", name="Start over").click()
     with page.expect_response("**/examples/formula"):
         held[0].continue_()
     page.locator('[data-path="name"]').fill("mine")
@@ -306,7 +308,7 @@ def test_a_check_warns_of_what_is_probably_not_meant(embedded: Site, visit: Visi
 
 def test_readers_are_told_that_they_may_not_submit(full: Site, visit: Visit) -> None:
     page, _ = visit(full, "/new", key=full.key("auditor", "read"))
-    expect(page.locator("main")).to_contain_text("This API key may only read")
+    expect(page.locator("main")).to_contain_text("This API key is read-only")
     assert page.locator("form, #yaml").count() == 0
 
 

@@ -72,6 +72,7 @@ def test_another_series_is_added(embedded: Site, visit: Visit) -> None:
     mapping.get_by_role("button", name="Add axial_strain", exact=True).click()
     expect(page.locator(".observation")).to_have_count(2)
     expect(yaml(page)).to_have_value(re.compile(r"series: axial_strain\s[^-]*x_unit: min\s[^-]*y_unit: [\"']?%"))
+    check_accessibility(page)
 
 
 @pytest.mark.parametrize(
@@ -96,6 +97,7 @@ def test_a_unit_of_another_dimension_blocks(embedded: Site, visit: Visit, headin
     mapping.get_by_label("Unit of y").fill("MPa")
     expect(mapping.get_by_role("alert")).to_contain_text("MPa is given, but settlement of settlement needs a unit")
     expect(page.locator("#take")).to_be_disabled()
+    check_accessibility(page)
 
 
 def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
@@ -105,6 +107,7 @@ def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
     mapping.get_by_label("Column of y", exact=True).select_option(label="Setzung [mm]")
     expect(mapping.get_by_role("alert")).to_contain_text("is in mm, but axial strain of axial_strain has no unit but %")
     expect(page.locator("#take")).to_be_disabled()
+    check_accessibility(page)
 
 
 @pytest.mark.parametrize(("answer", "y"), [("a point before decimals", "1000, 2000"), ("a comma before", "1, 2")])
@@ -132,6 +135,7 @@ def test_the_cover_of_a_workbook_is_passed_over_and_all_sheets_are_offered(embed
     expect(page.locator("#take")).to_be_disabled()
     page.locator(".mapping").get_by_label("Sheet").select_option("Readings")
     expect(page.locator("#take")).to_be_enabled()
+    check_accessibility(page)
 
 
 def test_formulas_without_values_are_named(embedded: Site, visit: Visit) -> None:
@@ -142,6 +146,7 @@ def test_formulas_without_values_are_named(embedded: Site, visit: Visit) -> None
         "without a stored value, which cannot be read: B3 (=B2*2), B4"
     )
     expect(page.locator("#take")).to_be_disabled()
+    check_accessibility(page)
 
 
 def test_headings_that_say_nothing_are_not_guessed(embedded: Site, visit: Visit) -> None:
@@ -154,6 +159,7 @@ def test_headings_that_say_nothing_are_not_guessed(embedded: Site, visit: Visit)
     mapping.get_by_label("Column of y", exact=True).select_option(label="Kanal 2")
     mapping.get_by_label("Column of x", exact=True).select_option(label="Kanal 1")
     expect(mapping.get_by_role("button", name="Replace settlement (226 readings)", exact=True)).to_be_enabled()
+    check_accessibility(page)
 
 
 SPECIMENS = (
@@ -198,6 +204,7 @@ def test_dates_that_can_be_read_in_two_ways_are_asked_for(embedded: Site, visit:
     expect(mapping.get_by_role("status")).to_have_text("2 readings. X counts from 2024-04-03 00:00:00.")
     page.locator("#take").click()
     expect(yaml(page)).to_have_value(re.compile(r"x: \[0, 2\]\s+y: \[1, 2\]"))
+    check_accessibility(page)
 
 
 def test_blocks_side_by_side_are_told_by_cells(embedded: Site, visit: Visit) -> None:
@@ -216,6 +223,7 @@ def test_blocks_side_by_side_are_told_by_cells(embedded: Site, visit: Visit) -> 
     expect(mapping.get_by_role("status")).to_have_text("3 readings.")
     page.locator("#take").click()
     expect(yaml(page)).to_have_value(re.compile(r"x: \[0\.5, 1\.5, 2\.5\]\s+y: \[1, 2, 3\]"))
+    check_accessibility(page)
 
 
 def test_further_quantities_of_a_formula(embedded: Site, visit: Visit) -> None:
@@ -228,6 +236,7 @@ def test_further_quantities_of_a_formula(embedded: Site, visit: Visit) -> None:
     expect(mapping.get_by_role("status")).to_have_text("2 readings.")
     page.locator("#take").click()
     expect(yaml(page)).to_have_value(re.compile(r"inputs:\s+T: \[20, 21\]"))
+    check_accessibility(page)
 
 
 @pytest.mark.parametrize("content", [OWN, SPECIMENS])
@@ -257,6 +266,7 @@ def test_readings_are_prepared_in_every_way_of_the_problem_file(embedded: Site, 
     page.get_by_label("Zero reading", exact=True).select_option(label="none")
     expect(yaml(page)).not_to_have_value(re.compile("y_zero"))
     expect(page.locator("#verdict")).to_contain_text("Complete")
+    check_accessibility(page)
 
 
 def test_gross_errors_are_crosses_beside_the_test_run(embedded: Site, visit: Visit) -> None:
@@ -296,17 +306,17 @@ def test_what_is_replaced_can_be_brought_back(embedded: Site, visit: Visit) -> N
     page.locator("input[name=kind][value=formula]").check()
     page.locator("input[name=kind][value=oedometer]").check()  # back by hand: the section is still there
     expect(stage).to_have_value("800")
-    page.get_by_label("Begin with an example").select_option("formula")
+    page.get_by_label("Start from an example").select_option("formula")
     expect(page.locator(".undo")).to_contain_text("has replaced what was here.")
     expect(page.locator('[data-path="name"]')).to_have_value("hyperbolic-settlement")
     page.get_by_role("button", name="Undo", exact=True).click()
     expect(stage).to_have_value("800")
-    page.get_by_role("button", name="Start anew").click()
-    expect(page.locator(".undo")).to_contain_text("The form was emptied.")
+    page.get_by_role("button", name="Start over").click()
+    expect(page.locator(".undo")).to_contain_text("The form was cleared.")
     check_accessibility(page)
     page.get_by_role("button", name="Undo", exact=True).click()
     expect(stage).to_have_value("800")
-    expect(page.locator(".undo")).to_contain_text("It is as it was before.")
+    expect(page.locator(".undo")).to_contain_text("Restored.")
     page.get_by_role("button", name="Undo", exact=True).click()  # and forth
     expect(stage).to_have_count(0)
 
@@ -318,3 +328,4 @@ def test_removed_readings_come_back(embedded: Site, visit: Visit) -> None:
     expect(page.locator(".observation")).to_have_count(0)
     page.get_by_role("button", name="Undo", exact=True).click()
     expect(page.locator(".observation")).to_contain_text("226 readings")
+    check_accessibility(page)

@@ -51,7 +51,7 @@ def give_permeable_clay(page: Page) -> None:
 
 def check_calculates(page: Page) -> None:
     """The problem is complete, and its check calculates it."""
-    expect(page.locator("#verdict")).to_have_text("Complete and sound: it can be started.")
+    expect(page.locator("#verdict")).to_have_text("Complete and valid: ready to start.")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
     check_accessibility(page)

@@ -69,6 +69,7 @@ def test_a_registered_model_is_chosen_set_and_run(site: Site, visit: Visit, tmp_
     expect(page.get_by_label("Mode of slope")).to_be_visible()
     expect(page.get_by_text("Usual: 0.1 to 2 mm/day.")).to_be_visible()
     parameter(page, "slope", "free")
+    fill(page, stopping__max_evaluations="12")
     csv = tmp_path / "readings.csv"
     csv.write_text("day,mm\n1,0.5\n2,1.0\n4,2.0\n")
     page.locator("#file").set_input_files(csv)

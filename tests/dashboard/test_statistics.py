@@ -125,7 +125,7 @@ def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> Non
     page.get_by_text("Ranges of the parameters").click()
     low = float(page.get_by_label("a, at least").input_value())
     assert low == pytest.approx(0.0, abs=0.15)  # the middle of -5 to 5, to a pixel
-    page.get_by_role("button", name="Take all ranges away").click()
+    page.get_by_role("button", name="Remove all ranges").click()
     assert chosen(page) == before
 
 
@@ -152,7 +152,7 @@ def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page
     expect(told).to_contain_text(f"a = {best['a']:.4g}")
     assert told.inner_text() != before
     expect(page.locator("#verdicts-note")).to_be_visible()
-    expect(page.locator("#threshold-why")).to_contain_text("as many good fits as before")
+    expect(page.locator("#threshold-why")).to_contain_text("keep the number of good fits")
     page.get_by_role("button", name="Weights of the job").click()
     expect(page.locator("#threshold-why")).not_to_contain_text("as many")
     expect(told).to_have_text(before)
@@ -162,10 +162,10 @@ def test_a_proposal_becomes_a_job_with_the_parameter_fixed(embedded: Site, page:
     card = page.locator(".card[data-parameter=d]")
     expect(card).to_contain_text("not identified")
     card.get_by_role("button", name="Fix d in the follow-up").click()
-    expect(page.locator("#plan")).to_contain_text("d fixed; 2 left to be identified")
+    expect(page.locator("#plan")).to_contain_text("d fixed; 2 free")
     page.get_by_label("a in the follow-up").select_option("widened")
     page.get_by_label("Upper bound of a").fill("9")
-    page.get_by_role("button", name="Check it first").click()
+    page.get_by_role("button", name="Check first").click()
     expect(page.locator("#plan")).to_contain_text("It works")
     page.get_by_role("button", name="Start follow-up").click()
     page.wait_for_url(lambda url: "statistics" not in url)
@@ -187,7 +187,7 @@ def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) ->
 
 def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> None:
     page.get_by_role("button", name="Sensitivities at the optimum").click()
-    expect(page.locator("#uncertainty li")).to_contain_text("sensitivity")
+    expect(page.locator("#uncertainty li")).to_contain_text("Sensitivities at the optimum")
     expect(page.locator("#uncertainty .state")).to_have_text("finished", timeout=30_000)
     expect(page.locator("#uncertainty table")).to_contain_text("Standard error")
     assert page.locator("#uncertainty tbody tr").count() == 3

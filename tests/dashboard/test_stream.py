@@ -88,6 +88,7 @@ def test_tabs_share_one_stream_and_hand_it_on(embedded: Site, visit: Visit, job:
         assert counted(page) == total
 
 
+@pytest.mark.slow
 def test_a_reload_and_a_restart_of_the_service_lose_nothing(embedded: Site, visit: Visit, job: str) -> None:
     page, guard = visit(embedded, f"/jobs/{job}")
     guard.allow("ERR_CONNECTION_REFUSED", "ERR_CONNECTION_RESET", "ERR_INCOMPLETE_CHUNKED", "ERR_EMPTY_RESPONSE")
@@ -109,9 +110,9 @@ def test_an_ended_job_that_goes_on_is_noticed(embedded: Site, visit: Visit) -> N
     wait_for_end(embedded.service, view.id)
     page, _ = visit(embedded, f"/jobs/{view.id}")
     state(page).to_have_text("finished")
-    page.get_by_role("button", name="Go on").click()
+    page.get_by_role("button", name="Continue").click()
     page.get_by_label("Largest number of evaluations").fill("90")
-    page.get_by_role("dialog").get_by_role("button", name="Go on").click()
+    page.get_by_role("dialog").get_by_role("button", name="Continue").click()
     expect(page.locator("[data-field=evaluations]")).to_have_text("90 / 90", timeout=SOON)
     state(page).to_have_text("finished", timeout=SOON)
     assert embedded.service.get(view.id).stop_reasons == ["max_evaluations"]

@@ -9,7 +9,11 @@ import pytest
 from playwright.sync_api import expect
 
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.system.versions import versions
 from geoswarm.workers.access.keys import ApiKeys
+from geoswarm.workers.agents.desk import AgentDesk
+from geoswarm.workers.agents.work import Announcement
+from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.operations.tally import tally
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
@@ -43,6 +47,33 @@ def test_a_running_job_is_shown_at_its_worker(embedded: Site, visit: Visit) -> N
     expect(link).to_be_visible(timeout=30_000)
     assert link.get_attribute("href") == f"/jobs/{view.id}"
     embedded.service.cancel(view.id)
+
+
+def test_slots_of_an_agent_stand_together(embedded: Site, visit: Visit) -> None:
+    desk = AgentDesk(embedded.service.store, MuteDoorbell(), embedded.service.settings)
+    of = {**versions(), "geoswarm": "0.0.1"}
+    models = {"footing": "ab" * 32, "plaxis_slope": "cd" * 32}
+    desk.announce("", Announcement("pc-07-4711-ab12", "pc-07", "Windows 11 AMD64", 4711, 2, versions(), [], models))
+    desk.announce(
+        "", Announcement("node-17", "node17.cluster.example.org", "Linux 6.1 x86_64", 7, 1, of, ["formula"], {})
+    )
+    page, _ = visit(embedded, "/workers", viewport={"width": 390, "height": 800})
+    agent = page.locator("#workers tbody", has_text="pc-07, 2 slots")
+    expect(agent.locator("tr")).to_have_count(3)
+    expect(agent.locator(".agent")).to_contain_text(f"Windows 11 AMD64, geoswarm {versions()['geoswarm']}")
+    expect(agent.locator(".agent")).to_contain_text("models footing (abababab), plaxis_slope (cdcdcdcd)")
+    expect(agent.locator("tr", has_text="slot 2")).to_contain_text("idle")
+    other = page.locator("#workers tbody", has_text="node17.cluster.example.org")
+    expect(other.locator("tr")).to_have_count(1)
+    expect(other.locator(".other")).to_contain_text("no built-in models")
+    assert agent.locator(".other").count() == 0
+    check_accessibility(page)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert page.evaluate(
+        "(region => region.scrollWidth <= region.clientWidth)(document.querySelector('#workers .wide'))"
+    )
+    for name in ("pc-07-4711-ab12", "node-17"):
+        desk.sign_off("", name)
 
 
 def test_a_key_is_made_used_and_revoked(full: Site, visit: Visit) -> None:

@@ -79,6 +79,7 @@ def started(environment: Mapping[str, str], logs: Path) -> Iterator[dict[str, su
             process.wait()
 
 
+@pytest.mark.slow
 def test_the_procfile_works_with_the_environment_of_the_example(
     fresh_postgres_url: str, fresh_redis_url: str, tmp_path: Path
 ) -> None:

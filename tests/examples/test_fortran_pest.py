@@ -27,6 +27,7 @@ def problem(tmp_path: Path) -> Path:
     return found
 
 
+@pytest.mark.slow
 def test_the_true_values_lie_in_the_intervals(
     problem: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -43,6 +43,7 @@ def test_the_routine_gives_the_closed_form(problem: Path) -> None:
     assert found == pytest.approx(expected, abs=5.0e-5)
 
 
+@pytest.mark.slow
 def test_the_true_values_lie_in_the_intervals(
     problem: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -33,6 +33,8 @@ def slow(x, a, b):
 
 def large(x, a, b):
     block = bytearray(400 * 2**20) if a > 0 else b""
+    while block:  # until it is seen, however busy the machine is
+        time.sleep(0.1)
     return a + b * x + 0.0 * len(block)
 
 def wrong(x, a, b):

@@ -94,7 +94,7 @@ def test_a_lambda_has_the_history_of_the_function_in_a_file(tmp_path: Path) -> N
     assert main(["statistics", str(tmp_path / "out"), "--json"]) == 0
     document = json.loads((tmp_path / "out" / "problem.json").read_text())
     document["forward_model"]["session"] = "of another day"
-    with pytest.raises(gs.ForwardError, match="a function of a Python session that is over"):
+    with pytest.raises(gs.ForwardError, match="a function of a Python session that has ended"):
         gs.evaluate(document, a=1, b=2)
 
 
@@ -136,7 +136,7 @@ def of_a_notebook(folder: Path) -> Callable[..., Any]:
     [
         (nested, "is nested.<locals>.curve, inside of something else"),
         (of_a_notebook, r"was not written in a file \(a notebook, or an interactive session\)"),
-        (changed, "is not what stands in model_of_tests_.* now; import it anew"),
+        (changed, "is not what model_of_tests_.* contains now; import it again"),
         (lambda folder: functools.partial(module(folder).line, b=2.0), "is a partial, no function"),
         (lambda _: Callable_(), "is a Callable_, no function"),
     ],
@@ -157,7 +157,7 @@ def test_exceptions_are_failed_evaluations_with_the_users_lines(tmp_path: Path) 
     lines = result.history[int(np.argmax(failed))].evaluation.message
     assert lines is not None
     assert "wrong raised ValueError: a = " in lines
-    assert f'  {found.__name__}.py, line 21, in wrong: raise ValueError(f"a = {{a:.1f}} is above 0")' in lines
+    assert f'  {found.__name__}.py, line 23, in wrong: raise ValueError(f"a = {{a:.1f}} is above 0")' in lines
     assert "geoswarm" not in lines.replace(found.__name__, "")
     ended = gs.calibrate(found.wrong, **OPTIONS, failures={"policy": "fail"})
     assert ended.state == "failed"
@@ -182,7 +182,7 @@ def test_resume_goes_on_to_the_same_result(tmp_path: Path) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         gs.calibrate(line, **OPTIONS, output=tmp_path / "out", on_generation=stop)
-    with pytest.raises(gs.SolverError, match="holds 24 runs of a calibration that was cut off"):
+    with pytest.raises(gs.SolverError, match="holds 24 runs of an interrupted calibration"):
         gs.calibrate(line, **OPTIONS, output=tmp_path / "out")
     again = gs.calibrate(line, **OPTIONS, output=tmp_path / "out", resume=True)
     assert numbers(again) == numbers(whole)
@@ -273,9 +273,9 @@ def test_mistakes_are_told_with_their_place(tmp_path: Path, changes: dict[str, A
 @pytest.mark.parametrize(
     ("x", "y", "message"),
     [
-        ([1, 2], [[1, 2]], r"observed.y: must have one dimension, not the shape \(1, 2\)"),
-        (["a"], [1], "observed.x: must be a list of numbers, not values of type"),
-        ([[1, 2], [3]], [1], "observed.x: is no list of numbers"),
+        ([1, 2], [[1, 2]], r"observed.y: must have one dimension, got the shape \(1, 2\)"),
+        (["a"], [1], "observed.x: must be a list of numbers, got values of type"),
+        ([[1, 2], [3]], [1], "observed.x: must be a list of numbers"),
         ([], [], r"observations\[0\].points.x: must not be empty"),
     ],
 )
@@ -287,7 +287,7 @@ def test_points_that_are_none(x: Any, y: Any, message: str) -> None:
 def test_what_is_no_model_is_refused() -> None:
     with pytest.raises(TypeError, match="model is a str: a function, a problem"):
         gs.calibrate("problem.yaml")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="workers is '4'; a whole number from 1"):
+    with pytest.raises(ValueError, match="workers must be a whole number from 1, got '4'"):
         gs.calibrate(lambda a: a, workers="4")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="resume=True needs output"):
         gs.calibrate(lambda a: a, resume=True)

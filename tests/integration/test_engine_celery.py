@@ -70,6 +70,7 @@ def test_an_emptied_redis_and_killed_workers_change_nothing(settings: Settings, 
         assert sum(e.kind == "generation" for e in service.events(job_id)) == 90
 
 
+@pytest.mark.slow
 def test_a_job_submitted_while_redis_is_down_runs_when_it_is_back(
     settings: Settings, redis_server: RedisServer
 ) -> None:
@@ -81,12 +82,13 @@ def test_a_job_submitted_while_redis_is_down_runs_when_it_is_back(
             began = time.monotonic()
             job_id = engine.service.submit(line())[0].id
             engine.service.submit(line())
-            assert time.monotonic() - began < 5.0
+            assert time.monotonic() - began < 30.0
         finally:
             redis_server.start()
         assert wait_until_ended(engine.service, job_id).state == "finished"
 
 
+@pytest.mark.slow
 def test_what_is_no_message_in_the_queue_is_dropped(settings: Settings) -> None:
     assert settings.broker_url is not None
     with open_engine(settings) as engine, celery_workers(settings) as (process,):
@@ -118,7 +120,7 @@ def test_an_unreachable_broker_is_one_clear_line(fresh_postgres_url: str) -> Non
     url = f"redis://:topsecret@127.0.0.1:{unused_port()}/0"
     with pytest.raises(BrokerUnavailableError, match=r"broker redis://:\*\*\*@127\.0\.0\.1") as caught:
         open_engine(Settings(database_url=fresh_postgres_url, broker_url=url))
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < 30.0
     assert "topsecret" not in str(caught.value)
     assert "\n" not in str(caught.value)
 

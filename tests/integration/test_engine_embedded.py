@@ -64,6 +64,7 @@ def test_same_history_as_in_process_for_any_number_of_workers(database_url: str,
     assert not any(process_exists(pid) for pid in pids)
 
 
+@pytest.mark.slow
 def test_killed_workers_change_nothing(database_url: str) -> None:
     with open_engine(Settings(database_url=database_url, workers=2, **STEADY)) as engine:
         wait_for_workers(engine, 2)

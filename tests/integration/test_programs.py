@@ -95,6 +95,7 @@ def test_what_a_function_prints_and_raises_is_told_without_folders(zoo_models: P
         assert str(tmp_path) not in f"{job} {found}"
 
 
+@pytest.mark.slow
 def test_a_model_that_has_changed_is_refused_until_it_is_put_back(zoo_models: Path, tmp_path: Path) -> None:
     problem = zoo_problem("good")
     program = zoo_models / "good" / "zoo.py"

@@ -123,6 +123,7 @@ def disturbed(service: JobService, problem: Problem, kills: int, folder: Path) -
 
 
 @pytest.mark.parametrize(("kills", "evaluations"), FORMS)
+@pytest.mark.slow
 def test_killed_processes_of_a_run_change_nothing(
     kills: int,
     evaluations: int,

@@ -90,6 +90,7 @@ def test_a_registered_routine_calibrates_as_in_process(models: Path, tmp_path: P
         parse_problem(here.document())
 
 
+@pytest.mark.slow
 def test_crashes_and_exits_are_failed_evaluations(models: Path, tmp_path: Path) -> None:  # noqa: ARG001
     with embedded(tmp_path) as service:
         assert {reason for _, _, reason, _ in found(service, registered("routine", CRASH))} == {"worker_lost"}
@@ -99,6 +100,7 @@ def test_crashes_and_exits_are_failed_evaluations(models: Path, tmp_path: Path) 
         wait_for(lambda: service.workers() != [], "the workers, which live on")
 
 
+@pytest.mark.slow
 def test_a_routine_with_state_of_its_own_begins_anew_with_each_run(models: Path, tmp_path: Path) -> None:  # noqa: ARG001
     problem = registered("stateful", KEEPS)
     with embedded(tmp_path) as service:

@@ -21,6 +21,7 @@ from geoswarm import DivergedError, FloatArray, ForwardModelSpec, ForwardRun, Pa
 
 Behaviour = Literal[
     "sleep",
+    "uneven",
     "compute",
     "for_ever",
     "for_ever_once",
@@ -70,15 +71,17 @@ class MisbehavingModel:
         def run(values: Mapping[str, float]) -> dict[str, FloatArray]:
             cured = self.spec.cured and Path(self.spec.cured).exists()
             if values["slope"] > self.spec.above and not cured:
-                self._misbehave()
+                self._misbehave(values)
             return {name: values["slope"] * x for name, x in points.items()}
 
         return run
 
-    def _misbehave(self) -> None:
+    def _misbehave(self, values: Mapping[str, float]) -> None:
         match self.spec.behaviour:
             case "sleep":
                 time.sleep(self.spec.seconds)
+            case "uneven":  # a third of the runs take four times as long
+                time.sleep(self.spec.seconds * (4.0 if int(1e9 * values["slope"]) % 3 == 0 else 1.0))
             case "compute":
                 self._compute()
             case "for_ever":

@@ -53,6 +53,7 @@ print(json.dumps([evaluation.reason, compiled]))
 """
 
 
+@pytest.mark.slow
 def test_each_sample_is_run_and_timed() -> None:
     told: dict[str, float] = {}
     warm(told.__setitem__)

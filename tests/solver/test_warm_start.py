@@ -119,7 +119,7 @@ def test_jobs_to_start_from_are_for_the_service_and_for_aimed_swarms() -> None:
     named = problem(warm_start={"jobs": ["0123456789abcdef"]})
     assert named.document()["warm_start"] == {"jobs": ["0123456789abcdef"]}
     assert parse_problem(named.document()) == named
-    with pytest.raises(ProblemError, match="only the service knows"):
+    with pytest.raises(ProblemError, match="jobs are known to the service only"):
         calibrate(named)
     with pytest.raises(ProblemError, match="needs method particle_swarm"):
         problem(warm_start={"jobs": ["0123456789abcdef"]}, method=AIMED | {"acceleration": "none"})

@@ -232,7 +232,7 @@ class Coverage:
 
 
 def coverage(case: Case, repeats: int, seed: int = 11) -> Coverage:
-    """Repeat an experiment; intervals are those of a report, by likelihood where the model bends."""
+    """Repeat an experiment; intervals are those of a report, by likelihood where the model is nonlinear."""
     random = np.random.default_rng(seed)
     truth = np.array(list(case.values.values()))
     held, classical, plain, warned = [], [], [], 0

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
-from scipy.optimize import brentq
+from scipy.integrate import solve_ivp
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.column.drains import equal_strain, influence
 from geoswarm.solver.column.section import ColumnSpec
+from geoswarm.verification.exact.consolidation import barron, degree, isochrone, mu_by_quadrature, two_layers
+from geoswarm.verification.specimens.grounds import MUD, slurry
+from geoswarm.verification.specimens.laboratory import consolidation, run
 from tests.solver.column.grounds import CLAY, STIFF, WATER, embankment, ground
-from tests.solver.laboratory.tests_of import consolidation, run
-from tests.verification.test_consolidation import degree
 
 K = 1.0e-4
 """m/day."""
@@ -30,13 +30,6 @@ def elastic(layers: Any = (("a", HEIGHT),), stages: Any = ((LOAD, 3.0 * TIME),),
     """Linear elasticity at small strain, in soils of one letter."""
     soils = {name: {"material": "elastic"} for name, _ in layers}
     return ground(layers, soils, stages, **{"geometry": "fixed", "tolerance": 1.0e-6, "cells": 60, **changes})
-
-
-def isochrone(z: float, T: FloatArray, terms: int = 400) -> FloatArray:
-    """Pore pressure over the load at a depth over the height, closed at the base, (m,): Terzaghi & Fröhlich (1936)."""
-    M = (np.arange(terms) + 0.5) * math.pi
-    found: FloatArray = (2.0 / M * np.sin(M * z) * np.exp(-np.outer(T, M**2))).sum(axis=1)
-    return found
 
 
 def test_isochrones_are_those_of_terzaghi() -> None:
@@ -86,35 +79,6 @@ def test_one_layer_is_the_consolidation_test() -> None:
     assert found[1] == pytest.approx(expected[1], abs=0.05)
 
 
-def two_layers(T: FloatArray, upper: tuple[float, float, float], lower: tuple[float, float, float]) -> FloatArray:
-    """Settlement over LOAD of two layers (thickness, k, E), closed at the base, at times (m,): separated variables.
-
-    Gray (1945): in the upper layer sin(w z/sqrt(c1)), in the lower one cos(w y/sqrt(c2)) from the base; pressures and
-    flows are the same where they meet.
-    """
-    (h1, k1, E1), (h2, k2, E2) = upper, lower
-    a, b = h1 / math.sqrt(k1 * E1 / WATER), h2 / math.sqrt(k2 * E2 / WATER)
-    q = math.sqrt(k1 / E1) / math.sqrt(k2 / E2)
-
-    def left(w: float) -> float:
-        return math.sin(a * w) * math.sin(b * w) - q * math.cos(a * w) * math.cos(b * w)
-
-    fine = np.linspace(1.0e-9, 400.0 * math.pi / (a + b), 40_001)
-    signs = np.array([left(w) for w in fine])
-    roots = [brentq(left, fine[i], fine[i + 1], xtol=1e-14) for i in np.flatnonzero(signs[:-1] * signs[1:] < 0.0)]
-    settled = np.full(T.size, h1 / E1 + h2 / E2)
-    for w in roots:
-        # One of both may vanish where they meet: the shape is scaled by the larger.
-        A, B = math.cos(b * w), math.sin(a * w)
-        if abs(A) + abs(B) < 1.0e-9:
-            A, B = 1.0, -math.cos(a * w) / math.sin(b * w) * q
-        first = A * (1.0 - math.cos(a * w)) / (a * w) * h1 / E1 + B * math.sin(b * w) / (b * w) * h2 / E2
-        square = A * A * (0.5 - math.sin(2 * a * w) / (4 * a * w)) * h1 / E1
-        square += B * B * (0.5 + math.sin(2 * b * w) / (4 * b * w)) * h2 / E2
-        settled -= first**2 / square * np.exp(-w * w * T)
-    return settled
-
-
 @pytest.mark.parametrize("ratio", [0.02, 0.5, 30.0])
 def test_two_layers_follow_their_series(ratio: float) -> None:
     upper, lower = (3.0, K, STIFF), (5.0, ratio * K, 0.4 * STIFF)
@@ -123,30 +87,16 @@ def test_two_layers_follow_their_series(ratio: float) -> None:
     spec = elastic((("a", 3.0), ("b", 5.0)), [(LOAD, 2.0 * time)])
     soils = SOIL | {"b.E": lower[2], "b.nu": 0.0, "b.k": lower[1]}
     (settlement,) = run(spec, soils, times, "settlement")
-    expected = LOAD * two_layers(times, upper, lower)
+    expected = LOAD * two_layers(times, upper, lower, WATER)
     end = LOAD * (3.0 / upper[2] + 5.0 / lower[2])
     assert settlement == pytest.approx(expected, abs=5.0e-4 * end)
-
-
-def mu_by_quadrature(n: float, s: float, ratio: float) -> float:
-    """mu of equal strain from the flow through each cylinder, the radius of the drain being 1."""
-
-    def pressure(r: float) -> float:
-        def slope(x: float) -> float:
-            return (n * n - x * x) / (2.0 * x) * (ratio if x < s else 1.0)
-
-        return quad(slope, 1.0, r, points=[s] if 1.0 < s < r else None)[0]
-
-    whole = quad(lambda r: pressure(r) * 2.0 * r, 1.0, n, points=[s], limit=200)[0] / (n * n - 1.0)
-    return 2.0 * whole / n**2
 
 
 @pytest.mark.parametrize(("n", "s", "ratio"), [(20.0, 1.0, 1.0), (15.0, 3.0, 4.0), (5.0, 2.0, 2.0)])
 def test_mu_is_that_of_the_flow_to_a_drain(n: float, s: float, ratio: float) -> None:
     assert equal_strain(n, s, ratio) == pytest.approx(mu_by_quadrature(n, s, ratio), rel=1.0e-6)
     if s == 1.0:
-        barron = n**2 / (n**2 - 1.0) * math.log(n) - (3.0 * n**2 - 1.0) / (4.0 * n**2)
-        assert equal_strain(n, s, ratio) == pytest.approx(barron, rel=1.0e-12)
+        assert equal_strain(n, s, ratio) == pytest.approx(barron(n), rel=1.0e-12)
 
 
 DRAINS = {"spacing": 1.5, "diameter": 0.066, "bottom": HEIGHT}
@@ -213,7 +163,11 @@ def test_drains_in_a_part_of_the_depth_work_there() -> None:
 
 
 def test_drains_lose_permeability_with_the_voids() -> None:
-    """In thin ground without vertical flow, a Cam clay follows one ordinary differential equation."""
+    """In thin ground without vertical flow, soft soil follows one ordinary differential equation.
+
+    What flows to the surface has no place in it: with k_v = 1e-9 m/day that was 4.7e-4 of the settlement, nearly all of
+    what was left. 1e-12 m/day leave 7e-6, the errors of the steps.
+    """
     mu = equal_strain(influence(1.5, "triangular") / 0.066, 1.0, 1.0)
     outer = influence(1.5, "triangular")
     spec = ground(
@@ -227,7 +181,7 @@ def test_drains_lose_permeability_with_the_voids() -> None:
     law = {"lambda_star": 0.1, "kappa_star": 0.02, "c": 1.0e-6, "phi": 25.0}
     values = {f"clay.{name}": value for name, value in law.items()}
     x = np.array([5.0, 20.0, 60.0, 200.0])
-    (settlement,) = run(spec, values | {"clay.k": 1.0e-9, "clay.k_ratio": 1.0e5, "clay.C_k": 0.4}, x, "settlement")
+    (settlement,) = run(spec, values | {"clay.k": 1.0e-12, "clay.k_ratio": 1.0e8, "clay.C_k": 0.4}, x, "settlement")
     rate = 8.0 * 1.0e-4 / (WATER * outer**2 * mu)
 
     def flow(_: float, strain: FloatArray) -> FloatArray:
@@ -237,81 +191,20 @@ def test_drains_lose_permeability_with_the_voids() -> None:
         return rated
 
     exact = solve_ivp(flow, (0.0, 200.0), [0.0], t_eval=x, rtol=1e-10, atol=1e-13, method="LSODA")
-    assert settlement == pytest.approx(-np.expm1(-exact.y[0]), rel=7.0e-4)
+    assert settlement == pytest.approx(-np.expm1(-exact.y[0]), rel=2.0e-5)
 
 
-def slurry(cells: int, duration: float, tolerance: float = 1.0e-6, points: Any = None) -> ColumnSpec:
-    """Sediment of 5 m under its own weight, fully suspended at the beginning but for 1 kPa."""
-    return ground(
-        [("mud", 5.0)],
-        {"mud": {"material": "soft_soil", "unit_weight": 13.0, "initial_void_ratio": 4.0, "consolidated": 0.0}},
-        [(0.0, duration)],
-        initial_surcharge=1.0,
-        tolerance=tolerance,
-        cells=cells,
-        points=points or {},
+def test_mud_begins_with_its_weight_in_the_water() -> None:
+    """How it goes on and ends is in the verification manual."""
+    found = run(
+        slurry(2.0e5, {"P2": {"depth": 2.5}}),
+        MUD,
+        [0.0],
+        "P2.excess_pore_pressure",
+        "P2.effective_stress",
+        "P2.pore_pressure",
     )
-
-
-MUD = {
-    "mud.lambda_star": 0.12,
-    "mud.kappa_star": 0.01,
-    "mud.c": 1.0e-6,
-    "mud.phi": 25.0,
-    "mud.k": 2.0e-3,
-    "mud.C_k": 1.5,
-}
-
-
-def test_mud_ends_where_it_bears_its_weight() -> None:
-    """At the end sigma' = 1 + (gamma - gamma_w)(depth of particles), and ln(1 + e) falls with lambda* ln sigma'."""
-    points = {f"P{number}": {"depth": number + 0.5} for number in range(5)}
-    spec = slurry(60, 2.0e5, points=points)
-    end = np.array([2.0e5])
-    depths = np.array([point["depth"] for point in points.values()])
-    names = [f"{name}.{kind}" for kind in ("void_ratio", "effective_stress") for name in points]
-    settlement, *found = run(spec, MUD, end, "settlement", *names)
-    exact = quad(lambda z: 1.0 - (1.0 + 3.19 * z) ** -0.12, 0.0, 5.0)[0]
-    assert settlement == pytest.approx([exact], rel=3.0e-4)
-    ratios, stresses = np.array(found)[:, 0].reshape(2, -1)
-    assert ratios == pytest.approx(5.0 * (1.0 + 3.19 * depths) ** -0.12 - 1.0, rel=5.0e-4)
-    assert stresses == pytest.approx(1.0 + 3.19 * depths, rel=1.0e-3)
-    at_once = run(spec, MUD, [0.0], "P2.excess_pore_pressure", "P2.effective_stress", "P2.pore_pressure")
-    assert [value[0] for value in at_once] == pytest.approx([3.19 * 2.5, 1.0, 13.0 * 2.5], rel=1.0e-6)
-
-
-def by_lines(times: FloatArray, count: int) -> FloatArray:
-    """Settlement of the mud by another discretisation: equal nodes of particles, and another way in time.
-
-    dJ/dt = d/dZ[(k/gamma_w)(1/J) du/dZ], u = weight - sigma'(J) (Gibson, England & Hussey 1967).
-    """
-    z = np.linspace(0.0, 5.0, count)  # from the top; e is known there
-    h = z[1] - z[0]
-
-    def flow(_: float, inside: FloatArray) -> FloatArray:
-        J = np.concatenate([[1.0], inside])
-        u = 3.19 * z + 1.0 - J ** (-1.0 / 0.12)
-        u[0] = 0.0
-        mobile = 2.0e-3 / WATER * 10.0 ** (5.0 * (J - 1.0) / 1.5) / J
-        between = np.sqrt(mobile[1:] * mobile[:-1]) * np.diff(u) / h
-        rate: FloatArray = np.diff(np.append(between, -between[-1])) / h
-        return rate
-
-    found = solve_ivp(
-        flow, (0.0, times[-1]), np.ones(count - 1), "LSODA", times, rtol=1e-8, atol=1e-10, lband=1, uband=1
-    )
-    J = np.vstack([np.ones(times.size), found.y])
-    settled: FloatArray = np.trapezoid(1.0 - J, z, axis=0)
-    return settled
-
-
-def test_mud_settles_as_another_discretisation_has_it() -> None:
-    times = np.array([50.0, 300.0, 1000.0, 3000.0])
-    (settlement,) = run(slurry(60, 3000.0), MUD, times, "settlement")
-    middle, fine = by_lines(times, 101), by_lines(times, 201)
-    expected = fine + (fine - middle) / 3.0  # of second order
-    assert settlement == pytest.approx(expected, rel=3.0e-3)
-    assert settlement[-1] > 0.3
+    assert [value[0] for value in found] == pytest.approx([3.19 * 2.5, 1.0, 13.0 * 2.5], rel=1.0e-6)
 
 
 def test_fill_that_sinks_below_the_water_weighs_less() -> None:

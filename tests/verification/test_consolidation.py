@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,8 @@ import pytest
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.oedometer import OedometerSpec
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
-from tests.solver.laboratory.tests_of import consolidation, run
+from geoswarm.verification.exact.consolidation import degree, isochrone, ramped_degree
+from geoswarm.verification.specimens.laboratory import consolidation, run
 from tests.solver.laws.checks import usual_values
 
 WATER = 9.81
@@ -21,29 +21,6 @@ SOIL = {"E": STIFF, "nu": 0.0, "k": K}
 CV = K * STIFF / WATER
 FACTORS = np.array([0.001, 0.01, 0.05, 0.2, 0.5, 1.0, 2.0])
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.0}
-
-
-def degree(T: FloatArray, terms: int = 400) -> FloatArray:
-    """Mean degree of consolidation at time factors (m,) of a load that acts at once (Terzaghi & Fröhlich 1936)."""
-    M = (np.arange(terms) + 0.5) * math.pi
-    found: FloatArray = 1.0 - (2.0 / M**2 * np.exp(-np.outer(T, M**2))).sum(axis=1)
-    return found
-
-
-def at_the_closed_end(T: FloatArray, terms: int = 400) -> FloatArray:
-    """Pore pressure over the load at the end of the longest way of water, (m,)."""
-    M = (np.arange(terms) + 0.5) * math.pi
-    found: FloatArray = (2.0 / M * np.sin(M) * np.exp(-np.outer(T, M**2))).sum(axis=1)
-    return found
-
-
-def ramped_degree(T: FloatArray, ramp: float, terms: int = 400) -> FloatArray:
-    """The same over the final load of a load that grows until ``ramp`` (Olson 1977): the mean of loads before."""
-    M = (np.arange(terms) + 0.5) * math.pi
-    grown = np.minimum(T, ramp)[:, np.newaxis]
-    rest = (np.exp((grown - T[:, np.newaxis]) * M**2) - np.exp(-np.outer(T, M**2))) / M**2
-    found: FloatArray = (grown[:, 0] - (2.0 / M**2 * rest).sum(axis=1)) / ramp
-    return found
 
 
 @pytest.mark.parametrize(("drainage", "way"), [("one_side", HEIGHT), ("two_sides", 0.5 * HEIGHT)])
@@ -57,7 +34,7 @@ def test_a_load_at_once_follows_terzaghi(drainage: str, way: float) -> None:
     end = HEIGHT * 100.0 / STIFF
     assert settlement / end == pytest.approx(degree(FACTORS), abs=2.0e-4)
     assert strain == pytest.approx(settlement / HEIGHT, rel=1.0e-12)
-    assert pore / 100.0 == pytest.approx(at_the_closed_end(FACTORS), abs=2.0e-4)
+    assert pore / 100.0 == pytest.approx(isochrone(1.0, FACTORS), abs=2.0e-4)
     assert mean == pytest.approx(100.0 + 100.0 * settlement / end, rel=1.0e-6)
 
 

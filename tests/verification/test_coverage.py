@@ -79,6 +79,7 @@ def check_coverage(expression: str, times: int, low: float, high: float, **optio
 
 
 @pytest.mark.parametrize("expression", [LINEAR, CURVED])
+@pytest.mark.slow
 def test_coverage_in_150_repeats(expression: str) -> None:
     check_coverage(expression, 150, 0.90, 0.995)
 

@@ -12,7 +12,8 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import constant_rate_oedometer
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
-from tests.solver.laboratory.tests_of import crs_oedometer, run
+from geoswarm.verification.exact.consolidation import crs_strain
+from geoswarm.verification.specimens.laboratory import crs_oedometer, run
 from tests.solver.laws.checks import usual_values
 
 WATER = 9.81
@@ -23,17 +24,6 @@ CV = K * STIFF / WATER
 TIME = HEIGHT**2 / CV
 """Of consolidation, day."""
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.0}
-
-
-def series_of_strain(x: float, T: float, terms: int = 400) -> float:
-    """(strain - r t)/(r H^2/c_v) at height x (0 base, 1 top) and time factor T, r the rate of strain.
-
-    Diffusion of strain with a constant inflow at the top (Carslaw & Jaeger 1959, section 3.8), which is Wissa,
-    Christian, Davis & Heiberg (1971), equation 5, with their X = 1 - x.
-    """
-    n = np.arange(1, terms + 1)
-    decay = (-1.0) ** n / n**2 * np.cos(n * math.pi * x) * np.exp(-((n * math.pi) ** 2) * T)
-    return float((3.0 * x**2 - 1.0) / 6.0 - 2.0 / math.pi**2 * decay.sum())
 
 
 def linear(stages: list[dict[str, Any]], **changes: Any) -> Any:
@@ -47,8 +37,8 @@ def test_the_transient_state_is_that_of_wissa_and_others() -> None:
     names = ("time_axial_stress", "time_pore_pressure", "time_mean_effective_stress", "time_axial_strain")
     stress, pore, mean, strain = run(spec, SOIL, times, *names)
     size = STIFF * RATE * TIME
-    top = np.array([series_of_strain(1.0, t) for t in times / TIME])
-    base = np.array([series_of_strain(0.0, t) for t in times / TIME])
+    top = np.array([crs_strain(1.0, t) for t in times / TIME])
+    base = np.array([crs_strain(0.0, t) for t in times / TIME])
     assert strain == pytest.approx(RATE * times, rel=1.0e-9)
     assert mean == pytest.approx(100.0 + STIFF * RATE * times, rel=1.0e-7)
     assert stress == pytest.approx(100.0 + STIFF * RATE * times + size * top, abs=5.0e-4 * size)

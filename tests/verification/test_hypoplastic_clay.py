@@ -14,10 +14,8 @@ from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import drained_triaxial, undrained_triaxial
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.registry import find_law
-from tests.verification.hypoplastic_rates import State, clay_rates, matrix, strained, triaxial, vector
-
-DORTMUND = {"phi_c": 27.9, "lambda_star": 0.057, "kappa_star": 0.008, "N": 0.749, "nu": 0.38}
-"""Masin (2013), Clay hypoplasticity with explicitly defined asymptotic states, Acta Geotechnica 8, 481-496."""
+from geoswarm.verification.exact.hypoplastic_rates import State, clay_rates, matrix, strained, triaxial, vector
+from geoswarm.verification.exact.hypoplasticity import DORTMUND
 
 SMALL_STRAINS = {"R": 1.0e-4, "m_R": 4.5, "m_T": 3.0, "beta_r": 0.5, "chi": 1.5}
 

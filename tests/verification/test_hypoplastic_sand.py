@@ -15,14 +15,9 @@ from geoswarm.solver.element_test.material_point import History, follow, point_u
 from geoswarm.solver.element_test.setups import drained_triaxial, simple_shear, undrained_triaxial
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.registry import find_law
-from tests.verification.hypoplastic_rates import State, matrix, sand_rates, strained, triaxial, vector
-
-TOYOURA = {
-    **{"phi_c": 30.0, "h_s": 2.6e6, "n": 0.27, "e_d0": 0.61, "e_c0": 0.98, "e_i0": 1.10, "alpha": 0.18, "beta": 1.1},
-    "e0": 0.75,
-}
-"""Herle & Gudehus (1999), Determination of parameters of a hypoplastic constitutive model from properties of grain
-assemblies, Mechanics of Cohesive-Frictional Materials 4, 461-486."""
+from geoswarm.verification.exact.hypoplastic_rates import State, matrix, sand_rates, strained, triaxial, vector
+from geoswarm.verification.exact.hypoplasticity import HOCHSTETTEN, TOYOURA
+from geoswarm.verification.exact.hypoplasticity import bauer as limiting
 
 SMALL_STRAINS = {"R": 1.0e-4, "m_R": 5.0, "m_T": 2.0, "beta_r": 0.5, "chi": 6.0}
 """Niemunis & Herle (1997)."""
@@ -39,7 +34,7 @@ def sand(**changes: float) -> Soil:
 
 def bauer(e0: float, p: FloatArray | float) -> FloatArray:
     """Bauer (1996): a limiting void ratio at mean stresses p, kPa."""
-    return np.asarray(e0 * np.exp(-((3.0 * np.asarray(p) / TOYOURA["h_s"]) ** TOYOURA["n"])))
+    return limiting(e0, p, TOYOURA["h_s"], TOYOURA["n"])
 
 
 def stepped(soil: Soil, stress: FloatArray, state: FloatArray, strain: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -291,3 +286,32 @@ def test_a_void_ratio_at_zero_stress_follows_bauers_law() -> None:
     stress = np.array([[10.0, 20.0, 10.0, 0.0], [100.0, 200.0, 100.0, 0.0]])
     found = soil.law.initial_state(stress, soil.constants)[:, 0]
     assert found == pytest.approx(bauer(0.8, stress[:, :3].mean(axis=1)), rel=1.0e-12)
+
+
+PUBLISHED = {
+    "stress at 0.5 %, kPa": (294.3, 0.05),
+    "modulus of the last step of 0.01 %, kPa": (29080.0, 5.0),
+    "modulus of the first step back, kPa": (316559.0, 30.0),
+}
+"""Number, and half of its last digit (moduli: what the routine's tolerance of 1e-3 may change).
+
+Oedometer test on Hochstetten sand from 100 kPa all round, without intergranular strain, calculated with the user
+routine of Tamagnini, Sellari, Masin and von Wolffersdorff (soilmodels.com) in OpenSees: documentation of OpenSees,
+nDMaterial UMAT, "Worked Example: Hochstetten Sand", expected results, with parameters of Herle & Gudehus (1999) and
+Niemunis & Herle (1997).
+"""
+
+
+@pytest.mark.parametrize("pieces", [1, 50])
+def test_the_published_oedometer_test_of_the_authors_routine(pieces: int) -> None:
+    soil = find_law("hypoplastic_sand").soil(HOCHSTETTEN)
+    down = np.array([0.0, 1.0e-4, 0.0, 0.0, 0.0, 0.0])
+    stress, state = 100.0 * ALL_ROUND, soil.law.initial_state(100.0 * ALL_ROUND, soil.constants)
+    for _ in range(pieces):
+        stress, state = stepped(soil, stress, state, 49.0 / pieces * down)
+    before, state = stepped(soil, stress, state, np.zeros(6))
+    stress, state = stepped(soil, before, state, down)
+    back, _ = stepped(soil, stress, state, -down)
+    found = (stress[1], (stress[1] - before[1]) / 1.0e-4, (stress[1] - back[1]) / 1.0e-4)
+    for value, (number, accuracy) in zip(found, PUBLISHED.values(), strict=True):
+        assert value == pytest.approx(number, abs=accuracy)

@@ -38,6 +38,7 @@ def good_samples(samples: list[tuple[float, ...]], objectives: list[float], thre
     return np.array(samples)[np.array(objectives) < threshold]
 
 
+@pytest.mark.slow
 def test_statistics_of_the_oedometer() -> None:
     """Random samples over five parameters, filter 1e-7 m2.
 

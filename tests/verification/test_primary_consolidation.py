@@ -12,17 +12,12 @@ from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.report.document.build import Report, report_of_result
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.verification.exact.consolidation import degree
 
 DAY = 1440.0  # min
 TIMES = np.unique(np.round(np.geomspace(0.1, DAY, 24), 2))
 TRUTH = {"lambda_star": 0.08, "kappa_star": 0.012, "mu_star": 0.005, "POP": 30.0}
 X = np.concatenate([stage * DAY + TIMES for stage in range(6)])
-
-
-def degree(factor: FloatArray) -> FloatArray:
-    """Terzaghi's series, summed up to 200 terms."""
-    m = np.pi / 2.0 * (2.0 * np.arange(200) + 1.0)
-    return np.asarray(1.0 - np.sum(2.0 / m**2 * np.exp(-(m**2) * factor[:, None]), axis=1))
 
 
 def problem_of(y: FloatArray, **selection: Any) -> Problem:

@@ -13,15 +13,12 @@ from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, 
 from geoswarm.solver.element_test.controls import Stage, strain_change
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load
-from tests.soils import creep_law, creep_point
+from geoswarm.verification.exact.creep import cone
+from geoswarm.verification.specimens.soils import creep_law, creep_point
 
 LAMBDA, KAPPA, MU, C, PHI, NU, K0NC = 0.11, 0.03, 0.004, 30.0, 35.0, 0.2, 0.48
 ATTRACTION = C / math.tan(math.radians(PHI))
-RATIO = LAMBDA / KAPPA
-M = 3.0 * math.sqrt(
-    ((1 - K0NC) / (1 + 2 * K0NC)) ** 2
-    + (1 - K0NC) * (1 - 2 * NU) * (RATIO - 1) / ((1 + 2 * K0NC) * (1 - 2 * NU) * RATIO - (1 - K0NC) * (1 + NU))
-)
+M = cone(K0NC, NU, LAMBDA / KAPPA)
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 
 

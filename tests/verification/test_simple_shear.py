@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from geoswarm.solver.arrays import FloatArray
-from tests.solver.laboratory.tests_of import run, simple_shear
+from geoswarm.verification.specimens.laboratory import run, simple_shear
 
 SAND = {"E": 2.0e4, "nu": 0.3, "c": 5.0, "phi": 30.0}
 SIN, ATTRACTION = 0.5, 5.0 / math.tan(math.radians(30.0))

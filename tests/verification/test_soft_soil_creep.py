@@ -17,13 +17,11 @@ from geoswarm.solver.element_test.setups import (
     confined_load,
     constant_rate_oedometer,
     drained_triaxial,
-    isotropic_load,
     isotropic_strain,
-    relaxation,
     undrained_triaxial,
 )
 from geoswarm.solver.forward.oedometer import OedometerSpec
-from tests.soils import creep_law, creep_point, overconsolidation
+from geoswarm.verification.specimens.soils import creep_law, creep_point, overconsolidation
 
 INDEX = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.005}
 BETA = 0.08 / 0.005
@@ -31,28 +29,6 @@ BETA = 0.08 / 0.005
 
 def isotropic(p: float) -> list[float]:
     return [p, p, p, 0.0, 0.0, 0.0]
-
-
-def test_constant_stress() -> None:
-    """eps_v^c = mu* ln(1 + (t/tau) r0^beta), anisotropic stress under stress control in all directions."""
-    soil = soft_soil_creep(**INDEX, c=3.0, phi=30.0)
-    start = creep_point(isotropic(50.0), soil, OCR=1.1)
-    times = np.array([1.0e-3, 0.1, 1.0, 30.0, 1000.0])
-    history = follow(creep_law(soil), start, [isotropic_load(80.0, 1000.0)], [times], tolerance=1.0e-8)
-    ratio = (80.0 + soil.attraction) / (1.1 * (50.0 + soil.attraction))
-    elastic = 0.02 * math.log((80.0 + soil.attraction) / (50.0 + soil.attraction))
-    expected = elastic + 0.005 * np.log1p(times * ratio**BETA)
-    assert history.strain[:, :3].sum(axis=1) == pytest.approx(expected, rel=1.0e-8)
-
-
-def test_isotropic_relaxation() -> None:
-    """p = p0 (1 + lambda* t/(kappa* tau))^(-mu*/lambda*), normally consolidated."""
-    soil = soft_soil_creep(**INDEX, c=0.0, phi=30.0)
-    start = creep_point(isotropic(100.0), soil)
-    times = np.array([0.01, 1.0, 100.0])
-    history = follow(creep_law(soil), start, [relaxation(100.0)], [times], tolerance=1.0e-8)
-    assert history.p == pytest.approx(100.0 * (1.0 + 5.0 * times) ** -0.05, rel=1.0e-6)
-    assert history.p[-1] == pytest.approx(73.2838, abs=2.0e-4)
 
 
 @pytest.mark.parametrize("rate", [0.001, 0.1, 10.0])

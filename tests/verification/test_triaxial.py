@@ -11,9 +11,10 @@ from scipy.integrate import solve_ivp
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
-from tests.soils import mohr_coulomb
-from tests.solver.laboratory.tests_of import CREEP, MOHR_COULOMB, run, triaxial
-from tests.verification.fem.bodies import block
+from geoswarm.verification.exact.creep import cone
+from geoswarm.verification.specimens.bodies import block
+from geoswarm.verification.specimens.laboratory import CREEP, MOHR_COULOMB, run, triaxial
+from geoswarm.verification.specimens.soils import mohr_coulomb
 
 LAMBDA, KAPPA, MU, C, PHI, NU, K0NC, OCR = 0.11, 0.03, 0.004, 30.0, 35.0, 0.2, 0.48, 1.3
 SOIL = {
@@ -21,11 +22,7 @@ SOIL = {
     **{"nu_ur": NU, "K0nc": K0NC, "OCR": OCR},
 }
 ATTRACTION = C / math.tan(math.radians(PHI))
-RATIO = LAMBDA / KAPPA
-M = 3.0 * math.sqrt(
-    ((1 - K0NC) / (1 + 2 * K0NC)) ** 2
-    + (1 - K0NC) * (1 - 2 * NU) * (RATIO - 1) / ((1 + 2 * K0NC) * (1 - 2 * NU) * RATIO - (1 - K0NC) * (1 + NU))
-)
+M = cone(K0NC, NU, LAMBDA / KAPPA)
 RATE = 0.5
 
 

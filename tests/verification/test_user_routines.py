@@ -29,9 +29,9 @@ from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laboratory.shear_stages import ShearStage
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.registry import find_law
-from tests.soils import elastic, mohr_coulomb
+from geoswarm.verification.specimens.bodies import block, graded, node_at
+from geoswarm.verification.specimens.soils import elastic, mohr_coulomb
 from tests.solver.user_laws.routines import DRUCKER_PRAGER, ELASTIC, NORTON, soil
-from tests.verification.fem.bodies import block, graded, node_at
 
 STRENGTH = {"c": 5.0, "phi": 25.0, "psi": 5.0}
 MODULI = {"E": 1.0e4, "nu": 0.3}

@@ -47,6 +47,7 @@ def test_one_makes_while_others_wait_and_other_things_are_made_meanwhile() -> No
     assert (made, found) == ([1], [1, 1, 1, 1])
 
 
+@pytest.mark.slow
 def test_what_failed_is_tried_again_and_leaves_nothing() -> None:
     class Key:
         pass

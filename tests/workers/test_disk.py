@@ -81,7 +81,8 @@ def test_the_estimate_is_near_what_is_stored(service: JobService, make_worker: M
     job_id = service.submit(problem)[0].id
     worker = make_worker()
     worker.start()
-    worker.serve(job_id)
+    while service.get(job_id).state != "finished":
+        worker.serve(job_id)
     worker.close()
     store._size = None
     row = store.read(lambda c: c.execute(select(func.count()).select_from(evaluations))).scalar_one()

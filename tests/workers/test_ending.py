@@ -104,7 +104,7 @@ def test_what_would_end_at_once_is_refused(service: JobService, make_worker: Mak
 def test_a_sampling_keeps_its_points_and_a_failed_job_its_end(service: JobService, make_worker: MakeWorker) -> None:
     sampling = {"kind": "monte_carlo", "samples": 20, "sampling": "sobol", "batch": 10}
     job_id = service.submit(line(method=sampling, stopping={}))[0].id
-    with pytest.raises(ProblemError, match="20 points as a whole"):
+    with pytest.raises(ProblemError, match="20 points at once"):
         service.change_stopping(job_id, Stopping(max_evaluations=10))
     make_worker().serve(job_id)
     with pytest.raises(NothingLeftError, match="nothing left"):

@@ -15,7 +15,7 @@ from geoswarm.workers.store import Store
 
 def test_a_worker_of_this_machine_must_be_alive(store: Store, settings: Settings) -> None:
     assert what_is_wrong(settings, worker=False) is None
-    assert "no worker process of this machine" in str(what_is_wrong(settings, worker=True))
+    assert "no worker process on this machine" in str(what_is_wrong(settings, worker=True))
     identity = Identity.new("celery")
     store.write(lambda connection: register_worker(connection, identity))
     assert what_is_wrong(settings, worker=True) is None

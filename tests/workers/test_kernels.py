@@ -85,6 +85,7 @@ def test_a_worker_that_is_to_end_does_not_compile() -> None:
     assert log == []
 
 
+@pytest.mark.slow
 def test_the_first_job_of_an_installation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither its seconds nor the limit of an evaluation count the time of compiling."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))

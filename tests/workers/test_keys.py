@@ -98,7 +98,7 @@ def test_a_key_opens_for_reading_while_nothing_can_be_written(
         ("a" * 81, "read", "", None, "at most 80"),
         ("alice", "root", "", None, "read, submit, admin"),
         ("alice", "read", "\x1b[31m", None, "printable"),
-        ("alice", "read", "", 0.0, "some time"),
+        ("alice", "read", "", 0.0, "must be above 0 s, got 0 s"),
     ],
 )
 def test_what_a_key_cannot_be(

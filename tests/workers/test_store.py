@@ -75,7 +75,7 @@ def test_unreachable_server_is_one_clear_line_without_password() -> None:
     with pytest.raises(StoreUnavailableError) as caught:
         Store(Settings(database_url=url))
     message = str(caught.value)
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < 30.0
     assert message.startswith("database postgresql+psycopg://me:***@127.0.0.1")
     assert "refused" in message
     assert "topsecret" not in message

@@ -130,6 +130,7 @@ def test_readiness_tells_that_the_database_takes_nothing_in(store: Store, switch
     assert probe.database() == "ok"
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_and_work_goes_on_by_itself(
     store: Store, service: JobService, settings: Settings, switch: Switch
 ) -> None:

@@ -63,7 +63,7 @@ def test_going_on_under_others_warns_once(
     assert view.state == "finished"
     assert view.versions == dict(versions())
     (warning,) = view.warnings
-    assert warning.startswith(f"continued under other versions: numpy 1.0 instead of {own}; ")
+    assert warning.startswith(f"continued with other versions: numpy 1.0 instead of {own}; ")
     (event,) = told(service, job)
     assert event["worker"] == "b"
     assert event["message"] == warning
@@ -113,5 +113,5 @@ def test_a_job_without_a_record_goes_on_and_says_so(service: JobService, store: 
     finish(hand)
     view = service.get(job)
     assert (view.state, view.versions) == ("finished", None)
-    assert view.warnings[0].startswith("begun under versions that were not recorded, continued under geoswarm ")
+    assert view.warnings[0].startswith("started with unrecorded versions, continued with geoswarm ")
     assert len(view.warnings) == len(told(service, job)) == 1

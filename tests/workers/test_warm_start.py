@@ -15,7 +15,6 @@ from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.warm_start import EarlierRuns, best_of, forward_model_hash, offer_of
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.queries import offers
-from geoswarm.workers.queries.workers import see_worker
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import jobs
@@ -112,26 +111,6 @@ def test_the_same_parameters_are_run_once(service: JobService, make_worker: Make
     expected = calibrate(parse_problem(body))
     assert history(service, job) == [
         (r.evaluation.parameters.tolist(), r.evaluation.objective) for r in expected.history
-    ]
-
-
-@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
-def test_an_automatic_generation_has_the_size_that_was_recorded(service: JobService, make_worker: MakeWorker) -> None:
-    method = {"kind": "particle_swarm", "particles": "auto"}
-    problem = parse_problem(document(method=method))
-    job = service.submit(problem)[0].id
-    crew = [make_worker() for _ in range(4)]
-    for worker in crew[:3]:
-        service.store.write(lambda connection, worker=worker: see_worker(connection, worker.identity))  # type: ignore[misc]
-    crew[0].serve(job)
-    service.store.write(lambda connection: see_worker(connection, crew[3].identity))  # changes nothing any more
-    while service.get(job).state == "running":
-        crew[3].serve(job)
-    sizes = [len(service.evaluations(job, generation=g).items) for g in range(service.get(job).generations)]
-    assert sizes == [9] * len(sizes)
-    fixed = parse_problem(document(method={"kind": "particle_swarm", "particles": 9}))
-    assert history(service, job) == [
-        (r.evaluation.parameters.tolist(), r.evaluation.objective) for r in calibrate(fixed).history
     ]
 
 

@@ -52,14 +52,15 @@ class ApiKeys:
         """
         if OWNER_PATTERN.fullmatch(owner) is None:
             raise SettingsError(
-                f"owner {owner[:80]!r}: letters, digits and . _ @ + - are accepted (at most 80, first no sign)"
+                "owner must be at most 80 letters, digits or . _ @ + -, beginning with a letter or digit; "
+                f"got {owner[:80]!r}"
             )
         if role not in ROLES:
-            raise SettingsError(f"role {role!r}: accepted are {', '.join(ROLES)}")
+            raise SettingsError(f"role must be one of {', '.join(ROLES)}, got {role!r}")
         if len(label) > LONGEST_LABEL or not label.isprintable():
-            raise SettingsError(f"label: at most {LONGEST_LABEL} printable characters are accepted")
+            raise SettingsError(f"label must be at most {LONGEST_LABEL} printable characters")
         if valid_seconds is not None and not valid_seconds > 0:
-            raise SettingsError(f"a key must be valid for some time, not {valid_seconds:g} s")
+            raise SettingsError(f"the time until a key expires must be above 0 s, got {valid_seconds:g} s")
         key_id = secrets.token_hex(6)
         key = f"gsw_{key_id}_{secrets.token_urlsafe(32)}"
         values = {"id": key_id, "hash": _hash(key), "owner": owner, "role": role, "label": label}
@@ -76,7 +77,7 @@ class ApiKeys:
         return [_view(row) for row in self.store.read(api_keys.list_keys)]
 
     def revoke(self, key_id: str) -> Key:
-        """Make a key invalid, at once and for ever.
+        """Revoke a key, at once and permanently.
 
         Raises
         ------

@@ -18,7 +18,7 @@ class Principal:
     owner
         Whose jobs these are; None: nobody's, as submitted without a key.
     role
-        read, submit or admin.
+        agent, read, submit or admin.
     key_id
         Public part of the API key, None without one.
     """
@@ -28,12 +28,14 @@ class Principal:
     key_id: str | None = None
 
     def may(self, role: Role) -> bool:
-        """Whether the role includes another one."""
+        """Whether the role includes another one; that of an agent includes none, and only an administrator's has it."""
+        if "agent" in (self.role, role):
+            return role == "agent" and self.role in ("agent", "admin")
         return ROLES.index(self.role) >= ROLES.index(role)
 
     def sees(self, owner: str | None) -> bool:
         """Whether the jobs of an owner are visible."""
-        return self.role == "admin" or (owner is not None and owner == self.owner)
+        return self.role == "admin" or (self.role != "agent" and owner is not None and owner == self.owner)
 
 
 LOCAL = Principal(None, "admin")

@@ -1,4 +1,4 @@
-"""When a job ends, changed after it was submitted; a job that has ended goes on exactly where it was.
+"""Changes the stop criteria of a job after submission; a job that has ended continues exactly where it was.
 
 The search is asked for the next generation before the criteria are judged, so a job that ended by one of them has its
 next generation at hand: with other criteria it goes on as if they had been given from the start.
@@ -30,14 +30,14 @@ ACCEPTED = tuple(state for state in JOB_STATES if state != "failed")
 
 
 def changed_criteria(stopping: str | None) -> tuple[StopCriterion, ...] | None:
-    """Return the criteria of a row's ``stopping``; None: those of the problem hold."""
+    """Return the criteria of a row's ``stopping``; None if those of the problem apply."""
     return None if stopping is None else stop_criteria(Stopping.model_validate(unpack_json(stopping)))
 
 
 def change_stopping(
     connection: Connection, locked: LockedJob, stopping: Stopping, settings: Settings, quota_of: str | None, taken: int
 ) -> Transition | None:
-    """Store other stop criteria of a job; return how it goes on when it had ended.
+    """Store new stop criteria of a job; return how it continues if it had ended.
 
     Parameters
     ----------
@@ -58,8 +58,8 @@ def change_stopping(
     """
     row = locked.row
     if row.state not in ACCEPTED or row.retry_to is not None:
-        state = "running failed evaluations again" if row.retry_to is not None else row.state
-        raise InvalidTransitionError("change the end of", state, ACCEPTED)
+        state = "rerunning failed evaluations" if row.retry_to is not None else row.state
+        raise InvalidTransitionError("change the stop criteria of", state, ACCEPTED)
     stored = get_problem(connection, locked.id)
     if stored is None:
         raise RuntimeError(f"job {locked.id} has a row but no problem")
@@ -71,8 +71,8 @@ def change_stopping(
             [
                 Issue(
                     "stopping.max_evaluations",
-                    f"a sampling draws its {row.max_evaluations} points as a whole and cannot have {planned};"
-                    " submit a job with another number",
+                    f"a sampling draws its {row.max_evaluations} points at once and cannot have {planned};"
+                    " submit a new job with another number",
                 )
             ]
         )
@@ -99,13 +99,13 @@ def _refuse_to_stand_still(locked: LockedJob, problem: Problem) -> None:
         next_evaluations=len(progress.positions),
         seconds=locked.row.run_seconds,
         objective=None if progress.best is None else progress.best.objective,
-        stagnation=progress.stagnation,
+        stagnation=progress.stagnant(problem.method),
     )
     reasons = satisfied_reasons(stop_criteria(problem.stopping), status) if progress.evaluations else ()
     if reasons:
         objective = "none" if status.objective is None else f"{status.objective:.6g}"
         raise NothingLeftError(
-            f"job {locked.id} would end at once by {', '.join(reasons)}: it has {status.evaluations} evaluations and "
-            f"the next generation {status.next_evaluations} more, {status.seconds:.3g} s, objective {objective}, "
+            f"job {locked.id} would end immediately by {', '.join(reasons)}: it has {status.evaluations} evaluations "
+            f"and the next generation {status.next_evaluations} more, {status.seconds:.3g} s, objective {objective}, "
             f"{status.stagnation} generations without a lower one"
         )

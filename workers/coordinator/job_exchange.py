@@ -1,28 +1,30 @@
-"""One exchange between a worker and the coordinator, inside its transaction."""
+"""One exchange between workers and the coordinator, inside its transaction."""
 
 from __future__ import annotations
 
 import itertools
 import statistics
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from sqlalchemy import Connection
 
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.runs.runlog import RunLog
 from geoswarm.workers.coordinator.ending import changed_criteria
+from geoswarm.workers.coordinator.hand_out import HandOut
 from geoswarm.workers.coordinator.retry import finish_retry, open_retries
 from geoswarm.workers.coordinator.tries import give_back, record_result
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result, Sizing
+from geoswarm.workers.coordinator.width import free_slots
+from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, HandIn, Result, Sizing
 from geoswarm.workers.queries.evaluations import Cell, GenerationRows, load_generation, reuse, write_new
 from geoswarm.workers.queries.jobs import LockedJob, save_job
 from geoswarm.workers.queries.queue import note_served
 from geoswarm.workers.queries.versions import note_versions
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.states.evaluation import Claimed, Duplicated, settle
 from geoswarm.workers.states.job import (
     DispatchGeneration,
     GenerationJoined,
@@ -48,7 +50,7 @@ class Due:
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """What the state machine made of it; holds if the job still stands there, with these stop criteria."""
+    """Outcome of the state machine; valid if the job is still in that state, with these stop criteria."""
 
     generation: int
     transition: Transition
@@ -56,7 +58,15 @@ class Closed:
 
 
 class JobExchange:
-    """Takes in what a worker has, advances the job when its generation is complete, and hands out the next claim."""
+    """Accepts the results of workers, advances the job when its generation is complete, and hands out the next claims.
+
+    Parameters
+    ----------
+    log
+        What the search learns from, where it does.
+    large
+        Read only the states of the generation at first: it is probably a large one.
+    """
 
     def __init__(
         self,
@@ -64,9 +74,8 @@ class JobExchange:
         log: RunLog | None,
         connection: Connection,
         locked: LockedJob,
-        worker: str,
         calibration: Calibration,
-        live_workers: int,
+        large: bool = False,
     ) -> None:
         self.settings = settings
         self.sizing = Sizing(
@@ -75,60 +84,81 @@ class JobExchange:
         self.log = log
         self.connection = connection
         self.locked = locked
-        self.worker = worker
+        self.large = large
+        self.particles = 0
         self.calibration = calibration
         self.failures = calibration.problem.failures
-        self.live_workers = live_workers
         self.state: str = locked.row.state
         self.typical: float | None = locked.row.typical_seconds
-        self.job = None if locked.row.progress is None else locked.job()
+        self._job: Job | None = None
         self.fatal: str | None = None
         self.due: Due | None = None
 
-    def run(self, hand_in: HandIn, want: bool, taken_up: bool, closed: Closed | None = None) -> Exchange:
-        """Do it; see :meth:`geoswarm.workers.coordinator.runtime.Runtime.exchange`.
+    @property
+    def job(self) -> Job | None:
+        """State of the job in the state machine, None before its start; read on first use."""
+        if self._job is None and self.locked.row.progress is not None:
+            self._job = self.locked.job()
+        return self._job
 
-        When :attr:`due` is set afterwards, a generation has to be closed: do that and come again with ``closed``.
+    def alone(self, asked: Sequence[Asked]) -> bool:
+        """Whether exchanges must come one by one: the job's failures are being rerun, or whole generations are handed
+        in."""
+        again = self.locked.row.retry_to is not None
+        return len(asked) > 1 and (again or any(one.hand_in.whole_generations for one in asked))
+
+    def run(self, asked: Sequence[Asked], closed: Closed | None = None) -> list[Exchange]:
+        """Run the exchange for workers in this order; see
+        :meth:`geoswarm.workers.coordinator.runtime.Runtime.exchange`.
+
+        It is as if each came by itself: all results first, then all claims. When :attr:`due` is set afterwards, a
+        generation has to be closed: do that and come again with ``closed``.
         """
         if self.state == "queued":
-            return Exchange(queued=True)
+            return [Exchange(queued=True) for _ in asked]
         if self.locked.row.retry_to is not None:
-            return self._retry(hand_in, want, taken_up)
+            return [self._retry(asked[0])]
         generation = self.locked.row.generation
         rows: GenerationRows | None = None
         if generation >= 0 and (
-            self.state == "running" or hand_in.generation == generation or hand_in.whole_generations
+            self.state == "running"
+            or any(one.hand_in.generation == generation or one.hand_in.whole_generations for one in asked)
         ):
-            rows = load_generation(self.connection, self.locked.id, generation)
+            rows = load_generation(self.connection, self.locked.id, generation, briefly=self.large)
+            self.particles = len(rows.cells)
         dispatched = False
-        if hand_in.whole_generations:
-            rows, dispatched = self._take_whole(rows, hand_in)
-        elif hand_in.claim is not None:
-            self._take_in(rows, hand_in, hand_in.generation, hand_in.results)
+        if asked[0].hand_in.whole_generations:
+            rows, dispatched = self._take_whole(rows, asked[0])
+        else:
+            if rows is not None:
+                here = [one.hand_in for one in asked if one.hand_in.generation == generation]
+                rows.read([rows.cells[result.particle] for hand_in in here for result in hand_in.results])
+            for one in asked:
+                if one.hand_in.claim is not None:
+                    self._take_in(rows, one, one.hand_in.generation, one.hand_in.results)
         if self.fatal is not None and self.state == "running" and self.job is not None:
             self._save([apply(self.job, JobBroken(self.fatal))], [])
         while self.state == "running" and rows is not None and rows.complete:
             rows = self._advance(rows, closed)
             dispatched = rows is not None
             if self.due is not None:
-                return Exchange()
+                return [Exchange() for _ in asked]
         if self.state != "running" or rows is None:
             if rows is not None:
                 rows.write(self.connection)
-            return Exchange()
-        if hand_in.partial and rows.generation != hand_in.generation:
-            want = False  # another worker ended the generation: what this one is at no longer matters
-        return self._hand_out(rows, want, dispatched, taken_up, hand_in.under_way())
+            return [Exchange() for _ in asked]
+        return self._hand_out(rows, asked, dispatched)
 
-    def _retry(self, hand_in: HandIn, want: bool, taken_up: bool) -> Exchange:
+    def _retry(self, asked: Asked) -> Exchange:
         """Do the same for a job whose failures are run again: whatever generation they are of, none is advanced."""
+        hand_in = asked.hand_in
         if hand_in.claim is not None:
             number, results = (
                 (hand_in.whole_generations[0].generation, hand_in.whole_generations[0].results)
                 if hand_in.whole_generations
                 else (hand_in.generation, hand_in.results)
             )
-            self._take_in(None, hand_in, number, results)
+            self._take_in(None, asked, number, results)
         if self.state != "running":
             return Exchange()
         generation, under_way = open_retries(self.connection, self.locked)
@@ -138,10 +168,12 @@ class JobExchange:
                 return Exchange(left=self.locked.row.retry_to == "running")
             return Exchange()
         rows = load_generation(self.connection, self.locked.id, generation)
-        return self._hand_out(rows, want and not hand_in.partial, False, taken_up)
+        want = asked.want and not hand_in.partial
+        return self._hand_out(rows, [replace(asked, hand_in=HandIn(), want=want)], False)[0]
 
-    def _take_whole(self, rows: GenerationRows | None, hand_in: HandIn) -> tuple[GenerationRows | None, bool]:
+    def _take_whole(self, rows: GenerationRows | None, asked: Asked) -> tuple[GenerationRows | None, bool]:
         """Apply generations that the worker ran alone, if the job still stands where it did when they began."""
+        hand_in, worker = asked.hand_in, asked.worker
         whole_generations = hand_in.whole_generations
         valid = (
             rows is not None
@@ -149,26 +181,26 @@ class JobExchange:
             and rows.generation == whole_generations[0].generation
             and hand_in.claim is not None
             and hand_in.claim.stopping == self.locked.row.stopping
-            and all(c.status.state == "running" and c.status.worker == self.worker for c in rows.cells)
+            and all(c.status.state == "running" and c.status.worker == worker for c in rows.cells)
         )
         if not valid or rows is None:
             # Paused, cancelled, taken over by others, or to be ended otherwise: the first generation is as good as any
             # worker's result of it, the following ones will come out the same again.
-            self._take_in(rows, hand_in, whole_generations[0].generation, whole_generations[0].results)
+            self._take_in(rows, asked, whole_generations[0].generation, whole_generations[0].results)
             return rows, False
-        self._record(rows, whole_generations[0].results)
+        self._record(rows, worker, whole_generations[0].results)
         rows.write(self.connection)
         following = []
         for before, whole_generation in itertools.pairwise(whole_generations):
             following.append(_dispatched(self.locked.id, before.transition))
-            self._record(following[-1], whole_generation.results)
+            self._record(following[-1], worker, whole_generation.results)
         write_new(self.connection, following)
         transitions = [whole_generation.transition for whole_generation in whole_generations]
         final = transitions[-1]
         next_rows = None
         if final.job.state == "running":
             next_rows = _dispatched(self.locked.id, final)
-            self._record(next_rows, hand_in.results)
+            self._record(next_rows, worker, hand_in.results)
             if self.fatal is not None:
                 transitions.append(apply(final.job, JobBroken(self.fatal)))
         last = [r.evaluation for r in whole_generations[-1].results]
@@ -176,34 +208,33 @@ class JobExchange:
         self._save(transitions, [whole_generation.finished_at for whole_generation in whole_generations])
         return next_rows, next_rows is not None
 
-    def _take_in(
-        self, rows: GenerationRows | None, hand_in: HandIn, generation: int, results: Sequence[Result]
-    ) -> None:
+    def _take_in(self, rows: GenerationRows | None, asked: Asked, generation: int, results: Sequence[Result]) -> None:
         """Record results, and give back what was claimed with them but not finished."""
-        claim = hand_in.claim
+        hand_in, claim = asked.hand_in, asked.hand_in.claim
         if claim is None:
             return
         late = rows is None or rows.generation != generation
         own = load_generation(self.connection, self.locked.id, generation) if late or rows is None else rows
         if not own.cells:
             return  # of a generation that was begun in a burst which does not count
-        self._record(own, results)
+        self._record(own, asked.worker, results)
         handed_in = {result.particle for result in results}
         for particle, attempt in zip(claim.particles, claim.attempts, strict=True):
             if not hand_in.partial and particle not in handed_in and generation == claim.generation:
                 killed = particle == hand_in.killed
-                give_back(own, own.cells[particle], self.worker, attempt, self.locked.now, killed=killed)
+                give_back(own, own.cells[particle], asked.worker, attempt, self.locked.now, killed=killed)
         if late:
             own.write(self.connection)
 
-    def _record(self, rows: GenerationRows, results: Sequence[Result]) -> None:
+    def _record(self, rows: GenerationRows, worker: str, results: Sequence[Result]) -> None:
         for result in results:
-            fatal = record_result(self.connection, rows, result, self.worker, self.failures)
+            fatal = record_result(self.connection, rows, result, worker, self.failures)
             self.fatal = self.fatal or fatal
 
     def _advance(self, rows: GenerationRows, closed: Closed | None) -> GenerationRows | None:
         """Close a complete generation; return the next one's rows, None when the job has ended or this is due."""
         rows.write(self.connection)
+        rows.read(rows.cells)
         values = [cell.values for cell in rows.cells]
         if self.job is None:
             raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
@@ -213,7 +244,13 @@ class JobExchange:
         else:
             results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
             seconds = self.locked.run_seconds(self.settings.lease_seconds)
-            event = GenerationJoined(rows.generation, results, seconds, criteria=changed_criteria(stopping))
+            event = GenerationJoined(
+                rows.generation,
+                results,
+                seconds,
+                criteria=changed_criteria(stopping),
+                situation=self._situation([v["seconds"] or 0.0 for v in values]),
+            )
             if self.calibration.accelerated:  # takes its time: the database must not wait
                 self.due = Due(self.job, event, stopping)
                 return None
@@ -222,10 +259,26 @@ class JobExchange:
         self._save([transition], [])
         if transition.job.state != "running":
             return None
-        following = _dispatched(self.locked.id, transition)
-        if self._worth_reuse(following):
-            reuse(self.connection, following)
-        return following
+        return self._following(transition)
+
+    def _following(self, transition: Transition) -> GenerationRows:
+        """Return the rows of the generation under evaluation; write those of one that is begun ahead of it."""
+        dispatched = {rows.generation: rows for rows in _all_dispatched(self.locked.id, transition)}
+        for rows in dispatched.values():
+            if self._worth_reuse(rows):
+                reuse(self.connection, rows)
+        generation = transition.job.generation
+        following = dispatched.pop(generation, None)
+        for rows in dispatched.values():
+            rows.write(self.connection)
+        return following or load_generation(self.connection, self.locked.id, generation)
+
+    def _situation(self, lengths: Sequence[float]) -> Situation | None:
+        """What decides on the size of the next generation, where that is left to the engine."""
+        if not self.calibration.problem.method.follows_slots:
+            return None
+        model = self.calibration.problem.forward_model
+        return Situation(free_slots(self.connection, self.settings, model, self.locked.id), lengths)
 
     def _worth_reuse(self, rows: GenerationRows) -> bool:
         """Whether to look for earlier runs of the same parameters: where there are some, or a run costs more."""
@@ -242,74 +295,58 @@ class JobExchange:
             typical_seconds=self.typical,
             finished_at=finished_at,
         )
-        self.job = transitions[-1].job
-        self.state = self.job.state
+        self._job = transitions[-1].job
+        self.state = self._job.state
 
-    def _hand_out(
-        self,
-        rows: GenerationRows,
-        want: bool,
-        dispatched: bool,
-        taken_up: bool,
-        under_way: Collection[int] = frozenset(),
-    ) -> Exchange:
-        """Answer with a claim, if there is one to be had; ``under_way`` is what this worker is at."""
-        particles = len(rows.cells)
+    def _hand_out(self, rows: GenerationRows, asked: Sequence[Asked], dispatched: bool) -> list[Exchange]:
+        """Answer each with a claim, if there is one to be had, and write the generation."""
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
-            self.typical = _typical([cell.values for cell in rows.cells if cell.status.done], None)
-        left = sum(cell.status.state == "pending" for cell in rows.cells)
-        chunk = self.sizing.chunk(self.typical, particles, left, self.live_workers)
-        claimed = self._choose(rows, chunk, under_way) if want else []
-        left = sum(cell.status.state == "pending" for cell in rows.cells)
-        if want and not claimed and not left and not under_way:
-            claimed = self._duplicate(rows)
-        claim = self._claim(rows, claimed, last=not left) if claimed else None
-        rows.write(self.connection)
-        if claim is not None:
-            note_versions(self.connection, self.locked, self.worker)
-        if taken_up:
+            done = [cell for cell in rows.cells if cell.status.done]
+            rows.read(done)
+            self.typical = _typical([cell.values for cell in done], None)
+        out = [rows, *self._ahead(rows)]
+        hand_outs = [HandOut(one, self.locked.now, self.settings.lease_seconds) for one in out]
+        # Who dispatches wakes as many as there are chunks: the last one sees what is left.
+        answers = [self._answer(hand_outs, one, dispatched and one is asked[-1]) for one in asked]
+        for one in out:
+            one.write(self.connection)
+        given = [one for one, answer in zip(asked, answers, strict=True) if answer.claim is not None]
+        if given:
+            calculating = {one.worker: None if one.agent is None else one.agent.versions for one in given}
+            note_versions(self.connection, self.locked, calculating)
+        if any(one.taken_up for one in asked):
             note_served(self.connection, self.locked.row)
-        # Who dispatches wakes as many as there are chunks; who only comes to help wakes one more.
-        rings = min(-(-left // chunk), self.live_workers - 1) if dispatched else int(taken_up and left > 0)
+        return answers
+
+    def _answer(self, hand_outs: Sequence[HandOut], asked: Asked, dispatched: bool) -> Exchange:
+        """Claim for one worker; of the generation that was begun ahead where nothing else is left."""
+        worker, live_workers = asked.worker, asked.live_workers
+        hand_out, under_way = hand_outs[0], asked.hand_in.under_way()
+        # Else another worker ended the generation, or it is one asked ahead: it goes on with that first.
+        want = asked.want and not (asked.hand_in.partial and hand_out.rows.generation != asked.hand_in.generation)
+        if not hand_out.left and not under_way:
+            hand_out = next((further for further in hand_outs[1:] if further.left), hand_out)
+        chunk = self.sizing.chunk(self.typical, len(hand_out.rows.cells), hand_out.left, live_workers)
+        if asked.agent is not None:
+            chunk = min(chunk, asked.agent.most(self.typical))
+        claimed = hand_out.choose(worker, chunk, under_way) if want else []
+        left = sum(one.left for one in hand_outs)
+        if want and not claimed and not left and not under_way:
+            longest = max(self.settings.overdue_seconds, self.settings.overdue_factor * (self.typical or 0.0))
+            claimed = hand_out.duplicate(worker, longest)
+        claim = self._claim(hand_out.rows, claimed, last=not left) if claimed else None
+        # Who only comes to help wakes one more.
+        rings = min(-(-left // chunk), live_workers - 1) if dispatched else int(asked.taken_up and left > 0)
         short = self.typical is not None and self.typical <= self.settings.single_seconds
         waiting = self.typical if want and claim is None and short else None
         return Exchange(claim, rings=max(rings, 0), left=left > 0, waiting=waiting)
 
-    def _choose(self, rows: GenerationRows, chunk: int, under_way: Collection[int]) -> list[Cell]:
-        chosen: list[Cell] = []
-        for cell in rows.cells:
-            if len(chosen) == chunk:
-                break
-            if cell.particle in under_way:
-                continue
-            before = cell.status
-            suspect = before.state == "pending" and before.attempts > 0
-            if suspect and chosen:
-                break  # it has failed or lost its worker before: alone, so that it takes no other with it
-            after, verdict = settle(before, Claimed(self.worker))
-            if verdict != "claimed":
-                continue
-            now = self.locked.now
-            cell.set(after, lease_expires_at=now + self.settings.lease_seconds, started_at=now)
-            chosen.append(cell)
-            if suspect:
-                break
-        return chosen
-
-    def _duplicate(self, rows: GenerationRows) -> list[Cell]:
-        """Take up an evaluation that has been running for far too long elsewhere, once; the first result counts."""
-        now = self.locked.now
-        longest = max(self.settings.overdue_seconds, self.settings.overdue_factor * (self.typical or 0.0))
-        for cell in rows.cells:
-            before, started_at = cell.status, cell.values["started_at"]
-            if cell.values["duplicates"] or started_at is None or now - started_at < longest:
-                continue
-            after, verdict = settle(before, Duplicated(self.worker))
-            if verdict == "duplicated":
-                rows.note_try(cell, before.attempts, before.worker, "overdue", now)
-                cell.set(after, duplicates=1, lease_expires_at=now + self.settings.lease_seconds, started_at=now)
-                return [cell]
-        return []
+    def _ahead(self, rows: GenerationRows) -> list[GenerationRows]:
+        """Rows of the generation that was begun ahead, if there is one."""
+        if not self.calibration.problem.method.may_overlap or self.locked.row.retry_to is not None:
+            return []
+        ahead = load_generation(self.connection, self.locked.id, rows.generation + 1, briefly=self.large)
+        return [ahead] if ahead.cells else []
 
     def _claim(self, rows: GenerationRows, cells: Sequence[Cell], *, last: bool) -> Claim:
         # A search that learns from stored runs advances here, where they are stored.
@@ -351,6 +388,14 @@ def _typical(results: Sequence[Mapping[str, Any]], before: float | None) -> floa
     return max(statistics.median(succeeded), statistics.fmean(every) if len(every) > len(succeeded) else 0.0)
 
 
+def _pending(rows: GenerationRows) -> int:
+    return sum(cell.status.state == "pending" for cell in rows.cells)
+
+
+def _all_dispatched(job_id: str, transition: Transition) -> list[GenerationRows]:
+    dispatched = (i for i in transition.instructions if isinstance(i, DispatchGeneration))
+    return [GenerationRows.dispatch(job_id, i.generation, i.positions) for i in dispatched]
+
+
 def _dispatched(job_id: str, transition: Transition) -> GenerationRows:
-    dispatch = next(i for i in transition.instructions if isinstance(i, DispatchGeneration))
-    return GenerationRows.dispatch(job_id, dispatch.generation, dispatch.positions)
+    return _all_dispatched(job_id, transition)[0]

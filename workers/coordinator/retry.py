@@ -1,4 +1,4 @@
-"""Runs the failed evaluations of a paused or ended job again, without touching what the search has been told.
+"""Reruns the failed evaluations of a paused or ended job, without changing the results given to the search.
 
 The search was told of a failure when its generation was joined, and went on from there; that is not undone. Another
 try changes the evaluation's own row, which then says what the forward model gives, and with it the best evaluation, the
@@ -26,6 +26,7 @@ from geoswarm.workers.queries.jobs import LockedJob, publish_state
 from geoswarm.workers.queries.queue import REOPENED, first_place
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
+from geoswarm.workers.store.outbox import insert_deliveries
 from geoswarm.workers.store.tables import attempts, evaluations, generations, jobs
 
 __all__ = ["begin_retry", "finish_retry", "open_retries"]
@@ -49,7 +50,7 @@ def begin_retry(connection: Connection, locked: LockedJob, *, gap: float) -> int
     joined = bool(unpack_json(row.stop_reasons))
     unfinished = row.retry_to is None and not joined and row.state in ("paused", "failed")
     past = _reopen(connection, locked, evaluations.c.generation < row.generation)
-    current = _reopen(connection, locked, evaluations.c.generation == row.generation) if unfinished else 0
+    current = _reopen(connection, locked, evaluations.c.generation >= row.generation) if unfinished else 0
     if past + current == 0:
         raise NothingToRetryError(locked.id)
     if row.state == "paused" and past == 0:
@@ -95,7 +96,7 @@ def _reopen(connection: Connection, locked: LockedJob, where: ColumnElement[bool
 
 
 def open_retries(connection: Connection, locked: LockedJob) -> tuple[int | None, bool]:
-    """Return the first generation with an evaluation to run again, None: without one, and whether some are running."""
+    """Return the first generation with an evaluation to rerun (None if there is none), and whether some are running."""
     here = evaluations.c.job_id == locked.id
     past = evaluations.c.generation < locked.row.generation
     first = connection.scalar(select(func.min(evaluations.c.generation)).where(here, past, text(REOPENED)))
@@ -106,7 +107,7 @@ def open_retries(connection: Connection, locked: LockedJob) -> tuple[int | None,
 def finish_retry(
     connection: Connection, locked: LockedJob, problem: Problem | None, *, gap: float, state: str | None = None
 ) -> None:
-    """End it, early or because all have been run: count anew, find the best, and give the job its state.
+    """End the rerun, early or complete: recount, find the best, and set the state of the job.
 
     Parameters
     ----------
@@ -159,6 +160,8 @@ def finish_retry(
     connection.execute(update(jobs).where(jobs.c.id == locked.id).values(values))
     _refresh_generations(connection, locked)
     publish_state(connection, locked, target, unpack_json(row.stop_reasons), values["error"])
+    if ended:
+        insert_deliveries(connection, locked.id, row.owner, target, locked.now)
 
 
 def _best(connection: Connection, here: ColumnElement[bool]) -> Best | None:

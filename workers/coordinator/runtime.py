@@ -1,4 +1,4 @@
-"""Applies events to the store: locks the job's row, asks the pure machines, writes, commits; ringing comes after.
+"""Applies events to the store: locks the job's row, calls the pure state machines, writes, commits, and then rings.
 
 Every change of a job and of its evaluations happens while the transaction holds the lock of the job's row, taken before
 anything else is read. So counting what is left of a generation and advancing it cannot race, whatever the isolation
@@ -7,7 +7,7 @@ level, and there is one order of locks.
 
 from __future__ import annotations
 
-from collections.abc import Callable, MutableMapping, Sequence
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from functools import partial
 from weakref import WeakKeyDictionary
@@ -24,8 +24,9 @@ from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
 from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
+from geoswarm.workers.coordinator.together import Together
 from geoswarm.workers.coordinator.tries import expire_cell, give_back
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
+from geoswarm.workers.coordinator.work import AgentSide, Asked, Claim, Exchange, HandIn
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.queries.evaluations import (
     GenerationRows,
@@ -56,20 +57,26 @@ from geoswarm.workers.store.event_bell import insert_events
 __all__ = ["Runtime"]
 
 
+SMALL = 64
+"""Up to so many evaluations of a generation are read at once; two questions for fewer columns cost more."""
+
+
 class Runtime:
-    """The coordinator of all jobs in one store; holds no state of its own, but remembers finished runs."""
+    """The coordinator of all jobs in one store; it has no state of its own except a memory of finished runs."""
 
     def __init__(self, store: Store, settings: Settings) -> None:
         self.store = store
         self.settings = settings
         self.logs: MutableMapping[Calibration, RunLog] = WeakKeyDictionary()
+        self._large: MutableMapping[Calibration, bool] = WeakKeyDictionary()
+        self._together = Together(self._exchange)
 
     def shortage(self) -> str | None:
-        """Return why no evaluation is given out and no job taken now: the reserve of free disk; None: all is well."""
+        """Return why no evaluations are handed out and no jobs accepted now (too little free disk), or None."""
         return self.store.shortage(self.settings.disk_reserve_mb * 1e6)
 
     def request(self, job_id: str, event: Request) -> bool:
-        """Apply a user's request; return whether workers should be woken.
+        """Apply a user's request; return whether to wake workers.
 
         Raises
         ------
@@ -90,7 +97,7 @@ class Runtime:
         return self.store.write(work)
 
     def change_stopping(self, job_id: str, stopping: Stopping, quota_of: str | None) -> bool:
-        """Store other stop criteria, and go on with a job that has ended; return whether workers should be woken.
+        """Store new stop criteria, and continue a job that has ended; return whether to wake workers.
 
         Raises
         ------
@@ -138,12 +145,12 @@ class Runtime:
         self._apply(job_id, JobStarted(progress))
 
     def give_up(self, job_id: str, message: str) -> None:
-        """End a job that cannot be worked on; one whose failures are run again is then what it was before."""
+        """End a job that cannot be run; one whose failures are being rerun returns to its previous state."""
 
         self._stop(job_id, lambda: JobBroken(message))
 
     def refuse(self, job_id: str, why: Callable[[], str | None]) -> None:
-        """Have a job wait that this worker cannot run; one whose failures are run again ends that.
+        """Let a job wait that this worker cannot run; if its failures are being rerun, end the rerun.
 
         Parameters
         ----------
@@ -168,8 +175,9 @@ class Runtime:
         live_workers: int,
         want: bool,
         taken_up: bool = False,
+        agent: AgentSide | None = None,
     ) -> Exchange:
-        """Take in what a worker has, advance the job when its generation is complete, and hand out the next claim.
+        """Accept the results of a worker, advance the job when its generation is complete, and hand out the next claim.
 
         Parameters
         ----------
@@ -179,23 +187,49 @@ class Runtime:
             Whether the worker takes a new claim; it gets none while the disk is short.
         taken_up
             The worker turns to this job now: the others move up in the line.
+        agent
+            What stands between it and the database, where the worker is the slot of an agent.
+
+        Threads of one process that come together share a transaction; see
+        :mod:`geoswarm.workers.coordinator.together`.
         """
-
         want = want and self.shortage() is None
+        return self._together.ask(job_id, calibration, Asked(worker, hand_in, live_workers, want, taken_up, agent))
 
-        def work(connection: Connection, what: HandIn, closed: Closed | None) -> tuple[Exchange, Due | None]:
-            locked = lock_job(connection, job_id)
+    def _exchange(self, job_id: str, calibration: Calibration, asked: Sequence[Asked]) -> list[Exchange]:
+        """Exchange for several workers in one transaction, or one by one where that cannot be."""
+
+        def work(
+            connection: Connection, what: Mapping[int, Asked], closed: Closed | None
+        ) -> tuple[dict[int, Exchange] | None, Due | None]:
+            locked = lock_job(connection, job_id, briefly=True)
             if locked is None:
-                return Exchange(), None
-            log = self.logs.get(calibration)
-            session = JobExchange(self.settings, log, connection, locked, worker, calibration, live_workers)
-            return session.run(what, want, taken_up, closed), session.due
+                return {}, None
+            if locked.row.retry_to is not None:
+                locked = lock_job(connection, job_id) or locked  # the end of it needs all of the row
+            large = self._large.get(calibration, False)
+            session = JobExchange(self.settings, self.logs.get(calibration), connection, locked, calibration, large)
+            if session.alone([*what.values()]):
+                return None, None
+            admitted = {number: one for number, one in what.items() if _admitted(connection, one)}
+            if not admitted:
+                return {}, None
+            answers = dict(zip(admitted, session.run([*admitted.values()], closed), strict=True))
+            for number, answer in answers.items():
+                if (agent := admitted[number].agent) is not None:
+                    agent.settles(connection, answer)
+            self._large[calibration] = session.particles > SMALL
+            return answers, session.due
 
-        answer, due = self.store.write(lambda connection: work(connection, hand_in, None))
-        while due is not None:
+        brought = dict(enumerate(asked))
+        answers, due = self.store.write(lambda connection: work(connection, brought, None))
+        while answers is not None and due is not None:
             closed = self._close(job_id, calibration, due)
-            answer, due = self.store.write(partial(work, what=HandIn(), closed=closed))
-        return answer
+            still = {number: replace(brought[number], hand_in=HandIn()) for number in answers}
+            answers, due = self.store.write(partial(work, what=still, closed=closed))
+        if answers is None:
+            return [answer for one in asked for answer in self._exchange(job_id, calibration, [one])]
+        return [answers.get(number, Exchange()) for number in range(len(asked))]
 
     def _close(self, job_id: str, calibration: Calibration, due: Due) -> Closed:
         """Close a generation with all runs so far. They are final, and no transaction is open while it searches."""
@@ -215,7 +249,7 @@ class Runtime:
         return Closed(generation, apply(due.job, joined, calibration), due.stopping)
 
     def tell_kernels(self, job_id: str, seconds: float | None) -> None:
-        """Tell who watches a job that kernels are being compiled for it, None, or were, in so many seconds."""
+        """Tell watchers of a job that kernels are being compiled for it (None), or were, and in how many seconds."""
 
         def work(connection: Connection) -> None:
             locked = lock_job(connection, job_id)
@@ -235,8 +269,24 @@ class Runtime:
 
         self.store.write(work)
 
+    def take_back(self, job_id: str, generation: int, held: Sequence[tuple[int, int]], worker: str) -> None:
+        """Take evaluations, given by particle and attempt, from a worker that may not have them; no attempt is
+        counted."""
+
+        def work(connection: Connection) -> None:
+            locked = lock_job(connection, job_id)
+            if locked is None:
+                return
+            rows = load_generation(connection, job_id, generation)
+            for particle, attempt in held:
+                if particle < len(rows.cells):
+                    give_back(rows, rows.cells[particle], worker, attempt, locked.now, killed=False)
+            rows.write(connection)
+
+        self.store.write(work)
+
     def expire(self, job_id: str, generation: int, lost_workers: Sequence[str]) -> int:
-        """End the leases of a generation that are overdue or whose worker is lost; return how many.
+        """End the leases of a generation that are overdue or whose worker is lost; return their number.
 
         A worker that is heard of has not lost its evaluation: the store is slow, and its word is on its way. It gets
         as much time again; then the evaluation goes to others, and the try does not count.
@@ -251,10 +301,12 @@ class Runtime:
             expired = 0
             fatal: str | None = None
             heard = live_workers(connection, self.settings.lease_seconds).difference(lost_workers)
-            for cell in rows.cells:
+            running = [cell for cell in rows.cells if cell.status.state == "running"]
+            rows.read(running)
+            for cell in running:
                 lease, worker = cell.values["lease_expires_at"], cell.status.worker
                 late = 0.0 if lease is None else locked.now - lease
-                if cell.status.state != "running" or (late <= 0.0 and worker not in lost_workers):
+                if late <= 0.0 and worker not in lost_workers:
                     continue
                 if worker is not None and worker in heard:
                     if late <= self.settings.lease_seconds:
@@ -300,7 +352,11 @@ class Runtime:
                     GenerationRows.dispatch(locked.id, instruction.generation, instruction.positions).write(connection)
 
 
+def _admitted(connection: Connection, asked: Asked) -> bool:
+    return asked.agent is None or asked.agent.admits(connection, asked.hand_in)
+
+
 def read_failures(connection: Connection, job_id: str) -> Failures:
-    """Return what the problem of a job says about failures."""
+    """Return the failure policy of a job's problem."""
     row = get_problem(connection, job_id)
     return Failures() if row is None else Failures.model_validate(unpack_problem(row.problem).get("failures", {}))

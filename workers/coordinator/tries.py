@@ -1,4 +1,4 @@
-"""What a result, a lost worker or a claim given back does to one evaluation among the rows of its generation."""
+"""Effect of a result, a lost worker or a returned claim on one evaluation among the rows of its generation."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STOPPED = "stopped"  # killed in mid-run because its job was paused or cancelled
 def record_result(
     connection: Connection, rows: GenerationRows, result: Result, worker: str, failures: Failures
 ) -> str | None:
-    """Enter what a worker hands in; return why that ends the job, None: it does not."""
+    """Store a result; return why it ends the job, or None."""
     cell = rows.cells[result.particle]
     if cell.status.attempts == 0:
         cell.status, _ = settle(cell.status, Claimed(worker))  # begun in the worker that dispatched it
@@ -77,7 +77,7 @@ def record_result(
 
 
 def expire_cell(connection: Connection, rows: GenerationRows, cell: Cell, failures: Failures, now: float) -> str | None:
-    """Take a running evaluation from a lost worker; return why that ends the job, None: it does not."""
+    """Take a running evaluation from a lost worker; return why that ends the job, or None."""
     before = cell.status
     tries = rows.tries(connection, cell)
     after, verdict = settle(before, LeaseExpired(_further_try(tries, "worker_lost", failures)))

@@ -1,18 +1,20 @@
-"""What goes back and forth between a worker and the runtime."""
+"""Messages between a worker and the runtime."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
+from sqlalchemy import Connection
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.workers.states.job import Job, Joined, Transition
 
-__all__ = ["Claim", "Exchange", "HandIn", "WholeGeneration", "Result", "Sizing", "joined"]
+__all__ = ["AgentSide", "Asked", "Claim", "Exchange", "HandIn", "WholeGeneration", "Result", "Sizing", "joined"]
 
 HANDING_OUT_SECONDS = 0.0002  # what it costs to hand out an evaluation and to take in its result
 LONG_BURST = 10.0  # times burst_seconds, for runs that cost less than that
@@ -53,7 +55,7 @@ class Claim:
     last: bool = False
 
     def followed_by(self, ahead: Claim, *, without: Sequence[Result]) -> Claim:
-        """Return what is held of this claim without these results, and one that follows it."""
+        """Return what remains of this claim without these results, joined with a claim that follows it."""
         finished = {result.particle for result in without}
         left = [index for index, particle in enumerate(self.particles) if particle not in finished]
         return replace(
@@ -66,7 +68,7 @@ class Claim:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Outcome of one try; times are the database's [s]; ``log``: the end of what a failed one has written."""
+    """Outcome of one attempt; times are the database's [s]; ``log``: the end of the output of a failed one."""
 
     particle: int
     attempt: int
@@ -78,7 +80,7 @@ class Result:
 
 @dataclass(frozen=True, slots=True)
 class WholeGeneration:
-    """A generation that one worker ran alone, with what the state machine made of it."""
+    """A generation that one worker ran alone, with the outcome of the state machine."""
 
     generation: int
     results: Sequence[Result]
@@ -88,7 +90,7 @@ class WholeGeneration:
 
 @dataclass(frozen=True, slots=True)
 class HandIn:
-    """What a worker returns for a claim: whole generations in order, then results of the last one begun.
+    """What a worker returns for a claim: whole generations in order, then results of the last one started.
 
     ``killed``: it was at one more particle, which was killed on request. ``partial``: it goes on with the rest.
     """
@@ -101,10 +103,51 @@ class HandIn:
     partial: bool = False
 
     def under_way(self) -> frozenset[int]:
-        """Particles that the worker goes on with."""
+        """Particles that the worker continues with."""
         if self.claim is None or not self.partial:
             return frozenset()
         return frozenset(self.claim.particles) - {result.particle for result in self.results}
+
+
+class AgentSide(Protocol):
+    """What an exchange does for an agent, in the same transaction and with the job's row locked."""
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions with which the agent calculates."""
+
+    def most(self, typical: float | None) -> int:
+        """How many evaluations the agent takes at once, if one typically takes this long [s]."""
+
+    def admits(self, connection: Connection, hand_in: HandIn) -> bool:
+        """Whether results may be accepted: they were not before."""
+
+    def settles(self, connection: Connection, answer: Exchange) -> None:
+        """Record what the agent is given."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What one worker brings to an exchange, and requests from it; see :meth:`Runtime.exchange`.
+
+    Parameters
+    ----------
+    live_workers
+        Number of workers that share the job's evaluations.
+    want
+        Whether it takes a new claim.
+    taken_up
+        It turns to this job now.
+    agent
+        What stands between it and the database, where the worker is the slot of an agent.
+    """
+
+    worker: str
+    hand_in: HandIn
+    live_workers: int
+    want: bool
+    taken_up: bool = False
+    agent: AgentSide | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +177,7 @@ class Exchange:
 
 
 def joined(evaluations: Sequence[Evaluation]) -> list[Joined]:
-    """Return what the state machine needs of the results of a generation."""
+    """Return the results of a generation in the form that the state machine needs."""
     return [Joined(e.objective, e.reason, e.message) for e in evaluations]
 
 
@@ -154,14 +197,14 @@ class Sizing:
     chunk_seconds: float
 
     def burst(self, typical_seconds: float | None, particles: int) -> bool:
-        """Whether whole generations are to stay in one worker."""
+        """Whether whole generations stay in one worker."""
         if typical_seconds is None:
             return False
         longest = self.burst_seconds * (LONG_BURST if typical_seconds < HANDING_OUT_SECONDS else 1.0)
         return typical_seconds * particles < longest
 
     def chunk(self, typical_seconds: float | None, particles: int, left: int, live_workers: int) -> int:
-        """Return the number of evaluations that go out together, ``left`` of all particles not being begun yet."""
+        """Return the number of evaluations that go out together, when ``left`` of all particles are not started yet."""
         workers = max(live_workers, 1)
         if typical_seconds is None or typical_seconds > self.single_seconds:
             return 1

@@ -1,4 +1,4 @@
-"""Runs beside a worker: tells that it is alive, renews its leases, and looks whether what it runs is still wanted."""
+"""Runs alongside a worker: signals that it is alive, renews its leases, and checks whether its work is still wanted."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Heartbeat:
         self._thread = threading.Thread(target=self._beat, name="geoswarm-heartbeat", daemon=True)
 
     def start(self) -> None:
-        """Enter the list of workers and begin.
+        """Register the worker and start.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""A worker: claims evaluations of a job, runs them with no transaction open, hands them in, and goes on."""
+"""A worker: claims evaluations of a job, runs them with no transaction open, hands in the results, and continues."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, NoProce
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.coordinator.runtime import Runtime
+from geoswarm.workers.coordinator.width import free_slots
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
 from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.errors import StoreUnavailableError, WorkersError
@@ -27,7 +28,7 @@ from geoswarm.workers.operations.tally import tally
 from geoswarm.workers.queries.jobs import current_generation, get_problem
 from geoswarm.workers.queries.offers import read_offer
 from geoswarm.workers.queries.queue import most_urgent_job
-from geoswarm.workers.queries.workers import busy_workers, count_live, forget_worker
+from geoswarm.workers.queries.workers import count_live, forget_worker
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
@@ -73,7 +74,7 @@ class Worker:
         self._calibrations: LRUCache[str, Calibration] = LRUCache(CACHED_CALIBRATIONS)
 
     def start(self) -> None:
-        """Enter the list of workers, begin the heartbeat, and make ready to evaluate.
+        """Register the worker, start the heartbeat, and prepare to evaluate.
 
         Raises
         ------
@@ -113,7 +114,7 @@ class Worker:
         if (shortage is None) is self._short:
             self._short = shortage is not None
             log.warning(
-                "worker %s %s", self.identity.id, f"waits: {shortage}" if shortage else "goes on: there is room"
+                "worker %s %s", self.identity.id, f"waits: {shortage}" if shortage else "continues: there is room"
             )
         if shortage is not None:
             return None
@@ -128,7 +129,7 @@ class Worker:
         )
 
     def serve(self, job_id: str) -> None:
-        """Work on a job until nothing of it is to be had or the time slice ends; never raises.
+        """Work on a job until nothing can be claimed or the time slice ends; never raises.
 
         A bug anywhere in the job's own code ends this job as failed, not the worker.
         """
@@ -169,7 +170,7 @@ class Worker:
         answer = self._exchange(job_id, calibration, HandIn(), turn)
         if answer.queued:
             try:
-                progress: Progress | InfeasibleSpaceError = calibration.start(self._free_slots())
+                progress: Progress | InfeasibleSpaceError = calibration.start(self._free_slots(job_id, calibration))
             except InfeasibleSpaceError as error:
                 progress = error
             self.runtime.start(job_id, progress)
@@ -295,10 +296,9 @@ class Worker:
         except WorkersError as error:
             log.warning("job %s could not be ended: %s", job_id, error, extra={"job": job_id})
 
-    def _free_slots(self) -> int:
-        """Number of workers that hold no evaluation of another job."""
-        busy = self.store.read(lambda connection: len(busy_workers(connection)))
-        return max(1, self._live_workers - busy)
+    def _free_slots(self, job_id: str, calibration: Calibration) -> int:
+        model = calibration.problem.forward_model
+        return self.store.read(lambda connection: free_slots(connection, self.settings, model, job_id))
 
     def _count_live(self) -> None:
         lease = self.settings.lease_seconds

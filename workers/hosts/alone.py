@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.doorbell import Doorbell, MuteDoorbell
+from geoswarm.workers.notices.notifier import Notifier
+from geoswarm.workers.notices.settings import NoticeSettings
 from geoswarm.workers.operations.sweep import Sweeper, with_signals
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -21,19 +23,24 @@ def remote_doorbell(settings: Settings) -> Doorbell:
 
 
 def run_sweep(settings: Settings) -> None:
-    """Sweep until SIGINT or SIGTERM: the process behind ``geoswarm sweep``.
+    """Sweep, and tell of jobs that have ended, until SIGINT or SIGTERM: the process behind ``geoswarm sweep``.
 
     Raises
     ------
+    SettingsError
     StoreUnavailableError
         When the database cannot be reached at the start.
     """
+    notices = NoticeSettings.from_environment()
     store = Store(settings)
     doorbell = remote_doorbell(settings)
+    notifier = Notifier(store, settings, notices)
     sweeper = Sweeper(Runtime(store, settings), doorbell)
     with_signals(sweeper.end)
+    notifier.start()
     try:
         sweeper.run()
     finally:
+        notifier.stop()
         doorbell.close()
         store.close()

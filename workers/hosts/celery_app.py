@@ -145,7 +145,7 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     SystemExit
         With Celery's exit code when it gave up.
     """
-    from geoswarm.solver.runner.fork_server_link import ONE_THREAD
+    from geoswarm.solver.system.environment import ONE_THREAD
     from geoswarm.workers.store import Store
     from geoswarm.workers.store.file import missing_database
 

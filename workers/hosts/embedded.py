@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 from geoswarm.environment import without_secrets
 from geoswarm.solver.kernels.cache import settle
-from geoswarm.solver.runner.fork_server_link import ONE_THREAD
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.wire import readable
+from geoswarm.solver.system.environment import ONE_THREAD
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
@@ -192,4 +192,4 @@ class Supervisor:
                 self.sweeper.release(row.job_id, row.generation, lost)
             store.write(lambda connection: forget_worker(connection, lost[0]))
         except StoreUnavailableError as error:
-            log.warning("what worker %s held comes back through its lease: %s", lost[0], error)
+            log.warning("the evaluations of worker %s return when its lease expires: %s", lost[0], error)

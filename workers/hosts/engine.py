@@ -9,6 +9,7 @@ from typing import Self
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.hosts.embedded import PipeDoorbell, Supervisor
+from geoswarm.workers.notices.notifier import Notifier
 from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -24,6 +25,8 @@ class Engine:
     ------
     StoreUnavailableError, BrokerUnavailableError
         When the database or the broker does not answer.
+    SettingsError
+        When the environment has a mistake about telling of jobs that have ended.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -42,6 +45,9 @@ class Engine:
                 self.supervisor.start()
             started.callback(sweeper.stop)
             sweeper.start()
+            notifier = Notifier(store, settings)
+            started.callback(notifier.stop)
+            notifier.start()
             self.service = JobService(store, doorbell, settings)
             started.callback(self.service.close)
             self._started = started.pop_all()

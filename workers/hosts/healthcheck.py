@@ -44,7 +44,7 @@ def what_is_wrong(settings: Settings, *, worker: bool) -> str | None:
     except WorkersError as error:
         return str(error)
     if worker and not any(row.host == socket.gethostname() and not row.lost for row in rows):
-        return "no worker process of this machine has been heard of within its lease"
+        return "no worker process on this machine has sent a heartbeat within its lease"
     return None
 
 

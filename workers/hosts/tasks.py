@@ -95,7 +95,7 @@ def _insist_on_end() -> None:
     """End the Celery worker although it waits for ever, for tasks of killed processes of which it has lost count."""
     settings: Settings = current_app.geoswarm_settings
     time.sleep(settings.grace_seconds + CLOSING_SECONDS)
-    log.warning("Celery still waits for tasks; the worker ends without it, what is left goes to others")
+    log.warning("Celery still waits for tasks; the worker ends without it, and its evaluations go to other workers")
     kill_descendants(os.getpid())
     os._exit(0)
 

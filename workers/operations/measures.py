@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sqlalchemy import Connection, and_, func, select
+from sqlalchemy import Connection, and_, func, select, text
 
 from geoswarm.records.states import UNDONE_STATES
 from geoswarm.workers.operations.tally import read_counters
 from geoswarm.workers.queries.workers import busy_workers, list_workers
 from geoswarm.workers.store.clock import database_now
-from geoswarm.workers.store.tables import evaluations, jobs
+from geoswarm.workers.store.tables import deliveries, evaluations, jobs
 
 __all__ = ["Measures", "measure"]
+
+
+WAITING = text("deliveries.state = 'waiting'")  # word for word as in its index
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +33,8 @@ class Measures:
         Time since the job was submitted that has waited longest for its first worker [s]; 0: none waits.
     workers
         Number by state: idle, busy, lost.
+    notices
+        Messages about ended jobs that wait to be delivered.
     counters
         Sums by name and label, see :mod:`geoswarm.workers.operations.tally`.
     """
@@ -39,6 +44,7 @@ class Measures:
     running: int
     oldest_wait: float
     workers: Mapping[str, int]
+    notices: int
     counters: Mapping[tuple[str, str], float]
 
 
@@ -64,5 +70,6 @@ def measure(connection: Connection, lease: float) -> Measures:
         running=open_evaluations.get("running", 0),
         oldest_wait=max(oldest or 0.0, 0.0),
         workers=states,
+        notices=connection.scalar(select(func.count()).select_from(deliveries).where(WAITING)) or 0,
         counters=read_counters(connection),
     )

@@ -137,7 +137,7 @@ def _delete_some(connection: Connection, job_id: str) -> bool:
 
 def _empty_journal(store: Store) -> None:
     if not empty_journal(store):
-        log.info("readers keep the journal of the database from being emptied now; the next sweep tries again")
+        log.info("the journal of the database cannot be emptied while it is read; the next sweep tries again")
 
 
 def _vacuum(store: Store) -> None:

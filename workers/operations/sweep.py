@@ -6,6 +6,7 @@ import logging
 import signal
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 from types import FrameType
 
 from sqlalchemy import Connection
@@ -15,6 +16,13 @@ from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import is_dead
 from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.queries.agents import (
+    any_old_leases,
+    end_lease,
+    forget_agent,
+    forget_old_leases,
+    leases_of_dead_keys,
+)
 from geoswarm.workers.queries.evaluations import overdue
 from geoswarm.workers.queries.jobs import account_running_time, clocks_overdue, get_job
 from geoswarm.workers.queries.queue import claimable_jobs, mark_rung
@@ -26,6 +34,7 @@ from geoswarm.workers.queries.workers import (
     mark_lost,
     overdue_workers,
 )
+from geoswarm.workers.store.codec import unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.journal import empty_journal
 
@@ -65,6 +74,7 @@ class Sweeper:
             store.write(lambda c: account_running_time(c, gap / 4, gap))
         if store.read(lambda c: any_lost_before(c, REMEMBER_LOST_SECONDS)):
             store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
+        self._end_leases_of_dead_keys()
         self._ring()
         tally.flush(store)
         empty_journal(store)
@@ -74,7 +84,7 @@ class Sweeper:
         expired = self.runtime.expire(job_id, generation, lost_workers)
         if expired:
             log.warning(
-                "%d evaluations of job %s, generation %d, go to other workers: their lease ended",
+                "%d evaluations of job %s, generation %d, go to other workers: their lease expired",
                 expired,
                 job_id,
                 generation,
@@ -122,6 +132,21 @@ class Sweeper:
             store.write(lambda c: mark_lost(c, lost))
             tally.add("sweep_actions", "worker_given_up", len(lost))
         return lost
+
+    def _end_leases_of_dead_keys(self) -> None:
+        """Take back what agents hold whose key was revoked or has expired, and forget what is long over."""
+        store = self.runtime.store
+        for lease in store.read(leases_of_dead_keys):
+            held = list(zip(unpack_json(lease.particles), unpack_json(lease.attempts), strict=True))
+            self.runtime.take_back(lease.job_id, lease.generation, held, lease.worker)
+            store.write(partial(end_lease, lease_id=lease.id))
+            store.write(partial(forget_agent, agent_id=lease.agent))
+            log.warning("agent %s lost a lease: its key is no longer valid", lease.agent)
+            row = store.read(partial(get_job, job_id=lease.job_id))
+            if row is not None:
+                self.doorbell.ring(lease.job_id, len(held), kind=row.forward_model)
+        if store.read(any_old_leases):
+            store.write(forget_old_leases)
 
     def _ring(self) -> None:
         store, settings = self.runtime.store, self.runtime.settings

@@ -18,7 +18,7 @@ _STATE = case((api_keys.c.revoked_at.is_not(None), "revoked"), (_EXPIRED, "expir
 
 
 def insert_key(connection: Connection, values: Mapping[str, Any], valid_seconds: float | None) -> None:
-    """Enter a key that is valid for some time [s], None: for ever."""
+    """Store a key that is valid for a time [s], None for unlimited."""
     expires = None if valid_seconds is None else database_now() + valid_seconds
     connection.execute(insert(api_keys).values(**values, created_at=database_now(), expires_at=expires))
 
@@ -35,7 +35,7 @@ def list_keys(connection: Connection) -> Sequence[Record]:
 
 
 def revoke_key(connection: Connection, key_id: str) -> None:
-    """Make a key invalid for ever."""
+    """Revoke a key permanently."""
     condition = and_(api_keys.c.id == key_id, api_keys.c.revoked_at.is_(None))
     connection.execute(update(api_keys).where(condition).values(revoked_at=database_now()))
 

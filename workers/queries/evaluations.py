@@ -35,6 +35,7 @@ __all__ = [
     "GenerationRows",
     "Cell",
     "count_failed",
+    "drop_generation",
     "get_evaluation",
     "list_attempts",
     "list_positions",
@@ -51,15 +52,19 @@ WORTH_COPYING = 50  # rows
 ROWS_AT_ONCE = 200  # keys in one statement
 KEY = ("job_id", "generation", "particle")
 
+BRIEF_COLUMNS = [evaluations.c[name] for name in ("particle", "state", "attempts", "worker")]
 RESULT_COLUMNS = [column.name for column in evaluations.columns if column.name not in (*KEY, "parameters")]
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
 GENERATION_COLUMNS = [column for column in LIST_COLUMNS if column.name != "misfits"]
+STORED_COLUMNS = ("parameters", *RESULT_COLUMNS)
 # Asked for in every exchange: built once, as building takes as long as the database's answer.
 GENERATION = (
-    select(*GENERATION_COLUMNS)
+    select(*BRIEF_COLUMNS)
     .where(evaluations.c.job_id == bindparam("job_id"), evaluations.c.generation == bindparam("generation"))
     .order_by(evaluations.c.particle)
 )
+WHOLE_GENERATION = GENERATION.with_only_columns(*GENERATION_COLUMNS)
+PART = WHOLE_GENERATION.where(evaluations.c.particle.in_(bindparam("particles", expanding=True)))
 EARLIER = (
     select(evaluations, database_now().label("now"))
     .where(
@@ -74,41 +79,73 @@ EARLIER = (
 
 @dataclass(slots=True)
 class Cell:
-    """One particle of a generation; ``changes`` are the columns to write."""
+    """One particle of a generation; ``changes`` are the columns to write, ``stored`` what was read of the others."""
 
     particle: int
     status: EvaluationStatus
-    parameters: bytes
-    values: dict[str, Any]
+    rows: GenerationRows
+    stored: dict[str, Any] | None = None
     changes: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Its columns as they will be, but for those of its key; read when they are first asked for."""
+        if self.stored is None:
+            self.rows.read([self])
+        return self.stored or {}
+
+    @property
+    def parameters(self) -> bytes:
+        """Its position."""
+        found: bytes = self.values["parameters"]
+        return found
 
     def set(self, status: EvaluationStatus, **columns: Any) -> None:
         """Give it a new status and columns."""
         self.status = status
         self.changes |= columns
         self.changes |= {"state": status.state, "attempts": status.attempts, "worker": status.worker}
-        self.values |= self.changes
+        if self.stored is not None:
+            self.stored |= self.changes
 
 
 class GenerationRows:
-    """All particles of one generation in order, read once, changed in memory, written once."""
+    """All particles of one generation in order, read once, changed in memory, written once.
 
-    def __init__(self, job_id: str, generation: int, cells: Sequence[Cell], *, new: bool) -> None:
+    Of a large generation only the states are read at first: an exchange concerns few of a thousand.
+    """
+
+    def __init__(self, job_id: str, generation: int, connection: Connection | None = None) -> None:
         self.job_id = job_id
         self.generation = generation
-        self.cells = list(cells)
+        self.cells: list[Cell] = []
         self.lost_tries: list[dict[str, Any]] = []
-        self._new = new
+        self._new = connection is None
+        self._connection = connection
 
     @classmethod
     def dispatch(cls, job_id: str, generation: int, positions: FloatArray) -> GenerationRows:
         """Make the rows of a generation that nobody has seen; ``positions`` has shape (n, d)."""
         empty = dict.fromkeys(RESULT_COLUMNS)
-        cells = [
-            Cell(particle, EvaluationStatus(), pack_array(position), dict(empty, state="pending", attempts=0))
-            for particle, position in enumerate(positions)
-        ]
-        return cls(job_id, generation, cells, new=True)
+        made = cls(job_id, generation)
+        for particle, position in enumerate(positions):
+            values = empty | {"parameters": pack_array(position), "state": "pending", "attempts": 0}
+            made.cells.append(Cell(particle, EvaluationStatus(), made, values))
+        return made
+
+    def read(self, cells: Sequence[Cell]) -> None:
+        """Read all columns of some cells, in one question for all."""
+        missing = {cell.particle: cell for cell in cells if cell.stored is None}
+        if not missing or self._connection is None:
+            return
+        given: dict[str, Any] = {"job_id": self.job_id, "generation": self.generation}
+        statement = WHOLE_GENERATION
+        if len(missing) <= ROWS_AT_ONCE:
+            statement, given = PART, given | {"particles": list(missing)}
+        for row in self._connection.execute(statement, given):
+            if row.particle in missing:
+                cell = missing[row.particle]
+                cell.stored = _stored(row) | cell.changes
 
     @property
     def complete(self) -> bool:
@@ -191,7 +228,7 @@ class GenerationRows:
 
     def _rows(self) -> list[dict[str, Any]]:
         key = {"job_id": self.job_id, "generation": self.generation}
-        return [key | {"particle": c.particle, "parameters": c.parameters} | c.values for c in self.cells]
+        return [key | {"particle": c.particle} | c.values for c in self.cells]
 
 
 @cache
@@ -223,26 +260,27 @@ def _copy(connection: Connection, rows: Sequence[dict[str, Any]]) -> None:
             copy.write_row([row[name] for name in names])
 
 
-def load_generation(connection: Connection, job_id: str, generation: int) -> GenerationRows:
-    """Read one generation; the caller has locked the job's row.
+def load_generation(connection: Connection, job_id: str, generation: int, *, briefly: bool = False) -> GenerationRows:
+    """Read one generation, ``briefly`` only the states; the caller has locked the job's row.
 
     Responses and misfits stay in the database: an evaluation that has them has ended and changes no more.
     """
-    rows = connection.execute(GENERATION, {"job_id": job_id, "generation": generation}).all()
-    return GenerationRows(
-        job_id,
-        generation,
-        [
-            Cell(
-                row.particle,
-                EvaluationStatus(row.state, row.attempts, row.worker),
-                row.parameters,
-                {name: row._mapping.get(name) for name in RESULT_COLUMNS},
-            )
-            for row in rows
-        ],
-        new=False,
-    )
+    rows = GenerationRows(job_id, generation, connection)
+    given = {"job_id": job_id, "generation": generation}
+    for row in connection.execute(GENERATION if briefly else WHOLE_GENERATION, given):
+        stored = None if briefly else _stored(row)
+        rows.cells.append(Cell(row.particle, EvaluationStatus(row.state, row.attempts, row.worker), rows, stored))
+    return rows
+
+
+def _stored(row: Record) -> dict[str, Any]:
+    return {name: row._mapping.get(name) for name in STORED_COLUMNS}
+
+
+def drop_generation(connection: Connection, job_id: str, generation: int) -> None:
+    """Remove the evaluations of a generation, and the tries at them."""
+    for table in (attempts, evaluations):
+        connection.execute(delete(table).where(table.c.job_id == job_id, table.c.generation == generation))
 
 
 def renew_leases(

@@ -7,17 +7,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-from sqlalchemy import ColumnElement, Connection, and_, func, or_, select, tuple_
+from sqlalchemy import (
+    ARRAY,
+    ColumnElement,
+    Connection,
+    Integer,
+    Select,
+    String,
+    and_,
+    bindparam,
+    func,
+    or_,
+    select,
+    tuple_,
+)
 
 from geoswarm.workers.errors import InvalidCursorError
-from geoswarm.workers.queries.cursors import decode_cursor, encode_cursor
 from geoswarm.workers.queries.jobs import VIEW_COLUMNS
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.store.clock import database_now
+from geoswarm.workers.store.cursors import decode_cursor, encode_cursor
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import generations, jobs
 
-__all__ = ["JobFilters", "SortKey", "list_jobs", "list_trends"]
+__all__ = ["JobFilters", "SortKey", "count_jobs", "list_jobs", "list_trends"]
 
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
@@ -95,6 +108,14 @@ def list_jobs(
     return rows[:limit], encode_cursor(_order(filters), value, last.id)
 
 
+def count_jobs(connection: Connection, filters: JobFilters, *, owner: str | None) -> int:
+    """Return the number of jobs that match, on all pages together; ``owner`` as for :func:`list_jobs`."""
+    statement = select(func.count()).select_from(jobs).where(*_conditions(filters))
+    if owner is not None:
+        statement = statement.where(jobs.c.owner == owner)
+    return connection.scalar(statement) or 0
+
+
 def list_trends(connection: Connection, totals: Mapping[str, int], points: int) -> dict[str, list[float | None]]:
     """Return the lowest objective so far of each job at evenly spaced generations, the last one included.
 
@@ -107,18 +128,32 @@ def list_trends(connection: Connection, totals: Mapping[str, int], points: int) 
     """
     numbers = {job_id: spaced(total, points) for job_id, total in totals.items() if total > 0}
     trends: dict[str, list[float | None]] = {job_id: [] for job_id in totals}
+    find = _listed_generations if connection.dialect.name == "postgresql" else _named_generations
     ids = list(numbers)
     for start in range(0, len(ids), TREND_JOBS_A_QUERY):
-        wanted = or_(
-            *(
-                and_(generations.c.job_id == job_id, generations.c.number.in_(numbers[job_id]))
-                for job_id in ids[start : start + TREND_JOBS_A_QUERY]
-            )
-        )
-        statement = select(generations.c.job_id, generations.c.objective).where(wanted)
+        statement = find({job_id: numbers[job_id] for job_id in ids[start : start + TREND_JOBS_A_QUERY]})
         for row in connection.execute(statement.order_by(generations.c.job_id, generations.c.number)):
             trends[row.job_id].append(row.objective)
     return trends
+
+
+def _named_generations(numbers: Mapping[str, Sequence[int]]) -> Select[Any]:
+    """Ask for generations, each named in the query."""
+    wanted = or_(
+        *(and_(generations.c.job_id == job_id, generations.c.number.in_(of)) for job_id, of in numbers.items())
+    )
+    return select(generations.c.job_id, generations.c.objective).where(wanted)
+
+
+def _listed_generations(numbers: Mapping[str, Sequence[int]]) -> Select[Any]:
+    """Ask for generations with two lists: PostgreSQL plans 1600 names for longer than it looks for them."""
+    pairs = [(job_id, number) for job_id, of in numbers.items() for number in of]
+    ids = bindparam("ids", [job_id for job_id, _ in pairs], type_=ARRAY(String))
+    places = bindparam("numbers", [number for _, number in pairs], type_=ARRAY(Integer))
+    wanted = func.unnest(ids, places).table_valued("job_id", "number").render_derived()
+    return select(generations.c.job_id, generations.c.objective).join(
+        wanted, and_(generations.c.job_id == wanted.c.job_id, generations.c.number == wanted.c.number)
+    )
 
 
 def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:

@@ -28,12 +28,14 @@ from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.calibration import Progress
 from geoswarm.solver.runs.local import GenerationRecord
 from geoswarm.solver.system.versions import versions
+from geoswarm.workers.queries.evaluations import drop_generation
 from geoswarm.workers.queries.queue import first_place
-from geoswarm.workers.states.job import Job, PublishEvent, RecordGeneration, Transition
+from geoswarm.workers.states.job import DropGeneration, Job, PublishEvent, RecordGeneration, Transition
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.event_bell import insert_events
+from geoswarm.workers.store.outbox import insert_deliveries
 from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
 
 __all__ = [
@@ -66,15 +68,30 @@ LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).s
 VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
 # Asked for in every exchange: built once, as building takes as long as the database's answer.
 LOCK = select(*COLUMNS, database_now().label("now")).where(jobs.c.id == bindparam("job_id")).with_for_update()
+# What most exchanges need: the search of a thousand particles is some hundred kilobytes of text.
+LOCK_BRIEFLY = (
+    select(
+        *(column for column in COLUMNS if column.name not in LARGE),
+        case((jobs.c.progress.is_(None), None), else_="").label("progress"),
+        database_now().label("now"),
+    )
+    .where(jobs.c.id == bindparam("job_id"))
+    .with_for_update()
+)
+WHOLE = select(*COLUMNS).where(jobs.c.id == bindparam("job_id"))
 CURRENT_GENERATION = select(jobs.c.generation).where(jobs.c.id == bindparam("job_id"), jobs.c.state == "running")
 
 
 @dataclass(frozen=True, slots=True)
 class LockedJob:
-    """A job's row, locked until the end of the transaction, and the database's time ``now``."""
+    """A job's row, locked until the end of the transaction, and the database's time ``now``.
+
+    ``brief``: the connection to read with what the row was locked without, see :func:`lock_job`.
+    """
 
     row: Record
     now: float
+    brief: Connection | None = None
 
     @property
     def id(self) -> str:
@@ -83,7 +100,7 @@ class LockedJob:
 
     def job(self) -> Job:
         """Return what the state machine knows of it."""
-        row = self.row
+        row = self.row if self.brief is None else self.brief.execute(WHOLE, {"job_id": self.id}).one()
         failures = unpack_json(row.failures)
         return Job(
             state=row.state,
@@ -103,10 +120,14 @@ class LockedJob:
         return seconds
 
 
-def lock_job(connection: Connection, job_id: str) -> LockedJob | None:
-    """Lock a job's row and read it; None when there is no such job."""
-    row = connection.execute(LOCK, {"job_id": job_id}).one_or_none()
-    return None if row is None else LockedJob(row, row.now)
+def lock_job(connection: Connection, job_id: str, *, briefly: bool = False) -> LockedJob | None:
+    """Lock a job's row and read it; None when there is no such job.
+
+    ``briefly``: without what the search knows, of which the row tells only whether it is there; :meth:`LockedJob.job`
+    reads it.
+    """
+    row = connection.execute(LOCK_BRIEFLY if briefly else LOCK, {"job_id": job_id}).one_or_none()
+    return None if row is None else LockedJob(row, row.now, connection if briefly else None)
 
 
 def save_job(
@@ -141,6 +162,9 @@ def save_job(
     ]
     if published:
         insert_events(connection, published)
+    for instruction in instructions:
+        if isinstance(instruction, DropGeneration):
+            drop_generation(connection, locked.id, instruction.generation)
     progress = after.progress
     ended = after.state in ENDED_STATES
     values: dict[str, Any] = {
@@ -179,12 +203,14 @@ def save_job(
     changed = connection.execute(update(jobs).where(condition).values(values))
     if changed.rowcount != 1:
         raise RuntimeError(f"job {locked.id} changed while its row was locked")
+    if ended:
+        insert_deliveries(connection, locked.id, before.owner, after.state, locked.now)
 
 
 def publish_state(
     connection: Connection, locked: LockedJob, state: str, stop_reasons: Sequence[str], error: str | None
 ) -> None:
-    """Tell who watches that a job has another state."""
+    """Tell watchers that the state of a job has changed."""
     data = pack_json({"state": state, "stop_reasons": list(stop_reasons), "error": error})
     insert_events(connection, [{"job_id": locked.id, "kind": "state", "data": data, "created_at": locked.now}])
 
@@ -246,7 +272,7 @@ def get_job(connection: Connection, job_id: str) -> Record | None:
 
 
 def current_generation(connection: Connection, job_id: str) -> int | None:
-    """Return the number of the generation that a running job is at, None when there is no such job."""
+    """Return the current generation of a running job, None if there is no such job."""
     number: int | None = connection.scalar(CURRENT_GENERATION, {"job_id": job_id})
     return number
 

@@ -1,4 +1,4 @@
-"""Runs that earlier jobs offer to a job: found when it is submitted, stored with it, read when it is taken up."""
+"""Runs that earlier jobs offer to a job: found when it is submitted, stored with it, read when it starts."""
 
 from __future__ import annotations
 

@@ -14,10 +14,12 @@ from typing import Any
 from sqlalchemy import (
     ColumnElement,
     Connection,
+    Double,
     ScalarSelect,
     Select,
     TextClause,
     and_,
+    bindparam,
     case,
     func,
     literal,
@@ -32,7 +34,7 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import OPEN, evaluations, jobs, turns
 
-__all__ = ["REOPENED", "claimable_jobs", "first_place", "mark_rung", "most_urgent_job", "note_served"]
+__all__ = ["REOPENED", "claimable_jobs", "first_place", "mark_rung", "most_urgent_job", "note_served", "open_needs"]
 
 SECONDS_A_PRIORITY = 10.0
 CLOCK_STEP = 1e-6  # [s], four times what a float of seconds since 1970 can tell apart
@@ -55,6 +57,8 @@ def most_urgent_job(
     kinds: Collection[str] = (),
     without: Collection[str] = (),
     overdue: tuple[float, float] | None = None,
+    needs: Collection[str] | None = None,
+    seconds: float | None = None,
 ) -> Record | None:
     """Return ``id`` and ``forward_model`` of the job whose turn it is, None: there is nothing to do.
 
@@ -67,18 +71,39 @@ def most_urgent_job(
     overdue
         Time [s] and multiple of the typical time after which an evaluation may be run twice at once, when there is
         nothing else to do; None: never.
+    needs
+        Only jobs that need one of these of who runs them; None: all.
+    seconds
+        Only jobs whose evaluations typically take less [s], or of which that is not known; None: all.
     """
-    first, late = _most_urgent(frozenset(kinds), frozenset(without), overdue)
-    row = connection.execute(first).one_or_none()
-    return connection.execute(late).one_or_none() if row is None and late is not None else row
+    asked = None if needs is None else frozenset(needs)
+    first, late = _most_urgent(frozenset(kinds), frozenset(without), overdue, asked, seconds is not None)
+    given = {} if seconds is None else {"left": seconds}
+    row = connection.execute(first, given).one_or_none()
+    return connection.execute(late, given).one_or_none() if row is None and late is not None else row
+
+
+def open_needs(connection: Connection, overdue: tuple[float, float]) -> Sequence[Record]:
+    """Return what open jobs need from a worker: ``needs``, and the least ``typical`` time of each [s]."""
+    statement = select(jobs.c.needs, func.min(func.coalesce(jobs.c.typical_seconds, 0.0)).label("typical"))
+    condition = (WAITING, jobs.c.needs.is_not(None), or_(_ready(), _late(*overdue)))
+    return connection.execute(statement.where(*condition).group_by(jobs.c.needs)).all()
 
 
 @lru_cache(maxsize=64)  # workers ask often, and building these takes longer than the database's answer
 def _most_urgent(
-    kinds: frozenset[str], without: frozenset[str], overdue: tuple[float, float] | None
+    kinds: frozenset[str],
+    without: frozenset[str],
+    overdue: tuple[float, float] | None,
+    needs: frozenset[str] | None,
+    limited: bool,
 ) -> tuple[Select[Any], Select[Any] | None]:
     """Return what asks for the job whose turn it is, and for one with an evaluation that is overdue."""
     wanted = and_(WAITING, _of_kinds(kinds, without))
+    if needs is not None:
+        wanted = and_(wanted, jobs.c.needs.in_(sorted(needs)))
+    if limited:
+        wanted = and_(wanted, func.coalesce(jobs.c.typical_seconds, 0.0) <= bindparam("left", type_=Double()))
     first = (
         select(jobs.c.id)
         .where(jobs.c.line == turns.c.line, wanted, _ready())
@@ -155,7 +180,7 @@ def _of_kinds(kinds: Collection[str], without: Collection[str]) -> ColumnElement
 def _ready() -> ColumnElement[bool]:
     """Whether a worker can claim something of a job, start it, or advance it."""
     current = evaluations.c.generation == jobs.c.generation
-    claimable = _some(current, evaluations.c.state == "pending")
+    claimable = _some(evaluations.c.generation >= jobs.c.generation, evaluations.c.state == "pending")
     running = _some(current, evaluations.c.state == "running")
     reopened = _some(text(REOPENED))
     retrying = _some(text("evaluations.state = 'running'"))

@@ -127,7 +127,7 @@ def read_records(connection: Connection, job: Record) -> list[GenerationRecord]:
 
 
 def spaced(total: int, points: int) -> list[int]:
-    """Return at most so many whole numbers below ``total``, evenly spaced, the first and the last one included."""
+    """Return at most this many whole numbers below ``total``, evenly spaced, including the first and the last."""
     if total <= points:
         return list(range(total))
     return sorted({round(i * (total - 1) / max(points - 1, 1)) for i in range(points)} | {total - 1})[-points:]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from sqlalchemy import Connection, update
 
@@ -21,18 +21,23 @@ log = logging.getLogger(__name__)
 Versions = dict[str, str]
 
 
-def note_versions(connection: Connection, locked: LockedJob, worker: str) -> None:
-    """Record the versions of this process with a job that it evaluates for, and warn when they are new to it."""
-    own = dict(versions())
+def note_versions(
+    connection: Connection, locked: LockedJob, calculating: Mapping[str, Mapping[str, str] | None]
+) -> None:
+    """Record with a job under which versions workers calculate, None: those of this process; warn of new ones."""
     known = recorded_versions(locked.row)
-    if any(other is not None and not differences(other, own) for other in known):
-        return
-    after = [*known, own]
-    connection.execute(update(jobs).where(jobs.c.id == locked.id).values(versions=pack_json(after)))
-    message = version_warnings([known[0], own])[0]
-    log.warning("job %s: %s", locked.id, message, extra={"job": locked.id, "worker": worker})
-    data = pack_json({"recorded": known[0], "found": own, "worker": worker, "message": message})
-    insert_events(connection, [{"job_id": locked.id, "kind": "versions", "data": data, "created_at": locked.now}])
+    before = len(known)
+    for worker, found in calculating.items():
+        own = dict(versions() if found is None else found)
+        if own in known or any(other is not None and not differences(other, own) for other in known):
+            continue
+        known.append(own)
+        message = version_warnings([known[0], own])[0]
+        log.warning("job %s: %s", locked.id, message, extra={"job": locked.id, "worker": worker})
+        data = pack_json({"recorded": known[0], "found": own, "worker": worker, "message": message})
+        insert_events(connection, [{"job_id": locked.id, "kind": "versions", "data": data, "created_at": locked.now}])
+    if len(known) > before:
+        connection.execute(update(jobs).where(jobs.c.id == locked.id).values(versions=pack_json(known)))
 
 
 def recorded_versions(row: Record) -> list[Versions | None]:
@@ -49,7 +54,7 @@ def version_warnings(recorded: Sequence[Versions | None]) -> list[str]:
             continue
         if first is None:
             named = ", ".join(f"{name} {number}" for name, number in other.items())
-            warnings.append(f"begun under versions that were not recorded, continued under {named}")
+            warnings.append(f"started with unrecorded versions, continued with {named}")
         else:
-            warnings.append(f"continued under other versions: {', '.join(differences(first, other))}")
-    return [f"{warning}; numbers may differ from those of a run under one set of versions" for warning in warnings]
+            warnings.append(f"continued with other versions: {', '.join(differences(first, other))}")
+    return [f"{warning}; numbers may differ from those of a run with one set of versions" for warning in warnings]

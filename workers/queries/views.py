@@ -15,7 +15,7 @@ from geoswarm.records.event import Event
 from geoswarm.records.generation import Generation
 from geoswarm.records.job import Job
 from geoswarm.records.record import Number
-from geoswarm.records.worker import Worker
+from geoswarm.records.worker import AgentSlot, Worker
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.queries.versions import recorded_versions, version_warnings
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
@@ -154,4 +154,17 @@ def worker_view(row: Record, work: Record | None, *, visible: bool = True) -> Wo
         generation=work.generation if work is not None and visible else None,
         evaluations=None if work is None else work.claimed,
         busy_since=None if work is None else to_optional_datetime(work.since),
+        agent=_agent_slot(row),
+    )
+
+
+def _agent_slot(row: Record) -> AgentSlot | None:
+    if row.agent is None or row.slots is None:
+        return None
+    return AgentSlot(
+        id=row.agent,
+        slots=row.slots,
+        system=row.system,
+        version=unpack_json(row.versions).get("geoswarm", ""),
+        models=unpack_json(row.models),
     )

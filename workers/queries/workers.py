@@ -9,12 +9,13 @@ from sqlalchemy import ColumnElement, Connection, and_, case, delete, exists, fu
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.tables import evaluations, jobs, workers
+from geoswarm.workers.store.tables import agents, evaluations, jobs, workers
 
 __all__ = [
     "any_lost_before",
     "busy_workers",
     "count_live",
+    "count_machines",
     "current_work",
     "forget_worker",
     "forget_workers_lost_before",
@@ -24,6 +25,7 @@ __all__ = [
     "overdue_workers",
     "register_worker",
     "see_worker",
+    "workers_elsewhere",
 ]
 
 
@@ -44,7 +46,7 @@ def register_worker(connection: Connection, identity: Identity) -> None:
 
 
 def see_worker(connection: Connection, identity: Identity) -> None:
-    """Note that a worker is alive; enter it again when it had been given up."""
+    """Note that a worker is alive; register it again if it had been given up."""
     values = {"seen_at": database_now(), "lost_at": None}
     if connection.execute(update(workers).where(workers.c.id == identity.id).values(values)).rowcount == 0:
         register_worker(connection, identity)
@@ -58,6 +60,17 @@ def forget_worker(connection: Connection, worker_id: str) -> None:
 def count_live(connection: Connection, lease: float) -> int:
     """Return the number of workers heard of within their lease [s]."""
     return connection.scalar(select(func.count()).select_from(workers).where(_live(lease))) or 0
+
+
+def count_machines(connection: Connection, lease: float) -> int:
+    """Return the number of machines that they are on."""
+    return connection.scalar(select(func.count(workers.c.machine.distinct())).where(_live(lease))) or 0
+
+
+def workers_elsewhere(connection: Connection, job_id: str) -> int:
+    """Return the number of workers that hold an evaluation of another job."""
+    held = and_(evaluations.c.state == "running", evaluations.c.job_id != job_id)
+    return connection.scalar(select(func.count(evaluations.c.worker.distinct())).where(held)) or 0
 
 
 def live_workers(connection: Connection, lease: float) -> set[str]:
@@ -119,7 +132,9 @@ def forget_workers_lost_before(connection: Connection, seconds: float) -> None:
 
 
 def list_workers(connection: Connection, lease: float) -> Sequence[Record]:
-    """Return all workers, oldest first, with ``lost`` (0 or 1)."""
+    """Return all workers, oldest first, with ``lost`` (0 or 1), and of slots what their agent is."""
     silent = or_(workers.c.lost_at.is_not(None), workers.c.seen_at < database_now() - lease)
-    statement = select(workers, case((silent, 1), else_=0).label("lost"))
+    of_agent = (agents.c.slots, agents.c.system, agents.c.versions, agents.c.models)
+    statement = select(workers, *of_agent, case((silent, 1), else_=0).label("lost"))
+    statement = statement.outerjoin(agents, agents.c.id == workers.c.agent)
     return connection.execute(statement.order_by(workers.c.started_at, workers.c.id)).all()

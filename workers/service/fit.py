@@ -24,7 +24,7 @@ _OF_A_FORM = ("value", "expression", "lower", "upper", "scale", "initial")
 
 
 def fit_of(service: JobService, job_id: str, chosen: tuple[int, int] | None = None) -> Fit:
-    """Return the fit of a job, from stored responses: nothing is calculated anew.
+    """Return the fit of a job from stored responses; nothing is recalculated.
 
     Parameters
     ----------

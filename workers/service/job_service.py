@@ -28,6 +28,7 @@ from geoswarm.solver.runs.check import CheckReport
 from geoswarm.solver.runs.warm_start import forward_model_hash
 from geoswarm.workers.access.principal import LOCAL, Principal
 from geoswarm.workers.access.quotas import check_quotas, sizes
+from geoswarm.workers.agents.needs import needs_of
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.doorbell import Doorbell
@@ -41,7 +42,7 @@ from geoswarm.workers.operations.measures import Measures, measure
 from geoswarm.workers.operations.probe import OneAtATime, Probe
 from geoswarm.workers.operations.retention import delete_job
 from geoswarm.workers.queries import jobs
-from geoswarm.workers.queries.job_list import JobFilters, list_jobs, list_trends
+from geoswarm.workers.queries.job_list import JobFilters, count_jobs, list_jobs, list_trends
 from geoswarm.workers.queries.offers import WarmStart, find_offer, find_warm_starts, write_offer
 from geoswarm.workers.queries.views import event_view, job_view, worker_view
 from geoswarm.workers.queries.workers import current_work, list_workers
@@ -163,6 +164,7 @@ class JobService(JobRecords):
             "owner": owner,
             "body_hash": _body_hash(problem),
             "forward_hash": forward_model_hash(problem),
+            "needs": needs_of(problem.forward_model),
             **documents,
             **size,
         }
@@ -228,6 +230,11 @@ class JobService(JobRecords):
 
         return self.store.read(work)
 
+    def count(self, filters: JobFilters | None = None) -> int:
+        """Return the number of jobs that :meth:`list` shows on all its pages."""
+        owner = None if self.principal.role == "admin" else self.principal.owner or ""
+        return self.store.read(lambda connection: count_jobs(connection, filters or JobFilters(), owner=owner))
+
     def cancel(self, job_id: str) -> Job:
         """End a job that has not ended; its finished evaluations stay.
 
@@ -259,7 +266,7 @@ class JobService(JobRecords):
         return self._request(job_id, ResumeRequested())
 
     def change_stopping(self, job_id: str, stopping: Stopping) -> Job:
-        """Replace a job's stop criteria; one that has finished or was cancelled goes on exactly where it was.
+        """Replace a job's stop criteria; a finished or cancelled job continues exactly where it was.
 
         Raises
         ------

@@ -14,15 +14,19 @@ from geoswarm.records.evaluation import Evaluation
 from geoswarm.records.event import Event
 from geoswarm.records.generation import Generation
 from geoswarm.records.page import Page
+from geoswarm.records.progress import Progress
+from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.queries import jobs
-from geoswarm.workers.queries.cursors import decode_cursor, encode_cursor
 from geoswarm.workers.queries.diversity import diversities
 from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts
 from geoswarm.workers.queries.listing import Filters, list_evaluations
+from geoswarm.workers.queries.progress import free_workers, mean_seconds, state_counts
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.queries.views import attempt_views, evaluation_view, event_view, generation_view
+from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.store.cursors import decode_cursor, encode_cursor
 
 __all__ = ["JobRecords", "clip"]
 
@@ -44,9 +48,10 @@ def rows_with_responses(limit: int, grids: Mapping[str, Sequence[float]]) -> int
 
 
 class JobRecords(ABC):
-    """Reads what jobs have found; who may see a job is decided where its row and its frame are read."""
+    """Reads the results of jobs; access to a job is checked where its row and its frame are read."""
 
     store: Store
+    settings: Settings
 
     @abstractmethod
     def _row(self, connection: Connection, job_id: str) -> Any:
@@ -57,7 +62,8 @@ class JobRecords(ABC):
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
 
     def attempts(self, job_id: str, generation: int, particle: int) -> list[Attempt]:
-        """Return the tries at one evaluation, the one under way or counted last; empty: there is no such evaluation."""
+        """Return the attempts at one evaluation, the current or counted one last; empty if there is no such
+        evaluation."""
 
         def work(connection: Connection) -> list[Attempt]:
             self._row(connection, job_id)
@@ -78,6 +84,31 @@ class JobRecords(ABC):
             row = get_evaluation(connection, job_id, job.best_generation, job.best_particle)
             names, grids = self._frame(connection, job_id)
             return evaluation_view(row, names, grids)
+
+        return self.store.read(work)
+
+    def progress(self, job_id: str) -> Progress:
+        """Return how far the generation is that runs now, every finished run counted."""
+
+        def work(connection: Connection) -> Progress:
+            job = self._row(connection, job_id)
+            here = state_counts(connection, job_id, job.generations)
+            number = {state: here[state].number if state in here else 0 for state in EVALUATION_STATES}
+            best = [found.objective for found in here.values() if found.objective is not None]
+            ended = job.evaluations + number["finished"] + number["failed"]
+            each = mean_seconds(connection, job_id, job.generations)
+            workers = free_workers(connection, self.settings.lease_seconds, job_id=job_id)
+            known = each is not None and job.max_evaluations is not None and job.state not in ENDED_STATES
+            left = max(job.max_evaluations - ended, 0) * each / max(workers, 1) if known else None
+            return Progress(
+                generation=job.generations,
+                **number,
+                objective=min([*best, *([] if job.objective is None else [job.objective])], default=None),
+                evaluations=ended,
+                seconds=each,
+                workers=workers,
+                seconds_left=left,
+            )
 
         return self.store.read(work)
 

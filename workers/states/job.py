@@ -23,6 +23,7 @@ from geoswarm.records.states import OPEN_STATES, SERVED_STATES, JobState
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.runs.local import GenerationRecord, generation_record, no_success_message
 from geoswarm.solver.search import Runs
 from geoswarm.solver.stopping import StopCriterion
@@ -31,6 +32,7 @@ from geoswarm.workers.errors import InvalidTransitionError
 __all__ = [
     "CancelRequested",
     "DispatchGeneration",
+    "DropGeneration",
     "FinishJob",
     "GenerationJoined",
     "GoOnRequested",
@@ -103,7 +105,7 @@ class GenerationJoined:
     """Every particle of a generation has its counted result, here in particle order; ``seconds``: running time [s].
 
     ``runs``: all evaluations so far, for a search that learns from them. ``criteria``: when to stop, where that was
-    changed since the job was submitted.
+    changed since the job was submitted. ``situation``: what decides on the size of what is asked for next.
     """
 
     generation: int
@@ -111,6 +113,7 @@ class GenerationJoined:
     seconds: float
     runs: Runs | None = None
     criteria: Sequence[StopCriterion] | None = None
+    situation: Situation | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +163,13 @@ class DispatchGeneration:
 
 
 @dataclass(frozen=True, slots=True)
+class DropGeneration:
+    """Forget the evaluations of a generation that was asked ahead: the job has ended before it was its turn."""
+
+    generation: int
+
+
+@dataclass(frozen=True, slots=True)
 class RecordGeneration:
     """Store the summary of a finished generation."""
 
@@ -184,7 +194,9 @@ class RingDoorbell:
     """There is work; after the commit, as the message must not overtake the rows."""
 
 
-Instruction: TypeAlias = DispatchGeneration | RecordGeneration | PublishEvent | FinishJob | RingDoorbell
+Instruction: TypeAlias = (
+    DispatchGeneration | DropGeneration | RecordGeneration | PublishEvent | FinishJob | RingDoorbell
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,7 +258,7 @@ def _start(job: Job, progress: Progress | InfeasibleSpaceError) -> Transition:
     if isinstance(progress, InfeasibleSpaceError):
         return _end(replace(job, error=str(progress)), "failed")
     started = replace(job, state="running", progress=progress)
-    return _move(started, DispatchGeneration(progress.generation, progress.positions), RingDoorbell())
+    return _move(started, *_dispatch(progress), RingDoorbell())
 
 
 def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) -> Transition:
@@ -259,7 +271,7 @@ def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) ->
             f" ({'with' if calibration else 'without'} a calibration)"
         )
     objectives = [result.objective for result in event.results]
-    step = calibration.advance(progress, objectives, event.seconds, event.runs, event.criteria)
+    step = calibration.advance(progress, objectives, event.seconds, event.runs, event.criteria, event.situation)
     record = generation_record(calibration.problem, progress.generation, objectives, step.progress)
     reasons = Counter(result.reason for result in event.results if result.reason is not None)
     messages = (result.message for result in event.results if result.reason is not None)
@@ -271,10 +283,15 @@ def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) ->
         first_message=job.first_message or next(messages, None),
         stop_reasons=step.stop_reasons,
     )
-    done = (RecordGeneration(record), PublishEvent("generation", _generation_data(record)))
+    done: tuple[Instruction, ...] = (
+        RecordGeneration(record),
+        PublishEvent("generation", _generation_data(record)),
+    )
     if not step.stop_reasons:
-        dispatch = DispatchGeneration(step.progress.generation, step.progress.positions)
-        return Transition(after, (*done, dispatch, RingDoorbell()))
+        return Transition(after, (*done, *_dispatch(step.progress, begun=progress.ahead_begun), RingDoorbell()))
+    after = replace(after, progress=replace(step.progress, ahead_begun=False))
+    if progress.ahead_begun:
+        done = (*done, DropGeneration(step.progress.generation))
     if step.progress.best is None:
         error = no_success_message(Counter(after.failures), after.first_message)
         ended = _end(replace(after, error=error), "failed")
@@ -290,7 +307,15 @@ def _go_on(job: Job) -> Transition:
     after = replace(job, state="running", stop_reasons=(), error=None)
     if job.state == "cancelled":
         return _move(after, RingDoorbell())
-    return _move(after, DispatchGeneration(job.progress.generation, job.progress.positions), RingDoorbell())
+    return _move(after, *_dispatch(job.progress), RingDoorbell())
+
+
+def _dispatch(progress: Progress, *, begun: bool = False) -> list[DispatchGeneration]:
+    """Dispatch the generation, unless it was begun ahead, and the one after it where that begins ahead."""
+    dispatched = [] if begun else [DispatchGeneration(progress.generation, progress.positions)]
+    if progress.ahead is not None and progress.ahead_begun:
+        dispatched.append(DispatchGeneration(progress.generation + 1, progress.ahead))
+    return dispatched
 
 
 def _end(job: Job, state: JobState) -> Transition:

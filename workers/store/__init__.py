@@ -1,4 +1,4 @@
-"""The store: connections, tables, migrations. What is asked of the tables is in ``queries``."""
+"""The store: connections, tables, migrations. Queries on the tables are in ``queries``."""
 
 from __future__ import annotations
 

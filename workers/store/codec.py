@@ -1,4 +1,4 @@
-"""How values lie in the database: exact floats, no pickle, no NaN in JSON."""
+"""How values are stored in the database: exact floats, no pickle, no NaN in JSON."""
 
 from __future__ import annotations
 

@@ -73,18 +73,18 @@ class Store:
 
     @property
     def file(self) -> FileIdentity | None:
-        """What the file of an SQLite database is, for other processes that are to open the same; None: no file."""
+        """Identity of the file of an SQLite database, for other processes that open it; None if there is no file."""
         return None if self._file is None else self._file.identity
 
     def free_bytes(self) -> int | None:
-        """Return how much the disk of an SQLite file still takes [bytes]; None for other databases."""
+        """Return the free space on the disk of an SQLite file [bytes]; None for other databases."""
         try:
             return None if self._file is None else self._file.free_bytes()
         except OSError:  # the folder has gone; whoever reads or writes is told
             return None
 
     def shortage(self, reserve_bytes: float) -> str | None:
-        """Return why nothing more may be stored but what is finished: less free disk than a reserve; None: all well."""
+        """Return why only finished work may be stored (less free disk than the reserve), or None."""
         free = self.free_bytes()
         if free is None or free >= reserve_bytes:
             return None
@@ -94,7 +94,7 @@ class Store:
         )
 
     def size_bytes(self) -> int:
-        """Return what the database takes of its disk [bytes]; of PostgreSQL as it was some seconds ago at most.
+        """Return the size of the database on disk [bytes]; for PostgreSQL it may be some seconds old.
 
         Raises
         ------
@@ -109,7 +109,7 @@ class Store:
         return self._size[1]
 
     def read(self, function: Callable[[Connection], Result]) -> Result:
-        """Run a function that only reads; once more when the connection turns out to be dead.
+        """Run a function that only reads; retry once if the connection turns out to be dead.
 
         Raises
         ------
@@ -141,7 +141,7 @@ class Store:
         self.read(lambda connection: connection.scalar(select(database_now())))
 
     def truncate_journal(self) -> bool:
-        """Empty SQLite's journal into its file; False: who reads or writes keeps that from happening just now.
+        """Empty SQLite's journal into its file; False if readers or writers prevent it now.
 
         The journal holds deleted pages, too, and keeps its size otherwise. Other databases have none.
 

@@ -1,4 +1,4 @@
-"""Tells at once that events were committed, where the database can say so; who listens may sleep in between."""
+"""Announces committed events immediately, if the database can; listeners may sleep in between."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ AGAIN_SECONDS = 2.0
 
 
 def insert_events(connection: Connection, rows: list[dict[str, Any]]) -> None:
-    """Write events. PostgreSQL tells all who listen when they are committed, in the same statement."""
+    """Write events. PostgreSQL notifies all listeners on commit, in the same statement."""
     statement: Insert = insert(events)
     if connection.dialect.name == "postgresql":
         connection.execute(statement.returning(func.pg_notify(CHANNEL, "")), rows)
@@ -49,7 +49,7 @@ class EventBell:
         """Whether the database tells now; if not, look yourself."""
 
     def start(self) -> None:
-        """Begin to listen; does nothing where the database cannot tell."""
+        """Start listening; does nothing if the database cannot notify."""
         if self._store.engine.dialect.name == "postgresql":
             threading.Thread(target=self._listen, name="geoswarm-event-bell", daemon=True).start()
 
@@ -64,7 +64,7 @@ class EventBell:
                 self._answer()
             except (SQLAlchemyError, psycopg.Error) as error:
                 self.live = False
-                log.info("events are looked for now and then, as the database does not tell of them: %s", error)
+                log.info("polling for events, because the database does not announce them: %s", error)
                 self._ended.wait(AGAIN_SECONDS)
 
     def _answer(self) -> None:

@@ -28,7 +28,7 @@ def database_path(settings: Settings) -> Path | None:
 
 
 def missing_database(settings: Settings) -> Path | None:
-    """Return the file that an SQLite database would have, when it is not there; None when all is well."""
+    """Return the missing file of an SQLite database, or None."""
     path = database_path(settings)
     return None if path is None or path.is_file() else path
 
@@ -52,12 +52,12 @@ class DatabaseFile:
             os.close(os.open(self.path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
 
     def remember(self) -> None:
-        """Take the file that is there now for the right one, unless it is known already."""
+        """Remember the present file as the right one, unless one is known already."""
         if self.identity is None:
             self.identity = _identity(self.path)
 
     def check(self) -> None:
-        """Make sure that the path still leads to the same file; costs a microsecond or two.
+        """Check that the path still leads to the same file; costs a microsecond or two.
 
         Raises
         ------
@@ -69,12 +69,12 @@ class DatabaseFile:
         if now != self.identity:
             what = "removed" if now is None else "replaced"
             raise StoreUnavailableError(
-                f"database file {self.path} was {what} while it was in use; nothing is read or written any more."
+                f"database file {self.path} was {what} while it was in use; nothing more is read or written."
                 " Stop the service, put the right file in its place, and start again"
             )
 
     def free_bytes(self) -> int:
-        """Return how much the disk still takes [bytes]."""
+        """Return the free space on the disk [bytes]."""
         return shutil.disk_usage(self.path.parent).free
 
     def size_bytes(self) -> int:

@@ -23,7 +23,7 @@ def note_deletion(connection: Connection) -> None:
 
 
 def empty_journal(store: Store) -> bool:
-    """Do what is noted; False: it is not possible just now.
+    """Empty the journal if noted; False if it is not possible now.
 
     Raises
     ------

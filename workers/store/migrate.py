@@ -1,4 +1,4 @@
-"""Brings the schema up to date at start, however many processes start at once."""
+"""Upgrades the schema at start, with any number of processes starting at once."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _run_migrations(connection: Connection) -> None:
         command.upgrade(config, HEAD)
     except CommandError as error:
         raise StoreUnavailableError(
-            f"database {mask_url(str(connection.engine.url))} cannot be brought to schema {HEAD}"
+            f"database {mask_url(str(connection.engine.url))} cannot be upgraded to schema {HEAD}"
             f" (written by a newer geoswarm?): {error}"
         ) from error
     except (OperationalError, ProgrammingError) as error:
@@ -105,7 +105,7 @@ def _run_migrations(connection: Connection) -> None:
         if error.connection_invalidated or not _MISFIT.search(cause):
             raise
         raise _disagreement(connection, revision, cause) from error
-    log.info("database schema brought to %s", HEAD)
+    log.info("database schema upgraded to %s", HEAD)
 
 
 def _use_write_ahead_log(engine: Engine) -> None:

@@ -25,12 +25,16 @@ from sqlalchemy import (
 from geoswarm.records.states import SERVED_STATES
 
 __all__ = [
+    "agent_leases",
+    "agents",
     "api_keys",
     "attempts",
     "counters",
+    "deliveries",
     "evaluations",
     "events",
     "generations",
+    "hooks",
     "jobs",
     "metadata",
     "sessions",
@@ -108,6 +112,9 @@ jobs = Table(
     Column("stopping", Text),  # the stop criteria, where they were changed; null: those of the problem
     Column("versions", Text),  # what it was calculated under: see geoswarm.workers.queries.versions
     Column("forward_hash", String(64)),  # of the forward model's section; null: not looked at since the last upgrade
+    Column(
+        "needs", Text
+    ),  # what runs it: see geoswarm.workers.agents.needs; null: not looked at since the last upgrade
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     # what it takes of the disk: the job itself, and each evaluation, about [bytes]
     Column("document_bytes", BigInteger, nullable=False, server_default="0"),
@@ -239,7 +246,49 @@ workers = Table(
     Column("started_at", Double, nullable=False),
     Column("seen_at", Double, nullable=False),
     Column("lost_at", Double),
+    Column("agent", String(60)),  # whose slot it is; null: a process of this installation
+    Index("ix_workers_agent", "agent"),
 )
+
+agents = Table(
+    "agents",
+    metadata,
+    Column("id", String(60), primary_key=True),
+    Column("key_id", String(16), nullable=False),
+    Column("host", Text, nullable=False),
+    Column("system", Text, nullable=False),
+    Column("pid", Integer, nullable=False),
+    Column("slots", Integer, nullable=False),
+    Column("versions", Text, nullable=False),  # of what calculates there
+    Column("offers", Text, nullable=False),  # what it runs, one a list item
+    Column("models", Text, nullable=False),  # {name: hash} of the registered ones, for people
+    Column("started_at", Double, nullable=False),
+    Column("seen_at", Double, nullable=False),
+    Index("ix_agents_key_id", "key_id"),
+)
+"""Workers without the database, as they have announced themselves."""
+
+agent_leases = Table(
+    "agent_leases",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    _job(key=False),
+    Column("key_id", String(16), nullable=False),
+    Column("agent", String(60), nullable=False),
+    Column("worker", String(80), nullable=False),
+    Column("generation", Integer, nullable=False),
+    Column("particles", Text, nullable=False),
+    Column("attempts", Text, nullable=False),
+    Column("refused", Text, nullable=False),  # particles that a follow-up must not ask for
+    Column("created_at", Double, nullable=False),
+    Column("taken_up_at", Double, nullable=False),  # when this slot turned to the job
+    Column("expires_at", Double, nullable=False),
+    Column("ended_at", Double),  # its results were taken in, or it was taken back
+    Index("ix_agent_leases_key_id", "key_id"),
+    Index("ix_agent_leases_ended_at", "ended_at"),
+    Index("ix_agent_leases_job_id", "job_id"),
+)
+"""What agents hold. A result counts only for a lease that was given to the key that brings it."""
 
 api_keys = Table(
     "api_keys",
@@ -266,6 +315,49 @@ sessions = Table(
     Index("ix_sessions_expires_at", "expires_at"),
 )
 """Browsers that are signed in."""
+
+hooks = Table(
+    "hooks",
+    metadata,
+    Column("id", String(16), primary_key=True),
+    Column("owner", String(80)),  # whose jobs it tells of; null: those of nobody
+    Column("job_id", String(32), ForeignKey("jobs.id", ondelete="CASCADE")),  # null: all jobs of the owner
+    Column("kind", String(8), nullable=False),  # web, mail
+    Column("target", Text, nullable=False),  # address
+    Column("secret", Text),  # what requests are signed with; it must be known to sign
+    Column("states", Text, nullable=False),  # in which of these a job has ended, JSON list
+    Column("created_at", Double, nullable=False),
+    Index("ix_hooks_owner", "owner"),
+    Index("ix_hooks_job_id", "job_id"),
+)
+"""Whom to tell when a job has ended."""
+
+deliveries = Table(
+    "deliveries",
+    metadata,
+    Column("id", Serial, primary_key=True, autoincrement=True),
+    Column("hook_id", String(16), ForeignKey("hooks.id", ondelete="CASCADE"), nullable=False),
+    Column("job_id", String(32), ForeignKey("jobs.id", ondelete="CASCADE")),  # null: only a test of the hook
+    Column("job_state", String(16), nullable=False),  # in which it ended, or "test"
+    Column("state", String(16), nullable=False),  # waiting, delivered, given_up
+    Column("tries", Integer, nullable=False),
+    Column("due_at", Double, nullable=False),  # the next try
+    Column("held_until", Double),  # a process is trying, or was lost in mid-try
+    Column("body", Text),  # made at the first try, so that every try tells the same
+    Column("error", Text),
+    Column("created_at", Double, nullable=False),
+    Column("ended_at", Double),
+    Index(
+        "ix_deliveries_waiting",
+        "due_at",
+        postgresql_where=text("state = 'waiting'"),
+        sqlite_where=text("state = 'waiting'"),
+    ),
+    Index("ix_deliveries_hook_id_id", "hook_id", "id"),
+    Index("ix_deliveries_job_id", "job_id"),
+    sqlite_autoincrement=True,
+)
+"""What hooks are still to be told, and were; entered in the transaction that ends a job."""
 
 counters = Table(
     "counters",

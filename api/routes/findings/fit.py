@@ -22,7 +22,9 @@ MAX_NUMBER = 2**31 - 1
 def fit(
     job_id: JobId,
     service: Service,
-    generation: Annotated[int | None, Query(ge=0, le=MAX_NUMBER, description="with particle: one more to show")] = None,
+    generation: Annotated[
+        int | None, Query(ge=0, le=MAX_NUMBER, description="with particle: one more evaluation to show")
+    ] = None,
     particle: Annotated[int | None, Query(ge=0, le=MAX_NUMBER)] = None,
 ) -> Fit:
     """Show measured points with what was calculated there, from stored responses; and the parameters with units."""

@@ -99,12 +99,12 @@ async def fields(
     wanted: WantedBody,
     start: PhaseName = None,
     end: PhaseName = None,
-    since_beginning: Annotated[bool, Query(description="begin before the first phase, whatever start says")] = False,
+    since_beginning: Annotated[bool, Query(description="start before the first phase, regardless of start")] = False,
 ) -> MeshFields:
     """Calculate displacements and shear strains between the ends of two phases, the usual period if absent.
 
     The first request for an evaluation runs its forward model once more, within the limits of a test run, and so needs
-    the role ``submit``; what it found is kept for the next ones.
+    the role ``submit``; the result is kept for later requests.
     """
     if not service.principal.may("submit"):
         raise DetailError(

@@ -43,7 +43,7 @@ class ReweightRequest(BaseModel):
 
 @router.get("/statistics", responses=problems_of(404, 409, 422))
 def statistics(job_id: JobId, service: Service, view: WantedView) -> StatisticsAnswer:
-    """Judge the parameters from the stored evaluations.
+    """Show what the stored evaluations say about the parameters.
 
     Answers ``samples``, ``threshold``, ``correlations``, ``projections``, ``verdicts`` with evidence and proposals,
     ``residuals``, ``weights`` (share of each series) and ``warnings``; docs/statistics.md explains them.
@@ -70,7 +70,7 @@ def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> Rewei
     "/report.html", response_class=Response, responses={200: {"content": {"text/html": {}}}, **problems_of(404, 422)}
 )
 def report_html(job_id: JobId, service: Service, view: WantedView) -> Response:
-    """Show the report of a job as one page that needs nothing else."""
+    """Show the report of a job as a self-contained page."""
     page = service.statistics.rendered(job_id, "html", lambda report: report.html().encode(), **view.options)
     return _document(page, "text/html; charset=utf-8")
 
@@ -89,7 +89,7 @@ def report_pdf(job_id: JobId, service: Service, view: WantedView) -> Response:
 
 @router.get("/figures", responses=problems_of(404))
 def figures(job_id: JobId, service: Service, view: WantedView) -> FigureList:
-    """List the figures that can be drawn of a job."""
+    """List the figures that can be drawn for a job."""
     return FigureList(items=list(service.statistics.report(job_id, **view.options).figures.names))
 
 

@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Request, Response
 
 from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.schemas.statistics import (
+    DesignRequest,
+    ExploreRequest,
     GlobalRequest,
+    PredictRequest,
     ProfileRequest,
     SensitivityRequest,
 )
 from geoswarm.api.views import Noise
 from geoswarm.records.job import Job
+from geoswarm.records.progress import FollowUpCosts
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
-from geoswarm.workers.service.findings import submit_global_sensitivity, submit_profile, submit_sensitivity
+from geoswarm.solver.problem import read_document
+from geoswarm.workers.service.findings import (
+    submit_design,
+    submit_explore,
+    submit_global_sensitivity,
+    submit_prediction,
+    submit_profile,
+    submit_sensitivity,
+)
+from geoswarm.workers.service.follow_up_costs import follow_up_costs
 
 __all__ = ["router"]
 
@@ -59,6 +72,54 @@ def profile(
     return _created(request, response, submit_profile(service, job_id, **options, idempotency_key=idempotency_key))
 
 
+@router.post("/explore", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
+def explore(
+    job_id: JobId,
+    service: Service,
+    request: Request,
+    response: Response,
+    wanted: ExploreRequest | None = None,
+    idempotency_key: Key = None,
+) -> Job:
+    """Submit a follow-up that spends runs where, by the stored evaluations, a second basin is most likely."""
+    options = (wanted or ExploreRequest()).model_dump()
+    return _created(request, response, submit_explore(service, job_id, **options, idempotency_key=idempotency_key))
+
+
+@router.post("/predict", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
+def predict(
+    job_id: JobId,
+    service: Service,
+    request: Request,
+    response: Response,
+    wanted: PredictRequest,
+    idempotency_key: Key = None,
+) -> Job:
+    """Submit a follow-up that predicts another forward model with the identified parameters and their uncertainty."""
+    options = wanted.model_dump()
+    problem = _read(options.pop("problem"))
+    submitted = submit_prediction(service, job_id, problem, **options, idempotency_key=idempotency_key)
+    return _created(request, response, submitted)
+
+
+@router.post("/design", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
+def design(
+    job_id: JobId,
+    service: Service,
+    request: Request,
+    response: Response,
+    wanted: DesignRequest,
+    idempotency_key: Key = None,
+) -> Job:
+    """Submit a follow-up that ranks candidate tests by how much they would narrow the intervals or a prediction."""
+    options = wanted.model_dump()
+    candidates = _read(options.pop("candidates"))
+    predicted = options.pop("predict")
+    options["predict"] = None if predicted is None else _read(predicted)
+    submitted = submit_design(service, job_id, candidates, **options, idempotency_key=idempotency_key)
+    return _created(request, response, submitted)
+
+
 @router.post("/global-sensitivity", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
 def global_sensitivity(
     job_id: JobId,
@@ -72,6 +133,12 @@ def global_sensitivity(
     options = (wanted or GlobalRequest()).model_dump()
     submitted = submit_global_sensitivity(service, job_id, **options, idempotency_key=idempotency_key)
     return _created(request, response, submitted)
+
+
+@router.get("/follow-ups", responses=problems_of(404, 422))
+def follow_ups(job_id: JobId, service: Service) -> FollowUpCosts:
+    """Estimate the runs and time of follow-ups before submitting one, from the runs of the job so far."""
+    return follow_up_costs(service, job_id)
 
 
 @router.get("/uncertainty", responses=problems_of(404, 422))
@@ -90,6 +157,11 @@ def uncertainty(job_id: JobId, service: Service, noise: Noise) -> UncertaintyAns
 def posterior(job_id: JobId, service: Service, noise: Noise) -> PosteriorAnswer:
     """Sample the posterior through a checked response surface of the stored evaluations; takes seconds, once."""
     return read_record(PosteriorAnswer, service.statistics.posterior(job_id, noise=noise).to_json())
+
+
+def _read(given: dict[str, Any] | str) -> dict[str, Any]:
+    """A document, read where it came as text."""
+    return read_document(given, "yaml") if isinstance(given, str) else given
 
 
 def _created(request: Request, response: Response, submitted: tuple[Job, bool]) -> Job:

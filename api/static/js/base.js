@@ -1,6 +1,7 @@
 // On every page: the theme's button and signing out.
 import { send } from "./http.js";
 import { announce } from "./dom.js";
+import { age, moment } from "./format.js";
 
 const THEMES = ["system", "light", "dark"];
 const button = document.getElementById("theme");
@@ -36,3 +37,14 @@ document.getElementById("sign-out")?.addEventListener("click", async () => {
     announce(error.message);
   }
 });
+
+/** Ages grow while the page is looked at. */
+function renewAges() {
+  for (const place of document.querySelectorAll("time.age")) {
+    const words = age(place.dateTime);
+    if (place.textContent !== words) place.textContent = words;
+    place.title ||= moment(place.dateTime);
+  }
+}
+renewAges();
+setInterval(() => document.hidden || renewAges(), 10_000);

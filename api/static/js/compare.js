@@ -1,7 +1,8 @@
 // Several jobs side by side: facts, parameters, convergence, fits.
 import { drawConvergences, drawFits } from "./compare/plots.js";
+import { ranking } from "./compare/ranking.js";
 import { factsTable, parametersTable } from "./compare/tables.js";
-import { connection, element, exchange, failure } from "./dom.js";
+import { connection, element, empty, exchange, failure } from "./dom.js";
 import { get } from "./http.js";
 import { ENDED } from "./states.js";
 
@@ -20,22 +21,28 @@ async function load(id, before) {
 async function run() {
   const places = Object.fromEntries(["facts", "parameters", "convergence", "fits"].map((name) => [name, element("div", { id: name })]));
   content.replaceChildren(
-    places.facts,
+    places.facts, element("p", { id: "ranking", class: "help", role: "status" }),
     element("h2", {}, "Parameters at the best objective"), places.parameters,
     element("h2", {}, "Convergence"), places.convergence,
     element("h2", {}, "Fits"), places.fits);
-  const convergence = drawConvergences(places.convergence), fits = drawFits(places.fits);
-  let loaded = [];
+    for (const place of Object.values(places)) place.replaceChildren(empty("Loading …"));
+  let loaded = [], told = null, rank = null, convergence = null, fits = null;
   const show = async () => {
     loaded = await Promise.all(ids.map((id, i) => load(id, loaded[i])));
     connection(null);
-    exchange(places.facts, factsTable(loaded));
+    const now = loaded.map(({ job }) => job.objective).join();
+    if (now !== told) rank = await ranking(loaded);
+    told = now;
+    document.getElementById("ranking").textContent = rank.why;
+    exchange(places.facts, factsTable(loaded, rank));
     exchange(places.parameters, parametersTable(loaded));
     loaded.forEach(({ job }, i) => {
       const state = document.querySelectorAll(".chosen .state")[i];
       state.className = `state ${job.state}`;
       state.textContent = job.state;
     });
+    convergence ??= drawConvergences(places.convergence);
+    fits ??= drawFits(places.fits);
     await Promise.all([convergence(loaded), fits(loaded)]);
   };
   await show();

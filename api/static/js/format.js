@@ -10,12 +10,28 @@ export function number(value, digits = 4) {
   return `${Number(mantissa)}e${Number(exponent)}`;
 }
 
-/** Both ends of an interval, with as many digits as its width needs: "2.3481 … 2.3519". */
-export function ends(low, high) {
+/** Both ends of an interval, with as many digits as its width needs, `least` at least: "2.3481 … 2.3519". */
+export function ends(low, high, least = 4) {
   const width = high - low;
   const size = Math.max(Math.abs(low), Math.abs(high));
-  const digits = width > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(0.1 * width)) + 1, 4), 15) : 4;
+  const digits = width > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(0.1 * width)) + 1, least), 15) : 4;
   return `${number(low, digits)} … ${number(high, digits)}`;
+}
+
+/** A value with the digits that an interval of this width leaves it: to a hundredth of the width, two at least. */
+export function precise(value, width) {
+  if (!(width > 0) || !value) return number(value);
+  return number(value, Math.min(Math.max(Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(width)) + 2, 2), 10));
+}
+
+/** A coefficient with two decimals, never "-0.00". */
+export function coefficient(value) {
+  return (Math.abs(value) < 0.005 ? 0 : value).toFixed(2);
+}
+
+/** A name as words. */
+export function plain(name) {
+  return name.replaceAll("_", " ");
 }
 
 /** A whole number with thin spaces: 20 000. */
@@ -62,7 +78,7 @@ export function duration(seconds) {
 export function age(timestamp, now = Date.now()) {
   if (!timestamp) return "–";
   const seconds = Math.max(0, (now - new Date(timestamp).getTime()) / 1000);
-  return seconds < 5 ? "just now" : `${duration(seconds < 60 ? seconds : seconds - (seconds % 60))} ago`;
+  return seconds < 10 ? "just now" : `${duration(seconds < 60 ? 10 * Math.floor(seconds / 10) : seconds - (seconds % 60))} ago`;
 }
 
 /** A timestamp in the reader's own time zone. */

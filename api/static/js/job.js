@@ -1,82 +1,14 @@
-// A job, live: what the stream of its events tells goes to every part of the page.
-import { announce, connection } from "./dom.js";
-import { age, moment } from "./format.js";
-import { get } from "./http.js";
+// What a job has found, live: the answer, its fit, what to do next.
+import { connection } from "./dom.js";
 import { actions } from "./job/actions.js";
-import { convergence } from "./job/convergence.js";
-import { evaluations } from "./job/evaluations.js";
+import { answer } from "./job/answer.js";
 import { facts } from "./job/facts.js";
 import { fit } from "./job/fit.js";
 import { followUps } from "./job/follow_ups.js";
+import { live } from "./job/live.js";
 import { outcome } from "./job/outcome.js";
-import { particles } from "./job/particles.js";
-import { LATER, paced } from "./pace.js";
-import { follow } from "./stream.js";
-import { thinned } from "./thin.js";
+import { progress } from "./job/progress.js";
+import { reports } from "./job/reports.js";
 
-const { job: id } = document.querySelector("main").dataset;
-const POINTS = 3000, MOST = 9000, INTERVAL = 200;
-const COMPILING = "A worker compiles the numerical kernels: once after an installation, about a minute.";
-
-for (const place of document.querySelectorAll("time.age")) {
-  place.title = moment(place.dateTime);
-  place.textContent = age(place.dateTime);
-}
-
-async function run() {
-  const view = { id, job: await get(`/jobs/${id}`), course: [], fit: null };
-  const follower = view.job.last_event; // what the generations below know already is passed over by their numbers
-  view.refresh = async () => {
-    view.job = await get(`/jobs/${id}`);
-    for (const part of parts) part.job?.(view.job);
-  };
-  view.changed = () => { for (const part of parts) part.fit?.(); };
-  const parts = [facts, actions, outcome, convergence, fit, particles, evaluations, followUps].map((part) => part(view));
-  for (const part of parts) part.job?.(view.job);
-  ({ items: view.course } = await get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }));
-  for (const part of parts) part.course?.();
-
-  let newest = null;
-  const tell = paced(() => { for (const part of parts) part.generation?.(newest); }, INTERVAL);
-  function take(generation) {
-    const { number, evaluations: counted, failed, best_objective, objective, parameters } = generation;
-    if (number <= (view.course.at(-1)?.number ?? -1)) return; // known already
-    view.course.push({ number, evaluations: counted, best_objective, objective });
-    if (view.course.length > MOST) view.course = thinned(view.course, POINTS);
-    Object.assign(view.job, { evaluations: counted, failed_evaluations: failed, objective, parameters, generations: number + 1 });
-    newest = generation;
-    tell();
-  }
-
-  let busy = false, again = false;
-  async function state() {
-    if (busy) { again = true; return; }
-    busy = true;
-    do {
-      again = false;
-      const before = view.job.state;
-      await view.refresh();
-      if (view.job.state !== before) announce(`${view.job.name}: ${view.job.state}`);
-    } while (again);
-    busy = false;
-  }
-  function changed() {
-    state().then(() => connection(null), (error) => {
-      busy = false;
-      connection(error.message);
-      if (error.status === 0) setTimeout(changed, LATER);
-    });
-  }
-  follow(id, {
-    after: follower,
-    state: view.job.state,
-    onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
-    onEvent: ({ kind, data }) => {
-      if (kind === "state") changed();
-      else if (kind === "kernels") connection(data.seconds === null ? COMPILING : null);
-      else take(data);
-    },
-  });
-}
-
-run().catch((error) => connection(error.message));
+reports();
+live([facts, actions, outcome, progress, answer, fit, followUps]).catch((error) => connection(error.message));

@@ -1,6 +1,7 @@
 // The list of jobs: kept up to date while somebody looks, filtered without a reload, and where jobs to compare are chosen.
-import { connection } from "./dom.js";
+import { announce, confirmed, connection, once } from "./dom.js";
 import { age, moment } from "./format.js";
+import { post, send } from "./http.js";
 import { renew } from "./renew.js";
 
 const INTERVAL = 3000, TYPING = 300, FEWEST = 2, MOST = 6;
@@ -8,6 +9,7 @@ const list = document.getElementById("list");
 const filters = document.getElementById("filters");
 const choose = document.getElementById("choose");
 const chosen = new Set(); // beyond the page that is shown
+const cancelChosen = document.getElementById("cancel-chosen"), deleteChosen = document.getElementById("delete-chosen");
 let asked = 0;
 
 function dress() {
@@ -24,9 +26,10 @@ const boxes = () => [...list.querySelectorAll("input[name=job]")];
 function tell() {
   const button = choose.querySelector("button");
   button.disabled = chosen.size < FEWEST || chosen.size > MOST;
-  const what = chosen.size === 0 ? "Choose two to six jobs."
-    : chosen.size < FEWEST ? "1 job chosen; choose at least one more."
-      : chosen.size > MOST ? `${chosen.size} jobs chosen; six is the most.` : `${chosen.size} jobs chosen.`;
+  for (const act of [cancelChosen, deleteChosen]) if (act) act.disabled = chosen.size === 0;
+  const what = chosen.size === 0 ? "Choose two to six jobs to compare, or any number to cancel or delete."
+    : chosen.size < FEWEST ? "1 job chosen; choose at least one more to compare."
+      : chosen.size > MOST ? `${chosen.size} jobs chosen; six is the most to compare.` : `${chosen.size} jobs chosen.`;
   const place = document.getElementById("chosen");
   if (place.textContent !== what) place.textContent = what;
 }
@@ -68,6 +71,32 @@ list.addEventListener("change", ({ target }) => {
 choose.addEventListener("submit", (event) => {
   event.preventDefault();
   if (chosen.size >= FEWEST && chosen.size <= MOST) location.assign(`/compare?${new URLSearchParams([...chosen].map((id) => ["job", id]))}`);
+});
+
+/** One after the other; what cannot be done is told, with its reason, and stays chosen. */
+async function forAll(work, done) {
+  const refused = [];
+  let number = 0;
+  for (const id of [...chosen]) {
+    try {
+      await work(id);
+      chosen.delete(id);
+      number += 1;
+    } catch (error) {
+      refused.push(error.message);
+      if (error.status === 404) chosen.delete(id);
+    }
+  }
+  announce(`${number} ${number === 1 ? "job" : "jobs"} ${done}${refused.length ? `; ${refused.length} not: ${refused[0]}` : "."}`, refused.length ? 12 : 6);
+  await show();
+}
+
+const many = () => (chosen.size === 1 ? "this job" : `these ${chosen.size} jobs`);
+cancelChosen?.addEventListener("click", async () => {
+  if (await confirmed(`Cancel ${many()} now? Results so far are kept.`, "Cancel them")) once(cancelChosen, () => forAll((id) => post(`/jobs/${id}/cancel`), "cancelled"));
+});
+deleteChosen?.addEventListener("click", async () => {
+  if (await confirmed(`Delete ${many()} and all evaluations permanently?`, "Delete")) once(deleteChosen, () => forAll((id) => send("DELETE", `/jobs/${id}`), "deleted"));
 });
 
 for (const box of boxes()) if (box.checked) chosen.add(box.value); // kept by the browser over a reload

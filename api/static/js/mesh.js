@@ -26,9 +26,9 @@ async function begin(query = {}) {
   view.outline = outline(view.mesh.triangles);
   place("nothing").hidden = true;
   place("content").hidden = false;
-  parts.canvas ??= new BodyCanvas(place("body"), { onNode: pointed });
   parts.scale ??= place("body").appendChild(element("div", { class: "scale" }));
   parts.node ??= place("body").appendChild(element("p", { class: "help", role: "status", id: "node" }, "Point at a node, or go to it with shift and the arrow keys, to read its values."));
+  parts.canvas ??= new BodyCanvas(place("body"), { onNode: pointed });
   parts.controls = controls(place("controls"), view.mesh, { onLook: show, onPeriod: read, onEvaluation: begin });
   const lengths = view.mesh.vectors.flatMap(({ measured, calculated }) => [...measured, ...calculated]).map((value) => Math.abs(value ?? 0));
   view.unit = unitOf(Math.max(0, ...lengths));

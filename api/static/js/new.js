@@ -9,6 +9,7 @@ import { methodSection } from "./new/method.js";
 import { modelSection } from "./new/model.js";
 import { observationsSection } from "./new/observations.js";
 import { parametersSection } from "./new/parameters.js";
+import { rail } from "./new/rail.js";
 import { reader, words } from "./new/schema.js";
 import { sketchPanel } from "./new/sketch.js";
 import { undoBar } from "./new/undo.js";
@@ -25,7 +26,7 @@ async function open() {
   const schemas = reader(root);
   const draft = createDraft();
   draft.document = await beginning(root, schemas);
-  const context = { draft, root, schemas };
+  const context = { draft, root, schemas, begun: () => something(draft.document) };
   let strict = false;
   content.replaceChildren(form(context, models.items, starting(draft, examples.items, jobs.items), () => strict, async () => {
     strict = true;
@@ -40,7 +41,7 @@ async function beginning(root, schemas) {
   if (main.dataset.from) return tidy(await get(`/jobs/${main.dataset.from}/problem`), root, schemas);
   if (main.dataset.example) return (await get(`/examples/${encodeURIComponent(main.dataset.example)}`)).problem;
   const old = kept();
-  if (old) announce("This is where you stopped. “Start anew” empties the form.");
+  if (old) announce("This is where you left off. “Start over” clears the form.");
   return old ?? structuredClone(EMPTY);
 }
 
@@ -74,7 +75,7 @@ function form(context, kinds, beginnings, strict, judged) {
   return element("div", { class: "new-job" },
     undoBar(context),
     element("div", { class: "steps" },
-      beginnings,
+      beginnings, rail(context),
       element("fieldset", { class: "held" },
         name,
         section("model", "1. Forward model", inside, places.model),
@@ -124,15 +125,17 @@ function starting(draft, examples, jobs) {
     const back = draft.mark();
     const begun = something(draft.document);
     draft.replace(structuredClone(EMPTY));
-    if (begun) back("The form was emptied.");
+    if (begun) back("The form was cleared.");
   };
-  const anew = element("button", { type: "button", class: "quiet", onclick: startAnew }, "Start anew");
+  const anew = element("button", { type: "button", class: "quiet", onclick: startAnew }, "Start over");
   const earlier = element("select", { id: "earlier" }, element("option", { value: "" }, "choose …"), jobs.map((one) => element("option", { value: one.id, selected: one.id === main.dataset.from }, `${one.name} (${one.state}, ${age(one.created_at)})`)));
   earlier.addEventListener("change", () => { if (earlier.value) location.assign(`/new?from=${earlier.value}`); });
+  const file = element("button", { type: "button", class: "quiet", onclick: () => document.getElementById("file").click() }, "Choose an AGS 4 file");
   return element("div", { class: "beginning" },
     element("div", { class: "fields" },
-      element("div", { class: "field" }, element("label", { for: "example" }, "Begin with an example"), pick),
-      jobs.length ? element("div", { class: "field" }, element("label", { for: "earlier" }, "or with an earlier job"), earlier) : null),
+      element("div", { class: "field" }, element("label", { for: "example" }, "Start from an example"), pick),
+      jobs.length ? element("div", { class: "field" }, element("label", { for: "earlier" }, "or with an earlier job"), earlier) : null,
+      element("div", { class: "field", role: "group", "aria-label": "or with tests of a laboratory" }, element("span", { class: "label" }, "or with tests of a laboratory"), file)),
     element("div", { class: "with-unit" }, about, anew), place);
 }
 

@@ -1,5 +1,5 @@
 // Plotly in the page's colours; plots that follow the theme and can be read as a table.
-import { element } from "./dom.js";
+import { announce, element } from "./dom.js";
 import { number } from "./format.js";
 
 let loading = null;
@@ -9,7 +9,7 @@ export function plotly() {
   loading ??= new Promise((resolve, reject) => {
     const script = element("script", { src: document.body.dataset.plotly });
     script.addEventListener("load", () => resolve(window.Plotly));
-    script.addEventListener("error", () => reject(new Error("The plots could not be loaded; reload the page.")));
+    script.addEventListener("error", () => reject(new Error("The plots could not be loaded. Reload the page.")));
     requestAnimationFrame(() => setTimeout(() => document.head.append(script)));
   });
   return loading;
@@ -68,6 +68,7 @@ function dressed(layout) {
   return dress;
 }
 
+const NARROW = 720; // px: the toolbar would lie upon the legend, and fingers zoom without it
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"], showSendToCloud: false };
 
 /**
@@ -78,7 +79,9 @@ const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: [
 export function plot(place, make) {
   const frame = element("div", { class: "plot", role: "figure" });
   const table = element("details", { class: "plot-table", hidden: true }, element("summary", {}, "Numbers of this plot"));
-  place.replaceChildren(frame, table);
+  const save = (form) => element("button", { type: "button", class: "link", "aria-label": `This plot as ${form.toUpperCase()}`, onclick: () => saved(frame, shown, form).catch((error) => announce(error.message)) }, form.toUpperCase());
+  const files = element("p", { class: "plot-files", hidden: true }, "Save as ", save("svg"), save("png"), save("csv"));
+  place.replaceChildren(frame, files, table);
   let shown = null;
   const onTheme = () => draw();
   table.addEventListener("toggle", () => { if (table.open && shown?.columns) fillTable(table, shown.columns); });
@@ -88,9 +91,9 @@ export function plot(place, make) {
     const Plotly = await plotly();
     shown = make();
     frame.setAttribute("aria-label", shown.label);
-    table.hidden = !shown.columns;
+    table.hidden = files.hidden = !shown.columns;
     if (table.open && shown.columns) fillTable(table, shown.columns);
-    await Plotly.react(frame, shown.data, dressed(shown.layout), { ...CONFIG, ...shown.config });
+    await Plotly.react(frame, shown.data, dressed(shown.layout), { ...CONFIG, displayModeBar: innerWidth < NARROW ? false : "hover", ...shown.config });
     return frame;
   }
 
@@ -113,4 +116,26 @@ function fillTable(details, columns) {
   details.append(element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Numbers of the plot" },
     element("table", {}, element("thead", {}, element("tr", {}, names.map((name) => element("th", { scope: "col" }, name)))), element("tbody", {}, rows)),
     length > MOST_ROWS ? element("p", { class: "help" }, `The first ${MOST_ROWS} of ${length} rows.`) : null));
+}
+
+/** Hand a plot to the browser as a file, in the colours of the page. */
+async function saved(frame, { label, columns }, form) {
+  const filename = label.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "").slice(0, 60) || "plot";
+  if (form !== "csv") {
+    const Plotly = await plotly();
+    const figure = { data: frame.data, layout: { ...frame.layout, paper_bgcolor: colour("--paper") } };
+    await Plotly.downloadImage(figure, { format: form, filename, width: frame.clientWidth, height: frame.clientHeight, scale: form === "png" ? 2 : 1 });
+    return;
+  }
+  const address = URL.createObjectURL(new Blob([csvOf(columns)], { type: "text/csv" }));
+  element("a", { href: address, download: `${filename}.csv` }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 60_000);
+}
+
+/** Columns as CSV with all their digits; what a table of calculation would take for a formula is no number and is quoted. */
+function csvOf(columns) {
+  const names = Object.keys(columns);
+  const cell = (value) => (value === null || value === undefined ? "" : typeof value === "number" ? String(value) : `"${String(value).replace(/^(?=[=+\-@\t])/, "'").replaceAll('"', '""')}"`);
+  const rows = Array.from({ length: Math.max(0, ...names.map((name) => columns[name].length)) }, (_, i) => names.map((name) => cell(columns[name][i])).join(","));
+  return [names.map((name) => cell(name)).join(","), ...rows].join("\r\n") + "\r\n";
 }

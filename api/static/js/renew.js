@@ -15,6 +15,8 @@ export async function renew(place, url = location.href) {
   if (!body || !source) place.replaceChildren(...fresh.childNodes);
   else {
     exchangeRows(body, source);
+    const [heads, fresher] = [place, fresh].map((root) => root.querySelector("thead"));
+    if (heads && fresher && heads.innerHTML !== fresher.innerHTML) heads.replaceWith(fresher);
     const [old, now] = [place, fresh].map((root) => root.lastElementChild);
     if (old.innerHTML !== now.innerHTML) old.replaceWith(now);
   }

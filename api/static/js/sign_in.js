@@ -22,6 +22,6 @@ async function signIn() {
     await post("/session", { key });
     location.assign(document.querySelector("main").dataset.next);
   } catch (error) {
-    say(error.status === 401 ? "This key is not valid, or no longer." : error.message);
+    say(error.status === 401 ? "This key is not valid or has expired." : error.message);
   }
 }

@@ -1,12 +1,14 @@
 // What is identified, how well, and what to do next.
 import { alarm, doubt } from "./alarm.js";
-import { announce, connection, element } from "./dom.js";
+import { announce, connection, element, exchange } from "./dom.js";
 import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
+import { tellAddress, told } from "./place.js";
 import { COLOURS } from "./ramp.js";
-import { Cloud } from "./statistics/cloud.js";
+import { Cloud, natural, place as unitPlace } from "./statistics/cloud.js";
 import { FitPlot, affordable } from "./statistics/fit.js";
 import { Matrix } from "./statistics/matrix.js";
+import { Outlook } from "./statistics/outlook.js";
 import { Plan } from "./statistics/plan.js";
 import { fetchPoints } from "./statistics/points.js";
 import { rangeForm } from "./statistics/ranges.js";
@@ -18,15 +20,18 @@ import { ENDED } from "./states.js";
 import { follow } from "./stream.js";
 
 const RENEW_SECONDS = 4;
-const { job, name, state, fitted } = document.querySelector("main").dataset;
+const { job, name, state, fitted, method } = document.querySelector("main").dataset;
 const maySubmit = document.body.dataset.maySubmit === "true";
 const place = (id) => document.getElementById(id);
 /** `asked`: the threshold that the reader has chosen; null: the proposed one. */
-const view = { cloud: null, threshold: null, asked: null, chosen: null, responses: null };
+const given = Number(told().get("threshold"));
+const begun = given > 0 && Number.isFinite(given) ? given : null;
+const view = { cloud: null, threshold: begun, asked: begun, chosen: null, responses: null };
 const parts = {};
 
 /** Read everything anew, keeping what the reader has set. The plot does not wait for the verdicts. */
 async function load() {
+  if (["predict", "design"].includes(method)) return looksAhead(); // nothing there is compared with readings
   const verdicts = fitted === "true" ? judged(view.asked) : null; // begun early where an answer is sure
   verdicts?.catch(() => {}); // told below, after the points
   const points = await fetchPoints(job);
@@ -38,8 +43,9 @@ async function load() {
   place("content").hidden = false;
   const { weights, ranges, reweighted } = view.cloud ?? {};
   view.cloud = new Cloud(points);
-  if (ranges) view.cloud.ranges = ranges;
   if (reweighted) view.cloud.reweight(weights);
+  if (ranges) view.cloud.ranges = ranges;
+  else limitAsTold(view.cloud);
   view.responses = null;
   view.threshold ??= firstThreshold(view.cloud);
   build(points);
@@ -51,6 +57,17 @@ async function load() {
     showCloud();
   }
   showStatistics(statistics);
+}
+
+/** A prediction or a choice of tests: what it has found, and nothing else. */
+async function looksAhead() {
+  const found = await get(`/jobs/${job}/uncertainty`);
+  for (const part of place("content").children) part.hidden = part.id !== "outlook";
+  place("content").hidden = false;
+  place("nothing").textContent = found.notes.join(" ");
+  place("nothing").hidden = !found.notes.length;
+  parts.outlook ??= new Outlook(place("outlook"), { job, maySubmit: false });
+  parts.outlook.show(found);
 }
 
 /** What the service proposes of a sampling; shown until its answer is there. */
@@ -67,13 +84,33 @@ async function band(points) {
   parts.fit.update(view.cloud, view.chosen, responses);
 }
 
+let asking = null;
+
+/** Only the newest question is answered: what was asked before is broken off, here and in the service. */
 async function judged(threshold) {
+  asking?.abort();
+  const mine = new AbortController();
+  asking = mine;
+  judging(threshold);
   try {
-    return await get(`/jobs/${job}/statistics`, { threshold });
+    return await get(`/jobs/${job}/statistics`, { threshold }, { signal: mine.signal });
   } catch (error) {
-    if (error.status === 409) return null;
+    if (error.status === 409 || error.name === "AbortError") return null;
     throw error;
   }
+}
+
+/** What the service says belongs to another threshold until it has judged this one: dimmed, with a word on it. */
+function judging(threshold) {
+  if (!view.statistics) return;
+  const unit = parts.unit ? ` ${parts.unit}` : "";
+  place("judging").textContent = `Updating the verdicts${threshold === null ? "" : ` for f ≤ ${number(threshold, 4)}${unit}`} … What is dimmed belongs to f ≤ ${number(view.statistics.threshold.value, 4)}${unit}.`;
+  place("judged").setAttribute("aria-busy", "true");
+}
+
+function settled() {
+  place("judging").textContent = "";
+  place("judged").removeAttribute("aria-busy");
 }
 
 function build(points) {
@@ -92,7 +129,8 @@ function build(points) {
   if (maySubmit) parts.plan ??= new Plan(place("plan"), { job, name, parameters: points.parameters, best });
   else place("plan").hidden = true;
   if (!parts.uncertainty) {
-    parts.uncertainty = new Uncertainty(place("uncertainty"), { job, maySubmit, units, objectiveUnit: unit, onFound: () => rested(view.asked) });
+    parts.outlook = new Outlook(place("outlook"), { job, maySubmit, onBegun: () => parts.uncertainty.refresh() });
+    parts.uncertainty = new Uncertainty(place("uncertainty"), { job, maySubmit, units, objectiveUnit: unit, onFound: () => rested(view.asked), onCosts: (costs) => parts.plan?.price(costs.get("again")), onAnswer: (found) => parts.outlook.show(found) });
     parts.uncertainty.refresh();
   }
 }
@@ -112,12 +150,30 @@ function choose() {
 function tell() {
   parts.slider.tell(view.chosen.length, view.cloud.kept(view.threshold));
   parts.ranges.show();
+  advise();
   parts.fit.update(view.cloud, view.chosen, view.responses);
   legend();
 }
 
+/** Ranges without a good fit empty the plots: said, with both ways out of it. */
+function advise() {
+  const lost = view.cloud.ranges.size > 0 && view.chosen.length === 0;
+  place("advice").hidden = !lost;
+  if (!lost) return;
+  const all = view.cloud.inside();
+  const lowest = all.length ? view.cloud.objective[all[0]] : null;
+  exchange(place("advice"), `No good fit lies inside these ranges${lowest === null ? ", and no other evaluation either" : `: the best evaluation there has f = ${number(lowest, 4)}`}. `,
+    lowest === null ? null : element("button", { type: "button", class: "quiet small", onclick: () => { const f = lowest * (1 + 1e-6); parts.slider.moved(f); } }, "Raise the threshold to it"),
+    element("button", { type: "button", class: "quiet small", onclick: () => { view.cloud.ranges.clear(); limited(); } }, "Remove the ranges"));
+}
+
 function moved(threshold) {
   view.threshold = view.asked = threshold;
+  if (!view.cloud.reweighted) {
+    tellAddress({ threshold: String(Number(threshold.toPrecision(7))) });
+    asking?.abort();
+    judging(threshold);
+  }
   choose();
 }
 
@@ -129,12 +185,15 @@ async function rested(threshold) {
     if (statistics && threshold === view.asked) showStatistics(statistics);
   } catch (error) {
     announce(error.message);
+    place("judging").textContent = `${error.message} What is dimmed belongs to another threshold.`;
   }
 }
 
 async function proposed() {
   if (view.cloud.reweighted) reweighted(view.cloud.ownWeights);
+  tellAddress({ threshold: null });
   const statistics = await judged(view.asked = null);
+  if (!statistics) return;
   view.threshold = statistics.threshold.value;
   showStatistics(statistics);
   showCloud();
@@ -143,6 +202,23 @@ async function proposed() {
 
 function limited() {
   choose();
+  rememberRanges();
+}
+
+/** The ranges in the address, as natural values: ?range.c=5..20. */
+function rememberRanges() {
+  const { cloud } = view;
+  tellAddress(Object.fromEntries(cloud.parameters.map((parameter, i) => {
+    const range = cloud.ranges.get(i);
+    return [`range.${parameter.name}`, range ? range.map((unit) => Number(natural(parameter, unit).toPrecision(5))).join("..") : null];
+  })));
+}
+
+function limitAsTold(cloud) {
+  cloud.parameters.forEach((parameter, i) => {
+    const ends = told().get(`range.${parameter.name}`)?.split("..").map(Number);
+    if (ends?.length === 2 && ends.every(Number.isFinite)) cloud.limit(i, ends.map((value) => Math.max(0, Math.min(1, unitPlace(parameter, value) || 0))).sort((a, b) => a - b));
+  });
 }
 
 /** Other weights: as many evaluations stay good fits as before. */
@@ -154,13 +230,14 @@ function reweighted(weights) {
   view.threshold = cloud.reweighted ? cloud.objective[cloud.order[kept - 1]] : view.before ?? view.threshold;
   parts.slider.fit(cloud, parts.unit);
   place("verdicts-note").hidden = !cloud.reweighted;
-  if (cloud.reweighted) parts.slider.why.textContent = "Under other weights: as many good fits as before, unless you move the slider.";
+  if (cloud.reweighted) parts.slider.why.textContent = "Other weights keep the number of good fits unless you move the slider.";
   else if (view.statistics) showStatistics(view.statistics);
   showCloud();
 }
 
 function showStatistics(statistics) {
   view.statistics = statistics;
+  settled();
   const { threshold, verdicts, correlations, fit } = statistics;
   const warnings = statistics.warnings.filter((text) => !doubt(fit) || !text.startsWith(fit.sentence));
   place("alarm").replaceChildren(...alarm(fit));

@@ -1,4 +1,4 @@
-// Who runs what, since when; for administrators also what waits, how runs have ended, and API keys.
+// Workers, since when; for administrators also what waits, how runs have ended, and API keys.
 import { connection, exchange, failure } from "./dom.js";
 import { get } from "./http.js";
 import { keysPanel } from "./workers/keys.js";
@@ -6,7 +6,7 @@ import { operations } from "./workers/operations.js";
 import { workersTable } from "./workers/table.js";
 
 const RENEW_SECONDS = 3;
-const { admin } = document.querySelector("main").dataset;
+const { admin, version } = document.querySelector("main").dataset;
 const isAdmin = admin === "true";
 const place = (id) => document.getElementById(id);
 
@@ -15,7 +15,7 @@ async function look() {
   try {
     const [{ items }, measures] = await Promise.all([get("/workers"), isAdmin ? get("/operations") : null]);
     connection(null);
-    exchange(place("workers"), workersTable(items));
+    exchange(place("workers"), workersTable(items, version));
     if (measures) exchange(place("operations"), operations(measures));
   } catch (error) {
     if (error.status === 0) connection("Connection lost; trying again …");

@@ -84,6 +84,7 @@ def _show(problem: Problem, check: CheckReport) -> None:
             "free parameters": ", ".join(check.free_parameters),
             "measured points": f"{check.data_points}{_left_out(problem)}",
             **{f"readings of {o.series}": "; ".join(o.notes) for o in problem.observations if o.notes},
+            **({"assumed": " ".join(check.assumptions)} if check.assumptions else {}),
             "test run": f"{run.state} in {duration(run.seconds)}",
             "objective there": with_unit(number(run.objective), objective_unit(problem)),
             **({"root mean square": ", ".join(rms)} if rms else {}),

@@ -77,7 +77,7 @@ def _show_values(values: Sequence[ClassicalValue]) -> None:
             right=(used.index(3),),
         )
     else:
-        note("The readings allow no classical evaluation.")
+        note("No classical evaluation is possible from these readings.")
     missing = [one for one in values if one.value is None and one.stage is None]
     for one in missing:
         note(f"Not from these readings: {f'{one.part}: ' if one.part else ''}{one.symbol} ({one.method}): {one.why}")

@@ -102,20 +102,20 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
     bent = [parameter for parameter, row in linearisation["parameters"].items() if row["bent"]]
     if bent:
         note(
-            f"Warning: the model bends within the interval of {' and '.join(bent)}, so it is only approximate; "
+            f"Warning: the model is nonlinear within the interval of {' and '.join(bent)}, so it is only approximate; "
             f"'geoswarm profile' calculates the one by likelihood"
         )
     by_profile = [p for p, row in linearisation["parameters"].items() if row["interval_basis"] == "profile"]
     if by_profile:
-        note(f"Note: the model bends there, so the interval of {' and '.join(by_profile)} is the one by likelihood")
+        note(f"Note: the model is nonlinear there, so the interval of {' and '.join(by_profile)} is by likelihood")
     for one in linearisation["dependence"]:
         note(f"Note: {one['sentence']}")
     for parameter, side in linearisation["held"].items():
         note(f"Note: the best fit lies on the {side} bound of {parameter}, and the data pull beyond it")
     if all(distance is None for distance in linearisation["distance"]):
-        note("Warning: whether this is a minimum cannot be told, because no parameter has a standard error")
+        note("Warning: it cannot be said whether this is a minimum, because no parameter has a standard error")
     elif not linearisation["at_optimum"]:
-        note("Warning: this is not the minimum yet, so the intervals are off; let it be polished (--polish)")
+        note("Warning: this is not the minimum yet, so the intervals are wrong; polish it first (--polish)")
 
 
 def _show_profiles(profiles: list[dict[str, Any]], fit: Mapping[str, Any] | None) -> None:

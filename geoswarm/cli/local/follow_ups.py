@@ -1,8 +1,8 @@
-"""``geoswarm sensitivity``, ``profile`` and ``influence``: further evaluations that tell how sure parameters are."""
+"""``geoswarm sensitivity``, ``profile``, ``explore``, ``influence``: further evaluations that tell how sure it is."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from geoswarm.cli.local.findings import show_findings
+from geoswarm.cli.local.running import run_here, wait_for
 from geoswarm.cli.local.source import as_folder, known_noise, named_numbers, noise_option
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import connect, find_job
-from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
-from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import echo_json, note
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.identifiability.stored.findings import Findings
     from geoswarm.solver.problem import Problem
 
-__all__ = ["influence_command", "profile_command", "sensitivity_command"]
+__all__ = ["explore_command", "influence_command", "profile_command", "sensitivity_command"]
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 Noise = dict[str, float] | float | None
@@ -128,9 +127,54 @@ def profile_command(
             submitted = client.profile(job.id, parameters=names, noise=known)
         except ConflictError:
             note("The sensitivities at the optimum come first.")
-            _wait(client, client.sensitivity(job.id))
+            wait_for(client, client.sensitivity(job.id))
             submitted = client.profile(job.id, parameters=names, noise=known)
         _follow(client, submitted, as_json, known)
+
+
+@click.command("explore")
+@_common
+@click.option("--runs", type=click.IntRange(1, 100_000), default=100, show_default=True, help="Evaluations at most.")
+@noise_option
+def explore_command(
+    source: str, workers: int, as_json: bool, url: str, api_key: str | None, runs: int, noise: tuple[str, ...]
+) -> None:
+    """Spend runs where a second basin is most likely, and update the verdicts.
+
+    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Half of the runs look at places
+    that no run has come near, the others go down from the best of these.
+    """
+    known = known_noise(noise)
+    folder = as_folder(source)
+    if folder is not None:
+        from geoswarm.solver.report.folder.reading import report_of_folder, run_of_folder
+        from geoswarm.solver.report.jsonable import jsonable
+
+        _LocalRun(run_of_folder(folder).problem, folder, workers).explore(runs, known)
+        statistics = report_of_folder(folder, noise=known).statistics
+        assert statistics is not None  # as there was something to explore around
+        _show_basins(source, jsonable(statistics.to_json()), as_json)
+        return
+    with connect(url, api_key) as client:
+        job = find_job(client, source)
+        ended = wait_for(client, client.explore(job.id, runs=runs, noise=known))
+        followed = client.problem(ended.id)["method"]["of"]
+        _show_basins(ended.name, asdict(client.statistics(followed, noise=known)), as_json)
+
+
+def _show_basins(name: str, found: Mapping[str, Any], as_json: bool) -> None:
+    """Write what the data say after an exploration: verdicts, and what is known of other basins."""
+    if as_json:
+        echo_json({key: found[key] for key in ("basins", "verdicts", "warnings")})
+        return
+    click.secho(name, bold=True)
+    for verdict in found["verdicts"]:
+        click.echo(f"  {verdict['sentence']}")
+    basins = found["basins"]
+    if not any(basins[key] for key in ("others", "exchanges", "unfinished", "untried")):
+        click.echo("  No other set of parameters was found that the data do not exclude.")
+    for warning in found["warnings"]:
+        note(f"Warning: {warning}")
 
 
 @click.command("influence")
@@ -167,19 +211,8 @@ def influence_command(
         _follow(client, client.global_sensitivity(job.id, kind=kind, samples=samples), as_json, None)
 
 
-def _wait(client: Client, job: Job) -> Job:
-    from geoswarm.cli.service.submit import follow
-
-    note(f"Follow-up {job.id}; Ctrl-C stops watching, the job goes on.")
-    ended = follow(client, job)
-    if ended.state != "finished":
-        why = f": {ended.error}" if ended.error else ""
-        raise FailedRunError(f"follow-up {ended.id} {ended.state}{why}")
-    return ended
-
-
 def _follow(client: Client, job: Job, as_json: bool, noise: Noise) -> None:
-    ended = _wait(client, job)
+    ended = wait_for(client, job)
     found = asdict(client.uncertainty(ended.id, noise=noise))
     if as_json:
         echo_json({"job": ended.id} | found)
@@ -237,7 +270,7 @@ class _LocalRun:
         kept = self.folder is not None and (self.folder / "profile").exists()
         if at_optimum is None or not bent or kept or not self.problem.forward_model.quick:
             return found
-        note(f"The model bends within the interval of {' and '.join(bent)}: profiles follow.")
+        note(f"The model is nonlinear within the interval of {' and '.join(bent)}: profiles follow.")
         profiles = self._run(profile_problem(self.problem, at_optimum, seed=self.seed, parameters=bent), noise)
         return join_findings([found, profiles])
 
@@ -260,6 +293,21 @@ class _LocalRun:
                 raise FailedRunError(f"sensitivities at the optimum cannot be had: {'; '.join(examined.notes)}")
             found = examined.linearisation
         return self._run(profile_problem(self.problem, found, seed=self.seed, parameters=parameters), noise)
+
+    def explore(self, runs: int, noise: Noise) -> Findings:
+        from geoswarm.solver.identifiability.stored.exploring import explore_problem
+        from geoswarm.solver.report.document.build import linearise_here, linearise_stored
+        from geoswarm.solver.report.folder.folder_findings import findings_of_folder
+        from geoswarm.solver.report.folder.reading import run_of_folder
+
+        assert self.folder is not None
+        samples = run_of_folder(self.folder).samples
+        found = findings_of_folder(self.folder, self.problem, noise=noise).linearisation
+        if found is None and samples.size:
+            optimum = linearise_here(self.problem, samples, self.seed, noise=noise)
+            stored = linearise_stored(self.problem, samples, self.seed, noise=noise)
+            found = stored if optimum is None else optimum.linearisation
+        return self._run(explore_problem(self.problem, samples, found, seed=self.seed, runs=runs), noise)
 
     def influence(self, kind: Literal["sobol", "morris"], samples: int | None) -> Findings:
         from geoswarm.solver.identifiability.stored.findings import global_problem
@@ -286,24 +334,4 @@ class _LocalRun:
         return np.array([values[name] for name in names], dtype=np.float64)
 
     def _run(self, problem: Problem, noise: Noise) -> Findings:
-        from geoswarm.solver.identifiability.stored.findings import findings_of
-        from geoswarm.solver.report.folder import tables
-        from geoswarm.solver.runs.local import calibrate
-
-        ready(problem)
-        with progress_bar(problem.name, problem.planned_evaluations) as update:
-            result = calibrate(
-                problem,
-                workers=self.workers,
-                on_generation=lambda record: update(record.evaluations, record.number, record.objective),
-            )
-        if self.folder is not None:
-            place = self.folder / problem.method.kind
-            place.mkdir(exist_ok=True)
-            tables.write_result(place / "result.json", problem, result)
-            tables.write_problem(place / "problem.json", problem, result.seed)
-            tables.write_evaluations(place / "evaluations.csv", problem, result)
-            tables.write_generations(place / "generations.csv", problem, result)
-            tables.write_responses(place / "responses.npz", problem, result)
-            note(f"Evaluations kept in {place}; 'geoswarm report {self.folder}' has what they tell.")
-        return findings_of(problem, result.seed, [record.evaluation for record in result.history], noise=noise)
+        return run_here(problem, self.workers, noise, self.folder, problem.method.kind)

@@ -37,7 +37,9 @@ __all__ = ["run_command"]
     help="Folder for the report (html, pdf), figures (png, svg, csv) and tables.",
 )
 @click.option(
-    "--seed", type=click.IntRange(0, 2**53 - 1), help="Seed in place of the problem's; the same seed, the same result."
+    "--seed",
+    type=click.IntRange(0, 2**53 - 1),
+    help="Seed in place of the problem's; the same seed gives the same result.",
 )
 @click.option(
     "--warm-start",
@@ -47,7 +49,7 @@ __all__ = ["run_command"]
     metavar="DIR",
     help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
 )
-@click.option("--resume", is_flag=True, help="Go on with the run that was cut off in the folder of --output.")
+@click.option("--resume", is_flag=True, help="Continue the interrupted run in the folder of --output.")
 @json_option
 def run_command(
     problem: Path,
@@ -61,8 +63,8 @@ def run_command(
     """Calibrate a problem to its end, with figures and tables.
 
     The number of workers changes the time, never the result. With --output every forward run is kept as it finishes:
-    after Ctrl-C, a full disk or a crash the same command with --resume goes on to the same result. Exit code 1 when no
-    forward run succeeded.
+    after Ctrl-C, a full disk or a crash the same command with --resume continues to the same result. Exit code 1 when
+    no forward run succeeded.
     """
     from geoswarm.solver.problem import load_problem
     from geoswarm.solver.problem.running import Limits
@@ -72,9 +74,9 @@ def run_command(
     loaded = load_problem(problem)
     warn_of_many_points(loaded)
     if loaded.limits != Limits() and not WATCHED:
-        note("note: on this system limits hold in the service only; a run that hangs must be ended by hand")
+        note("note: on this system limits apply only in the service; press Ctrl-C to stop a hanging run")
     if resume and output is None:
-        raise BadInputError("--resume needs --output DIR, the folder of the run that was cut off")
+        raise BadInputError("--resume needs --output DIR, the folder of the interrupted run")
     if loaded.warm_start and not earlier:
         raise BadInputError(
             "warm_start.jobs: only the service knows its jobs. 'geoswarm submit' runs this problem there; here, give "

@@ -47,7 +47,7 @@ def open_folder(
     except (OtherRunError, OutputError) as error:
         raise BadInputError(f"--output {folder}: {error}") from error
     if resume and opened is not None:
-        note(f"going on after {opened.kept} runs" if opened.kept else "nothing to go on from: the run begins")
+        note(f"continuing after {opened.kept} runs" if opened.kept else "nothing to continue: starting a new run")
     return opened
 
 
@@ -73,7 +73,7 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
             f"--resume: {folder} holds a finished run with another {', '.join(different) or 'seed'}; "
             "give another folder, or leave out --resume to overwrite it"
         )
-    note(f"the run in {folder} is finished: nothing to go on with")
+    note(f"the run in {folder} is finished: there is nothing to continue")
     if as_json:
         echo_json({name: result[name] for name in _SUMMARY})
     elif result["parameters"] is not None:
@@ -105,7 +105,7 @@ def kept(folder: RunFolder | None, problem: Path) -> Iterator[None]:
     if folder is None:
         yield
         return
-    remedy = f"'geoswarm run {problem} --output {folder.folder} --resume' goes on"
+    remedy = f"'geoswarm run {problem} --output {folder.folder} --resume' continues"
     try:
         yield
     except KeyboardInterrupt:

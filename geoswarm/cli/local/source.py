@@ -46,7 +46,7 @@ def named_numbers(option: str, items: tuple[str, ...]) -> dict[str, float] | Non
         except ValueError:
             sign = ""
         if not sign or not name.strip():
-            raise BadInputError(f"{option} {item}: NAME=NUMBER is accepted, for example {option} settlement=2")
+            raise BadInputError(f"{option} must be NAME=NUMBER, for example {option} settlement=2; got {item}")
     return found or None
 
 
@@ -62,11 +62,11 @@ def known_noise(items: tuple[str, ...]) -> dict[str, float] | float | None:
         try:
             return float(items[0])
         except ValueError:
-            raise BadInputError(f"--noise {items[0]}: a number, or SERIES=NUMBER, is accepted") from None
+            raise BadInputError(f"--noise must be a number, or SERIES=NUMBER; got {items[0]}") from None
     return named_numbers("--noise", items)
 
 
 def threshold_check(threshold: float | None) -> None:
     """Refuse a threshold that is not above 0."""
     if threshold is not None and not 0.0 < threshold < float("inf"):
-        raise BadInputError(f"--threshold {threshold:g}: a number above 0 is accepted")
+        raise BadInputError(f"--threshold must be above 0, got {threshold:g}")

@@ -50,7 +50,7 @@ def statistics_command(
     url: str,
     api_key: str | None,
 ) -> None:
-    """Tell what the data say about each parameter, from stored evaluations; no forward run.
+    """Show what the data say about each parameter, from stored evaluations; no forward run.
 
     SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. With --accept, the problem of a
     follow-up job is written to --output, or to stdout.

@@ -42,7 +42,7 @@ def import_pest(case: Path, output: Path, files: tuple[str, ...]) -> None:
     """Make a problem of a control file of PEST or PEST++ (version 1 or 2).
 
     Writes problem.yaml, the readings, and copies of the templates, the instruction files and the program's files that
-    stand on the command line. What a problem cannot say is listed. Nothing that is there is overwritten.
+    stand on the command line. What a problem cannot say is listed. Existing files are never overwritten.
 
         geoswarm import pest case.pst --output problem
     """
@@ -105,19 +105,19 @@ def import_ags(
         geoswarm import ags data.ags
         geoswarm import ags data.ags --output clay --specimen BH1/U3/1
     """
-    from geoswarm.solver.ags.contents import chosen, contents_of, entries
-    from geoswarm.solver.ags.problem import PROBLEM, Wishes, imported
+    from geoswarm.solver.ags.contents import chosen, contents_of, entries, picked
+    from geoswarm.solver.ags.problem import PROBLEM, imported
     from geoswarm.solver.ags.reading import read_ags_file
     from geoswarm.solver.ags.tables import AgsError
+    from geoswarm.solver.ags.wishes import COMMAND_LINE, Wishes
     from geoswarm.solver.external.copies import FileInTheWayError
 
     duration = _quantity("--stage-duration", stage_duration, "day")
     stress = None if initial_stress is None else _quantity("--initial-stress", initial_stress, "kPa")
     try:
         contents = contents_of(read_ags_file(file))
-        if specimens:
-            contents = chosen(contents, specimens)
         if output is None:
+            contents = chosen(contents, specimens) if specimens else contents
             rows = [(entry.id, entry.kind, entry.what) for entry in entries(contents)]
             if as_json:
                 echo_json([asdict(entry) for entry in entries(contents)])
@@ -126,13 +126,7 @@ def import_ags(
             else:
                 note(f"{file.name} holds no compression tests, shear tests or monitoring that can be imported")
             return
-        tests = [id for id, _ in (*contents.compression, *contents.shear)]
-        if len(tests) > 1 and not specimens:
-            listed = ", ".join(tests[:20]) + (" ..." if len(tests) > 20 else "")
-            raise BadInputError(
-                f"{file.name} holds {len(tests)} tests, which need not be of one soil; choose with --specimen ID: "
-                f"{listed}"
-            )
+        contents = picked(contents, specimens, COMMAND_LINE.specimen)
         made = imported(contents, output, Wishes(duration, material, stress))
     except (AgsError, FileInTheWayError) as error:
         raise BadInputError(str(error)) from None
@@ -167,11 +161,11 @@ def _quantity(option: str, text: str, unit: str) -> float:
     first, _, rest = text.strip().partition(" ")
     value = cell_number(first)
     if value is None or not rest.strip():
-        raise BadInputError(f"{option} '{text}': a number and a unit, such as '{example}', are accepted")
+        raise BadInputError(f"{option} must be a number and a unit, such as '{example}', got '{text}'")
     try:
         value = float(convert(value, rest.strip(), unit))
     except UnitError as error:
         raise BadInputError(f"{option} '{text}': {error}") from None
     if not 0.0 < value < math.inf:
-        raise BadInputError(f"{option} '{text}': above 0 {unit} is accepted")
+        raise BadInputError(f"{option} must be above 0 {unit}, got '{text}'")
     return value

@@ -56,7 +56,7 @@ def new_command(call: str, example: Path, marks: tuple[str, ...], result: str, o
     """Write a problem file for a program of your own.
 
     Of an example of the program's input file a template is made: the numbers that you mark become parameters. What is
-    not given is asked for. A file that is there is never overwritten.
+    not given is asked for. Existing files are never overwritten.
 
         geoswarm model new --run "./settle" --input input.txt --mark E=2e4 --mark nu=0.3 --result output.csv
     """
@@ -111,7 +111,7 @@ def parse_mark(text: str) -> Mark:
     if not equals or not _NAME.fullmatch(name):
         raise BadInputError(f"--mark {text}: give NAME=VALUE, for example E=2e4")
     if not _NUMBER.fullmatch(value) or (at and not line.isdecimal()):
-        raise BadInputError(f"--mark {text}: '{rest}' is no number, or no number @ line")
+        raise BadInputError(f"--mark {text}: '{rest}' is neither a number nor a number @ line")
     return Mark(name, _value(value), int(line) if at else None)
 
 
@@ -203,7 +203,7 @@ def _text(path: Path) -> str:
     try:
         return path.read_bytes().decode("utf-8")
     except UnicodeDecodeError:
-        raise BadInputError(f"--input {path}: is no text in UTF-8") from None
+        raise BadInputError(f"--input {path}: is not UTF-8 text") from None
 
 
 def _value(text: str) -> float:

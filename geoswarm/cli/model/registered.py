@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import time
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,9 +22,12 @@ if TYPE_CHECKING:
 __all__ = ["models_command"]
 
 
+SECRET_HELP = "File with the secret to sign with; a new one is written to it where there is none."
+
+
 @click.group("models")
 def models_command() -> None:
-    """List, show and check the models registered on this machine (GEOSWARM_MODELS)."""
+    """List, show, check and sign the models registered on this machine (GEOSWARM_MODELS)."""
 
 
 @models_command.command("list")
@@ -112,6 +118,48 @@ def check_model(name: str, given: tuple[str, ...]) -> None:
         raise FailedRunError(failure)
 
 
+@models_command.command("sign")
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--secret-file", type=click.Path(path_type=Path), required=True, metavar="FILE", help=SECRET_HELP)
+@click.option(
+    "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="Where to write the list."
+)
+def sign_models(names: tuple[str, ...], secret_file: Path, output: Path) -> None:
+    """Sign the list of models that agents may fetch: those named, all registered ones when none is.
+
+    The service sends the list, and the files in it, when GEOSWARM_SIGNED_MODELS names it; it needs no secret. An agent
+    fetches them when it is started with --fetch-models and the same secret.
+    """
+    from geoswarm.solver.errors import SignedListError
+    from geoswarm.solver.registered.folders import VARIABLE, registered_names
+    from geoswarm.solver.registered.signed import SignedList, listed, new_secret, read_secret
+
+    chosen = names or registered_names()
+    if not chosen:
+        raise BadInputError(f"no model is registered on this machine; {VARIABLE} names the folders")
+    try:
+        models = {name: listed(_found(name)[0]) for name in chosen}
+    except (SignedListError, OSError, ValueError) as error:
+        raise BadInputError(str(error)) from None
+    try:
+        if not secret_file.exists():
+            with os.fdopen(os.open(secret_file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+                file.write(new_secret() + "\n")
+            note(f"A new secret was written to {secret_file}; give agents a copy, and the service none.")
+        secret = read_secret(secret_file)
+    except (OSError, SignedListError) as error:
+        why = error.strerror or error if isinstance(error, OSError) else error
+        raise BadInputError(f"--secret-file {secret_file}: {why}") from None
+    draft = output.with_name(f".{output.name}.{os.getpid()}")
+    try:
+        draft.write_bytes(SignedList.signed(models, int(time.time()), secret).document())
+        draft.replace(output)  # a service that reads it meanwhile sees the old list or the new one
+    except OSError as error:
+        raise BadInputError(f"--output {output}: {error.strerror or error}; name a file to write to") from None
+    rows = [(name, model.version[:12], str(len(model.files))) for name, model in models.items()]
+    echo_table(None, ("model", "version", "files"), rows, right=(2,))
+
+
 def _run_once(name: str, model: ForwardModel, values: dict[str, float]) -> None:
     """Calculate the first series of a model that starts no program, where it knows at which points."""
     from geoswarm.solver.errors import ForwardError
@@ -119,7 +167,7 @@ def _run_once(name: str, model: ForwardModel, values: dict[str, float]) -> None:
     series = model.series[0]
     x = model.grid(series.name)
     if not x.size:
-        note(f"Model {name} is sound; it starts no program, so nothing was run.")
+        note(f"Model {name} is valid; it starts no program, so nothing was run.")
         return
     try:
         y = model.prepare({series.name: x})(values)[series.name]

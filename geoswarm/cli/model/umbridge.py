@@ -25,7 +25,7 @@ _HERE = ("127.0.0.1", "localhost", "::1")
 @click.command("umbridge")
 @problem_argument
 @click.option(
-    "--host", default="127.0.0.1", show_default=True, help="Address to listen on; there is no key, so keep it to you."
+    "--host", default="127.0.0.1", show_default=True, help="Address to listen on; there is no key, so keep it local."
 )
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=4242, show_default=True, help="Port; 0 takes a free one."
@@ -48,7 +48,7 @@ def umbridge_command(problem: Path, host: str, port: int, workers: int) -> None:
         with Bridge(loaded, workers) as bridge, _bound(bridge, host, port) as server:
             _tell(bridge, host, server.server_address[1])
             if host not in _HERE:
-                note(f"Warning: who reaches {host} can run this model; there is no key.")
+                note(f"Warning: anyone who reaches {host} can run this model; there is no key.")
             server.serve_forever(poll_interval=0.1)
     except KeyboardInterrupt:
         note("Stopped.")
@@ -60,9 +60,7 @@ def _bound(bridge: Bridge, host: str, port: int) -> ThreadingHTTPServer:
     try:
         return make_server(bridge, host, port)
     except OSError as error:
-        raise BadInputError(
-            f"{host}:{port} cannot be listened on: {error.strerror or error}; give another --port"
-        ) from None
+        raise BadInputError(f"{host}:{port} cannot be used: {error.strerror or error}; give another --port") from None
 
 
 def _tell(bridge: Bridge, host: str, port: int) -> None:

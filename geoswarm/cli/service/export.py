@@ -45,7 +45,7 @@ def export_command(job: str, form: str | None, output: Path | None, url: str, ap
         )
     chosen = form or (ending if ending in ("json", "parquet") else "csv")
     if chosen == "parquet" and output is None:
-        raise BadInputError("--format parquet needs --output FILE: it is no text for a terminal")
+        raise BadInputError("--format parquet needs --output FILE: it cannot be shown on a terminal")
     with connect(url, api_key) as client:
         found = find_job(client, job)
         if output is not None:

@@ -99,7 +99,7 @@ def _echo_log(log: str | None) -> None:
 @json_option
 @connection_options
 def retry_failed_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
-    """Run the failed evaluations of a job again.
+    """Rerun the failed evaluations of a job.
 
     And only them. The job must be paused or have ended. Positions that the search has proposed stay as they are; the
     best evaluation and the counts may change.

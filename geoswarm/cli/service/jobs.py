@@ -46,7 +46,7 @@ def _age(moment: datetime) -> str:
 @click.command("list")
 @click.option("--state", type=click.Choice(JOB_STATES), help="Only jobs in this state.")
 @click.option("--limit", type=click.IntRange(1, 200), default=20, show_default=True, help="Number of jobs.")
-@click.option("--cursor", help="Where to go on: 'next_cursor' of the page before.")
+@click.option("--cursor", help="Where to continue: 'next_cursor' of the previous page.")
 @json_option
 @connection_options
 def list_command(
@@ -74,7 +74,7 @@ def list_command(
 @click.command("show")
 @job_argument
 @click.option("--failures", is_flag=True, help="Why evaluations failed: parameters, message, end of the output.")
-@click.option("--attempts", metavar="GENERATION/PARTICLE", help="Every try at one evaluation.")
+@click.option("--attempts", metavar="GENERATION/PARTICLE", help="Every attempt at one evaluation.")
 @json_option
 @connection_options
 def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, url: str, api_key: str | None) -> None:
@@ -226,7 +226,7 @@ def resume_command(job: str, as_json: bool, url: str, api_key: str | None) -> No
 def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
     """List the workers of a service.
 
-    Who runs what, and since when. An id begins with host and process number.
+    Workers, and since when. An id begins with host and process number.
     """
     with connect(url, api_key) as client:
         workers = client.workers()

@@ -24,18 +24,23 @@ def keys_command() -> None:
     """Create, list and revoke API keys.
 
     Works on the database of a service, which may run meanwhile. Roles: 'read' sees the owner's jobs, 'submit' also
-    submits and steers them, 'admin' sees and steers all jobs.
+    submits and steers them, 'admin' sees and steers all jobs. 'agent' is for 'geoswarm agent': it runs what all jobs
+    have calculated, and sees nothing else.
     """
 
 
 @keys_command.command("create")
 @click.option("--owner", required=True, help="Whose jobs the key opens; several keys may have one owner.")
 @click.option(
-    "--role", type=click.Choice(("read", "submit", "admin")), default="submit", show_default=True, help="What it may."
+    "--role",
+    type=click.Choice(("agent", "read", "submit", "admin")),
+    default="submit",
+    show_default=True,
+    help="What it may do.",
 )
 @click.option("--label", default="", help="What it is for, to recognise it in the list.")
 @click.option(
-    "--expires", type=SPAN, metavar="SPAN", help="How long it is valid, e.g. 90d or 12h; for ever if not given."
+    "--expires", type=SPAN, metavar="SPAN", help="How long it is valid, e.g. 90d or 12h; unlimited if not given."
 )
 @json_option
 @database_option
@@ -92,7 +97,7 @@ def list_keys_command(as_json: bool, database: str | None) -> None:
 @json_option
 @database_option
 def revoke_command(key_id: str, as_json: bool, database: str | None) -> None:
-    """Make a key invalid, at once and for ever."""
+    """Revoke a key, at once and permanently."""
     from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
 
     whole = KEY_PATTERN.fullmatch(key_id)

@@ -23,7 +23,7 @@ SHORTEST_ROUND = 1.0  # s
     "--state", "states", type=click.Choice(ENDED_STATES), multiple=True, help="Only jobs that ended like this."
 )
 @click.option("--dry-run", is_flag=True, help="Only show what would be deleted.")
-@click.option("--every", type=SPAN, metavar="SPAN", help="Do it now and again after this time, until Ctrl-C.")
+@click.option("--every", type=SPAN, metavar="SPAN", help="Repeat at this interval until Ctrl-C.")
 @json_option
 @database_option
 @logging_options
@@ -37,7 +37,7 @@ def prune_command(
     log_level: str,
     log_format: str,
 ) -> None:
-    """Delete old jobs for good.
+    """Delete old jobs permanently.
 
     Works on the database of a service, which may run meanwhile. Deleted are jobs that ended, with everything that
     belongs to them; then the space is given back. Deleted data are overwritten in an SQLite file; backups are not
@@ -50,7 +50,7 @@ def prune_command(
         if dry_run or as_json:
             raise BadInputError("--every runs until it is stopped and goes with neither --dry-run nor --json")
         if every < SHORTEST_ROUND:
-            raise BadInputError(f"--every {every:g}s: at least {SHORTEST_ROUND:g}s is accepted, for example 24h")
+            raise BadInputError(f"--every must be at least {SHORTEST_ROUND:g}s, for example 24h; got {every:g}s")
         settings = Settings.from_environment(database_url=database)
         prepare("prune", log_level, log_format, settings)
         note("geoswarm prune; Ctrl-C stops it.")

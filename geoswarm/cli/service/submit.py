@@ -9,14 +9,15 @@ import click
 
 from geoswarm.cli.options import connection_options, job_argument, json_option, problem_argument
 from geoswarm.cli.service.connection import connect, find_job
+from geoswarm.cli.service.hooks import add_hook, tell_secret
 from geoswarm.cli.service.jobs import show_job
 from geoswarm.cli.service.progress import progress_bar
-from geoswarm.cli.words.error_messages import FailedRunError
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import COMPILING, compiled_in
 from geoswarm.cli.words.output import echo_json, note, record_json
 
 if TYPE_CHECKING:
-    from geoswarm.client import Client, Event, Job
+    from geoswarm.client import Client, Event, Job, NewHook
 
 __all__ = ["follow", "submit_command", "watch_command"]
 
@@ -38,6 +39,12 @@ _NAMED = 3
     metavar="ID",
     help="Earlier job with the same forward model, whose runs the search learns from; may be repeated.",
 )
+@click.option(
+    "--notify",
+    multiple=True,
+    metavar="ADDRESS",
+    help="Whom to notify when the job ends: https://... or an e-mail address; may be repeated.",
+)
 @json_option
 @connection_options
 def submit_command(
@@ -45,6 +52,7 @@ def submit_command(
     watch: bool,
     idempotency_key: str | None,
     earlier: tuple[str, ...],
+    notify: tuple[str, ...],
     as_json: bool,
     url: str,
     api_key: str | None,
@@ -61,13 +69,22 @@ def submit_command(
             given = problem
             _tell_of_earlier(client, problem)
         job = client.submit(given, idempotency_key=idempotency_key)
+        for target in notify:  # a job that has ended meanwhile is told of at once
+            tell_secret(_hooked(client, target, job))
         if watch:
-            note(f"Job {job.id}; Ctrl-C stops watching, the job goes on.")
+            note(f"Job {job.id}; Ctrl-C stops watching; the job continues.")
             _end(follow(client, job), as_json)
         elif as_json:
             echo_json(record_json(job))
         else:
             click.echo(job.id)
+
+
+def _hooked(client: Client, target: str, job: Job) -> NewHook:
+    try:
+        return add_hook(client, target, job.id)
+    except BadInputError as error:
+        raise BadInputError(f"job {job.id} is submitted, but nobody will be notified when it ends: {error}") from error
 
 
 def _learning_from(jobs: list[str], problem: Path) -> dict[str, Any]:
@@ -96,7 +113,7 @@ def _tell_of_earlier(client: Client, problem: Path) -> None:
 def watch_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
     """Follow a job until it ends.
 
-    Exit code 0 when it finished, 1 when it failed or was cancelled. Ctrl-C stops watching, the job goes on.
+    Exit code 0 when it finished, 1 when it failed or was cancelled. Ctrl-C stops watching; the job continues.
     """
     with connect(url, api_key) as client:
         _end(follow(client, find_job(client, job)), as_json)

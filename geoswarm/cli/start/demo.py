@@ -41,13 +41,13 @@ _START_SECONDS = 30.0
     "--port", type=click.IntRange(0, 65535), default=8765, show_default=True, help="Port; a free one if taken."
 )
 @click.option("--workers", type=click.IntRange(min=1), default=2, show_default=True, help="Worker processes.")
-@click.option("--no-wait", is_flag=True, help="End after the search instead of serving on until Ctrl-C.")
+@click.option("--no-wait", is_flag=True, help="End after the search instead of serving until Ctrl-C.")
 def demo_command(port: int, workers: int, no_wait: bool) -> None:
     """Start a service and calibrate the published oedometer test.
 
     Everything happens on this machine: a service with its own worker processes and a database in a temporary folder,
     one job, and a page to look at. The reference data are synthetic: the model at the published identified parameters
-    plus noise. On a terminal the service goes on until Ctrl-C, else the command ends after the search.
+    plus noise. On a terminal the service runs until Ctrl-C, else the command ends after the search.
     """
     from geoswarm.workers.hosts.engine import open_engine
     from geoswarm.workers.settings import Settings

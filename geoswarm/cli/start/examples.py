@@ -25,7 +25,7 @@ def examples_command(name: str | None, directory: Path | None, as_json: bool) ->
     """List the examples that are installed, or write one out.
 
     With NAME and DIRECTORY the example's problem, data and explanation are written to that folder, which is made if it
-    is not there. A file that exists is never overwritten.
+    is not there. Existing files are never overwritten.
     """
     if name is None:
         _list(as_json)
@@ -86,6 +86,6 @@ def example_problem(name: str) -> Iterator[Path]:
         When the installation lacks the example.
     """
     if name not in example_names():
-        raise BadInputError(f"the example '{name}' is missing in this installation; install geoswarm again")
+        raise BadInputError(f"the example '{name}' is missing in this installation; reinstall geoswarm")
     with example_file(name) as path:
         yield path

@@ -26,7 +26,7 @@ __all__ = ["init_command", "inline_command"]
     help="Folder to write to; the working folder if not given.",
 )
 def init_command(kind: str, output: Path) -> None:
-    """Write a commented problem to begin with, and its data.
+    """Write a commented starter problem with its data.
 
     KIND is oedometer (unless given), isotropic_compression, triaxial, direct_simple_shear, consolidation,
     crs_oedometer, column, formula, combined or section. The data are synthetic, to be replaced by yours. A file that is
@@ -71,7 +71,8 @@ def _files(starter: Starter) -> dict[str, str]:
     with example_problem(starter.example) as path:
         data = {file.name: file.read_text(encoding="utf-8") for file in sorted(path.parent.glob("*.csv"))}
         text = (
-            starter.text or f"# To begin with: replace data and numbers by yours.\n{path.read_text(encoding='utf-8')}"
+            starter.text
+            or f"# A starting point: replace data and numbers with yours.\n{path.read_text(encoding='utf-8')}"
         )
     used = {name: _with_headings(content, starter.headings.get(name)) for name, content in data.items() if name in text}
     return {"problem.yaml": text, **used}
@@ -82,4 +83,4 @@ def _with_headings(content: str, headings: str | None) -> str:
     if headings is None:
         return content
     rows = [line for line in content.splitlines() if not line.startswith("#")][1:]
-    return "\n".join(["# SYNTHETIC readings, to be replaced by yours", headings, *rows]) + "\n"
+    return "\n".join(["# SYNTHETIC readings, to be replaced with yours", headings, *rows]) + "\n"

@@ -68,7 +68,7 @@ def paper_command(
     workers: int | None,
     as_json: bool,
 ) -> None:
-    """Run the published studies again and compare every number.
+    """Repeat the published studies and compare every number.
 
     A: oedometer test, B: isotropic compression test, C: creeping slope (its runs take seconds each); all of them unless
     named. The reference data are synthetic: the model at the published identified parameters plus noise, because the

@@ -13,7 +13,7 @@ from geoswarm.cli.words.output import duration, note, progress_console
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
 
-__all__ = ["COMPILING", "compiled_in", "ready"]
+__all__ = ["COMPILING", "all_ready", "compiled_in", "ready"]
 
 COMPILING = "Compiling the kernels for this machine: once after an installation, about a minute."
 LINE_SECONDS = 10.0
@@ -35,6 +35,18 @@ def ready(problem: Problem) -> float:
         seconds = compile_kernels(problem, tell)
     note(compiled_in(seconds))
     return seconds
+
+
+def all_ready() -> None:
+    """Compile all kernels, several at once, unless that was done before; a note on stderr says so."""
+    from geoswarm.solver.warm import missing_groups, warm
+
+    if not missing_groups():
+        return
+    note(COMPILING)
+    began = time.monotonic()
+    warm()
+    note(compiled_in(time.monotonic() - began))
 
 
 @contextmanager

@@ -28,7 +28,7 @@ class _Span(_ParamType):
             return value
         match = _PATTERN.fullmatch(str(value).strip().lower())
         if match is None:
-            self.fail(f"{value!r}: a number with s, m, h, d or w is accepted, for example 90d or 12h", param, ctx)
+            self.fail(f"must be a number with s, m, h, d or w, for example 90d or 12h; got {value!r}", param, ctx)
         return float(match[1]) * _SECONDS[match[2]]
 
 

@@ -1,7 +1,7 @@
 """The asynchronous client; the synchronous one is generated from it by ``scripts/generate_client.py``.
 
 ==============  ===================================================================================
-``client``      :class:`~geoswarm.client.AsyncClient`: all that the service can be asked, as one table
+``client``      :class:`~geoswarm.client.AsyncClient`: all methods, as one table
 ``connection``  address, key, timeouts; sends one request and reads its answer
 ``jobs``        submit, find, steer and delete jobs
 ``following``   follow the events of a job, wait for its end

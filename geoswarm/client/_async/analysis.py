@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import uuid
 from collections.abc import Mapping, Sequence
@@ -9,17 +10,32 @@ from typing import Any, Literal
 from urllib.parse import quote
 
 from geoswarm.client._async.connection import AsyncConnection
-from geoswarm.client.calls import JSON_BODY, Call, Noise, job_path, noise_query, plain, present, reader, view_query
+from geoswarm.client.calls import (
+    JSON_BODY,
+    Call,
+    Noise,
+    Problem,
+    job_path,
+    noise_query,
+    plain,
+    present,
+    question_document,
+    reader,
+    view_query,
+)
 from geoswarm.client.models import Figure, Report
 from geoswarm.records.job import Job
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 
 __all__ = [
+    "design",
+    "explore",
     "figure",
     "figures",
     "global_sensitivity",
     "posterior",
+    "predict",
     "profile",
     "report",
     "report_pdf",
@@ -33,14 +49,20 @@ __all__ = [
 async def statistics(
     self: AsyncConnection, job_id: str, *, threshold: float | None = None, noise: Noise = None
 ) -> StatisticsAnswer:
-    """Judge the parameters of a job from its stored evaluations: verdicts, correlations, projections, proposals.
+    """Show what a job's stored evaluations say about each parameter: verdicts, correlations, projections, proposals.
 
     Parameters
     ----------
     threshold
-        Objective up to which a fit is good; proposed by the service when None.
+        Objective up to which a fit counts as good; proposed by the service when None.
     noise
         Known standard deviation of a reading, base units, one for all series or one each.
+
+    Examples
+    --------
+    >>> statistics = await client.statistics(job.id, noise=0.1)
+    >>> [verdict.parameter for verdict in statistics.verdicts]
+    ['a', 'b']
     """
     query = view_query(threshold, noise, False)
     return await self._send(Call("GET", f"{job_path(job_id)}/statistics", reader(StatisticsAnswer), query))
@@ -65,6 +87,12 @@ async def reweight(
         ``by_error``, ``by_count`` or ``by_range`` in place of ``weights``, or ``by_spread`` for those of points.
     noise
         Standard deviation of a reading, base units, for ``by_error``.
+
+    Examples
+    --------
+    >>> answer = await client.reweight(job.id, weights={"y": 2.0})
+    >>> answer.moved, answer.problem["observations"][0]["weight"]
+    (False, 2.0)
     """
     request = present(weights=weights, point_weights=point_weights, weighting=weighting, noise=noise)
     content = json.dumps(request, default=plain)
@@ -86,11 +114,17 @@ async def sensitivity(
     Parameters
     ----------
     polish
-        Go to the minimum first; without, one generation at the best evaluation.
+        Go to the minimum first; otherwise evaluate one generation at the best evaluation.
     step
         Largest difference in parts of the searched range; 0.005 when None.
     at
         Another optimum: values of the free parameters.
+
+    Examples
+    --------
+    >>> follow_up = await client.sensitivity(job.id)
+    >>> follow_up.method
+    'sensitivity'
     """
     request = present(polish=polish, step=step, at=at)
     return await _submit_follow_up(self, f"{job_path(job_id)}/sensitivity", request, idempotency_key)
@@ -112,9 +146,124 @@ async def profile(
         Those to profile; all free ones when None.
     noise
         Known standard deviation of a reading, base units.
+
+    Examples
+    --------
+    >>> ended = await client.wait((await client.sensitivity(job.id)).id, timeout=60)
+    >>> follow_up = await client.profile(job.id, parameters=["a"], noise=0.1)
+    >>> follow_up.method
+    'profile'
     """
     request = present(parameters=parameters, noise=noise)
     return await _submit_follow_up(self, f"{job_path(job_id)}/profile", request, idempotency_key)
+
+
+async def explore(
+    self: AsyncConnection,
+    job_id: str,
+    *,
+    runs: int | None = None,
+    noise: Noise = None,
+    idempotency_key: str | None = None,
+) -> Job:
+    """Submit a follow-up that spends runs where, by the stored evaluations, a second basin is most likely.
+
+    Parameters
+    ----------
+    runs
+        Maximum number of evaluations; 100 when None.
+
+    Examples
+    --------
+    >>> follow_up = await client.explore(job.id, runs=20)
+    >>> follow_up.method
+    'explore'
+    """
+    request = present(runs=runs, noise=noise)
+    return await _submit_follow_up(self, f"{job_path(job_id)}/explore", request, idempotency_key)
+
+
+async def predict(
+    self: AsyncConnection,
+    job_id: str,
+    problem: Problem,
+    *,
+    runs: int | None = None,
+    level: float | None = None,
+    noise: Noise = None,
+    source: Literal["auto", "posterior", "covariance"] | None = None,
+    idempotency_key: str | None = None,
+) -> Job:
+    """Submit a follow-up that predicts another forward model with the identified parameters and their uncertainty.
+
+    ``uncertainty(job.id).predictions`` of the follow-up, or of the job itself, has the bands.
+
+    Parameters
+    ----------
+    problem
+        The problem that is predicted: a mapping, or the path of a problem file. Its observations say where (points with
+        x; y if it was measured); it gives the parameters that the job does not identify.
+    runs, level
+        Number of forward runs (200 when None), and probability of the band at each x (0.9).
+    noise
+        Known standard deviation of a reading, base units.
+    source
+        Where the draws come from; ``auto`` when None.
+
+    Examples
+    --------
+    >>> further = [{"series": "y", "points": {"x": [3, 4]}}]
+    >>> later = {"forward_model": problem["forward_model"], "observations": further}
+    >>> follow_up = await client.predict(job.id, later, noise=0.1)
+    >>> follow_up.method
+    'predict'
+    """
+    document = await asyncio.to_thread(question_document, problem)
+    request = present(problem=document, runs=runs, level=level, noise=noise, source=source)
+    return await _submit_follow_up(self, f"{job_path(job_id)}/predict", request, idempotency_key)
+
+
+async def design(
+    self: AsyncConnection,
+    job_id: str,
+    candidates: Problem,
+    *,
+    predict: Problem | None = None,
+    criterion: Literal["widths", "volume", "prediction"] | None = None,
+    draws: int | None = None,
+    noise: Noise = None,
+    idempotency_key: str | None = None,
+) -> Job:
+    """Submit a follow-up that ranks candidate tests by how much they would narrow the intervals or a prediction.
+
+    ``uncertainty(job.id).designs`` of the follow-up, or of the job itself, has the order.
+
+    Parameters
+    ----------
+    candidates
+        A mapping with ``candidates``, or the path of a file of them.
+    predict
+        A problem whose prediction is to become narrower.
+    criterion
+        How to rank them; ``prediction`` when one is given, else ``widths``.
+    draws
+        Number of points around the optima over which the worth is averaged; 8 when None.
+    noise
+        Known standard deviation of a reading, base units.
+
+    Examples
+    --------
+    >>> far = {"name": "far", "observations": [{"series": "y", "points": {"x": [9]}}]}
+    >>> near = {"name": "near", "observations": [{"series": "y", "points": {"x": [3]}}]}
+    >>> follow_up = await client.design(job.id, {"candidates": [near, far]}, noise=0.1)
+    >>> follow_up.method
+    'design'
+    """
+    document = dict(await asyncio.to_thread(question_document, candidates))
+    document.pop("name", None)
+    other = None if predict is None else await asyncio.to_thread(question_document, predict)
+    request = present(candidates=document, predict=other, criterion=criterion, draws=draws, noise=noise)
+    return await _submit_follow_up(self, f"{job_path(job_id)}/design", request, idempotency_key)
 
 
 async def global_sensitivity(
@@ -131,27 +280,55 @@ async def global_sensitivity(
     ----------
     samples
         Base points, a power of two (256 when None), or trajectories (20).
+
+    Examples
+    --------
+    >>> follow_up = await client.global_sensitivity(job.id, kind="morris", samples=8)
+    >>> follow_up.method
+    'morris'
     """
     request = present(kind=kind, samples=samples)
     return await _submit_follow_up(self, f"{job_path(job_id)}/global-sensitivity", request, idempotency_key)
 
 
 async def uncertainty(self: AsyncConnection, job_id: str, *, noise: Noise = None) -> UncertaintyAnswer:
-    """Show what the follow-ups of a job have found: intervals, profiles, global sensitivities."""
+    """Show what the follow-ups of a job have found: intervals, profiles, global sensitivities.
+
+    Examples
+    --------
+    >>> ended = await client.wait((await client.sensitivity(job.id)).id, timeout=60)
+    >>> found = await client.uncertainty(job.id, noise=0.1)
+    >>> "sensitivity" in [one.kind for one in found.follow_ups]
+    True
+    """
     return await self._send(
         Call("GET", f"{job_path(job_id)}/uncertainty", reader(UncertaintyAnswer), noise_query(noise))
     )
 
 
 async def posterior(self: AsyncConnection, job_id: str, *, noise: Noise = None) -> PosteriorAnswer:
-    """Sample the posterior through a checked response surface of the stored evaluations; no forward run."""
+    """Sample the posterior through a checked response surface of the stored evaluations; no forward run.
+
+    Examples
+    --------
+    >>> sample = await client.posterior(job.id, noise=0.1)
+    >>> round(sample.medians["b"], 1)
+    2.0
+    """
     return await self._send(Call("GET", f"{job_path(job_id)}/posterior", reader(PosteriorAnswer), noise_query(noise)))
 
 
 async def report(
     self: AsyncConnection, job_id: str, *, threshold: float | None = None, noise: Noise = None, posterior: bool = False
 ) -> Report:
-    """Show the report of a job, on request with a posterior sample; a notebook displays it."""
+    """Show the report of a job, on request with a posterior sample; a notebook displays it.
+
+    Examples
+    --------
+    >>> report = await client.report(job.id)
+    >>> report.html[:15]
+    '<!doctype html>'
+    """
     query = view_query(threshold, noise, posterior)
     return await self._send(
         Call("GET", f"{job_path(job_id)}/report.html", lambda response: Report(response.text), query)
@@ -161,7 +338,14 @@ async def report(
 async def report_pdf(
     self: AsyncConnection, job_id: str, *, threshold: float | None = None, noise: Noise = None, posterior: bool = False
 ) -> bytes:
-    """Show the report of a job as PDF."""
+    """Show the report of a job as PDF.
+
+    Examples
+    --------
+    >>> pdf = await client.report_pdf(job.id)
+    >>> pdf[:5]
+    b'%PDF-'
+    """
     query = view_query(threshold, noise, posterior)
     return await self._send(Call("GET", f"{job_path(job_id)}/report.pdf", lambda response: response.content, query))
 
@@ -169,7 +353,14 @@ async def report_pdf(
 async def figures(
     self: AsyncConnection, job_id: str, *, noise: Noise = None, posterior: bool = False
 ) -> tuple[str, ...]:
-    """List the figures that can be drawn of a job."""
+    """List the figures that can be drawn for a job.
+
+    Examples
+    --------
+    >>> names = await client.figures(job.id)
+    >>> "fit" in names
+    True
+    """
     query = view_query(None, noise, posterior)
     return await self._send(Call("GET", f"{job_path(job_id)}/figures", reader(tuple[str, ...], "items"), query))
 
@@ -184,7 +375,14 @@ async def figure(
     noise: Noise = None,
     posterior: bool = False,
 ) -> Figure:
-    """Show a figure of a job, or (csv) the numbers behind it; a notebook displays it."""
+    """Show a figure of a job, or (csv) the numbers behind it; a notebook displays it.
+
+    Examples
+    --------
+    >>> figure = await client.figure(job.id, "fit", form="csv")
+    >>> figure.name, figure.form
+    ('fit', 'csv')
+    """
     path = f"{job_path(job_id)}/figures/{quote(name, safe='')}.{form}"
     query = view_query(threshold, noise, posterior)
     return await self._send(Call("GET", path, lambda response: Figure(name, form, response.content), query))

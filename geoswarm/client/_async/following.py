@@ -23,7 +23,13 @@ __all__ = ["events", "wait"]
 async def events(self: AsyncConnection, job_id: str, after: int = 0) -> AsyncIterator[Event]:
     """Follow a job: every event after the given one, as it comes, until the job has ended.
 
-    A broken connection is taken up again where it broke; no event is lost or doubled.
+    A broken connection is resumed where it broke; no event is lost or duplicated.
+
+    Examples
+    --------
+    >>> kinds = {event.kind async for event in client.events(job.id)}
+    >>> "generation" in kinds
+    True
     """
     async with aclosing(_follow(self, job_id, after, None)) as coming:
         async for event in coming:
@@ -49,9 +55,15 @@ async def wait(
     Raises
     ------
     WaitTimeoutError
-        It did not end in time.
+        The job did not end in time.
     JobFailedError
         It has failed.
+
+    Examples
+    --------
+    >>> ended = await client.wait(job.id, timeout=60)
+    >>> ended.state
+    'finished'
     """
     deadline = None if timeout is None else time.monotonic() + timeout
     await get(self, job_id)  # an unknown job, or no service, is told at once

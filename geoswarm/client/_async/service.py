@@ -1,70 +1,126 @@
-"""The service itself: forward models, workers, health, and keys and operations for administrators."""
+"""The service itself: forward models, workers, health, hooks, and keys and operations for administrators."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from urllib.parse import quote
 
 from geoswarm.client._async.connection import AsyncConnection
 from geoswarm.client.administration import Operations, Session
-from geoswarm.client.calls import API, JSON_BODY, Call, present, reader
+from geoswarm.client.calls import API, JSON_BODY, Call, nothing, present, reader
 from geoswarm.client.models import ForwardModel, ForwardModelInfo, Health
+from geoswarm.records.hook import Hook, NewHook
 from geoswarm.records.key import Key, NewKey, Role
+from geoswarm.records.states import ENDED_STATES, EndedState
 from geoswarm.records.worker import Worker
 
 __all__ = [
+    "create_hook",
     "create_key",
+    "delete_hook",
     "forward_model",
     "forward_models",
     "health",
+    "hooks",
     "keys",
     "operations",
     "revoke_key",
     "session",
+    "test_hook",
     "workers",
 ]
 
 
 async def forward_models(self: AsyncConnection) -> tuple[ForwardModelInfo, ...]:
-    """List the kinds of forward model that the service has."""
+    """List the kinds of forward model that the service has.
+
+    Examples
+    --------
+    >>> kinds = [model.kind for model in await client.forward_models()]
+    >>> "oedometer" in kinds
+    True
+    """
     return await self._send(Call("GET", f"{API}/forward-models", reader(tuple[ForwardModelInfo, ...], "items")))
 
 
 async def forward_model(self: AsyncConnection, kind: str) -> ForwardModel:
-    """Show a kind of forward model: schema, parameters, series, units."""
+    """Show a kind of forward model: schema, parameters, series, units.
+
+    Examples
+    --------
+    >>> model = await client.forward_model("formula")
+    >>> model.kind
+    'formula'
+    """
     return await self._send(Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", reader(ForwardModel)))
 
 
 async def workers(self: AsyncConnection) -> tuple[Worker, ...]:
-    """List the workers."""
+    """List the workers.
+
+    Examples
+    --------
+    >>> workers = await client.workers()
+    >>> len(workers)
+    1
+    """
     return await self._send(Call("GET", f"{API}/workers", reader(tuple[Worker, ...], "items")))
 
 
 async def health(self: AsyncConnection) -> Health:
-    """Show whether the service can work."""
+    """Show whether the service can work.
+
+    Examples
+    --------
+    >>> health = await client.health()
+    >>> health.status
+    'ok'
+    """
     unavailable = frozenset({503})  # is an answer, not an error
     return await self._send(Call("GET", "/health/ready", reader(Health), accepted=unavailable))
 
 
 async def session(self: AsyncConnection) -> Session:
-    """Show whose key this client uses, and what it may."""
+    """Show whose key this client uses, and what it may do.
+
+    Examples
+    --------
+    >>> session = await client.session()
+    >>> session.role
+    'admin'
+    """
     return await self._send(Call("GET", f"{API}/session", reader(Session)))
 
 
 async def operations(self: AsyncConnection) -> Operations:
-    """Show what waits, what runs and how forward runs have ended; administrators only."""
+    """Show waiting and running work and the outcomes of forward runs; administrators only.
+
+    Examples
+    --------
+    >>> operations = await client.operations()
+    >>> operations.jobs["finished"] > 0
+    True
+    """
     return await self._send(Call("GET", f"{API}/operations", reader(Operations)))
 
 
 async def keys(self: AsyncConnection) -> tuple[Key, ...]:
-    """List all API keys without their secrets; administrators only."""
+    """List all API keys without their secrets; administrators only.
+
+    Examples
+    --------
+    >>> created = await client.create_key("carla")
+    >>> [key.role for key in await client.keys() if key.owner == "carla"]
+    ['submit']
+    """
     return await self._send(Call("GET", f"{API}/keys", reader(tuple[Key, ...], "items")))
 
 
 async def create_key(
     self: AsyncConnection, owner: str, role: Role = "submit", *, label: str = "", valid_seconds: float | None = None
 ) -> NewKey:
-    """Make an API key; the answer is the only place where its secret can be read. Administrators only.
+    """Create an API key; the answer is the only place where its secret can be read. Administrators only.
 
     Parameters
     ----------
@@ -74,13 +130,97 @@ async def create_key(
         What it is for.
     valid_seconds
         Time until it expires [s]; None: never.
+
+    Examples
+    --------
+    >>> created = await client.create_key("anna", "read", label="laptop", valid_seconds=90 * 86400)
+    >>> created.view.role, created.key[:4]
+    ('read', 'gsw_')
     """
     content = json.dumps(present(owner=owner, role=role, label=label, valid_seconds=valid_seconds))
     return await self._send(Call("POST", f"{API}/keys", reader(NewKey), headers=JSON_BODY, content=content))
 
 
 async def revoke_key(self: AsyncConnection, key_id: str) -> Key:
-    """Make an API key invalid with the next request, for ever; administrators only."""
+    """Revoke an API key, from the next request and permanently; administrators only.
+
+    Examples
+    --------
+    >>> created = await client.create_key("ben")
+    >>> revoked = await client.revoke_key(created.view.id)
+    >>> revoked.state
+    'revoked'
+    """
     if not key_id:
         raise ValueError("key_id is empty; give the id of a key, the part of 12 digits between its underscores")
     return await self._send(Call("POST", f"{API}/keys/{quote(key_id, safe='')}/revoke", reader(Key)))
+
+
+async def hooks(self: AsyncConnection) -> tuple[Hook, ...]:
+    """List the hooks, which are notified when jobs end, and the state of the last message of each.
+
+    Examples
+    --------
+    >>> hooks = await client.hooks()
+    >>> len(hooks) >= 0
+    True
+    """
+    return await self._send(Call("GET", f"{API}/hooks", reader(tuple[Hook, ...], "items")))
+
+
+async def create_hook(
+    self: AsyncConnection, target: str, *, job: str | None = None, states: Sequence[EndedState] = ENDED_STATES
+) -> NewHook:
+    """Notify an address when jobs end; the answer is the only place where its secret can be read.
+
+    Parameters
+    ----------
+    target
+        ``https://...``, or an e-mail address if the service sends e-mail.
+    job
+        The only job to report, immediately if it has ended; None for all jobs of the key's owner.
+    states
+        Report only jobs that ended in one of these states.
+
+    Examples
+    --------
+    >>> created = await client.create_hook("https://hooks.invalid/ended", states=["failed"])
+    >>> created.view.kind, created.view.states
+    ('web', ['failed'])
+    >>> await client.delete_hook(created.view.id)
+    """
+    content = json.dumps(present(target=target, job=job, states=list(states)))
+    return await self._send(Call("POST", f"{API}/hooks", reader(NewHook), headers=JSON_BODY, content=content))
+
+
+async def test_hook(self: AsyncConnection, hook_id: str) -> Hook:
+    """Send a test message to a hook; the list shows whether it arrived.
+
+    Examples
+    --------
+    >>> created = await client.create_hook("https://hooks.invalid/ended", states=["failed"])
+    >>> tested = await client.test_hook(created.view.id)
+    >>> tested.id == created.view.id
+    True
+    >>> await client.delete_hook(created.view.id)
+    """
+    return await self._send(Call("POST", f"{_hook_path(hook_id)}/test", reader(Hook)))
+
+
+async def delete_hook(self: AsyncConnection, hook_id: str) -> None:
+    """Remove a hook; messages not sent yet are dropped.
+
+    Examples
+    --------
+    >>> created = await client.create_hook("https://hooks.invalid/ended", states=["failed"])
+    >>> await client.delete_hook(created.view.id)
+    >>> created.view.id in [hook.id for hook in await client.hooks()]
+    False
+    """
+    await self._send(Call("DELETE", _hook_path(hook_id), nothing))
+
+
+def _hook_path(hook_id: str) -> str:
+    if not hook_id:
+        raise ValueError("hook_id is empty; give the id of a hook")
+    return f"{API}/hooks/{quote(hook_id, safe='')}"

@@ -2,7 +2,7 @@
 """The synchronous client.
 
 ==============  ===================================================================================
-``client``      :class:`~geoswarm.client.Client`: all that the service can be asked, as one table
+``client``      :class:`~geoswarm.client.Client`: all methods, as one table
 ``connection``  address, key, timeouts; sends one request and reads its answer
 ``jobs``        submit, find, steer and delete jobs
 ``following``   follow the events of a job, wait for its end

@@ -19,11 +19,11 @@ class Client(Connection):
     api_key
         GEOSWARM_API_KEY when not given.
     timeout
-        How long one request may take to answer [s].
+        Longest time for the answer to one request [s].
     patience
-        How long the service may be out of reach while events are followed, for example in a restart [s].
+        How long the service may be unreachable while events are followed, for example in a restart [s].
     stream_timeout
-        A connection with events is renewed when nothing, not even a sign of life, came for so long [s].
+        A connection with events is renewed after this time without data or heartbeats [s].
     transport
         Replaces the network, for tests.
 
@@ -31,6 +31,22 @@ class Client(Connection):
     ------
     GeoswarmError
         Every method: see :mod:`geoswarm.client.errors`.
+
+    Examples
+    --------
+    >>> from geoswarm import Client
+    >>> problem = {
+    ...     "forward_model": {"kind": "formula", "series": {"y": {"expression": "a * x"}}},
+    ...     "parameters": {"a": {"lower": 0, "upper": 10}},
+    ...     "observations": [{"series": "y", "points": {"x": [1, 2], "y": [2, 4]}}],
+    ...     "stopping": {"max_evaluations": 60},
+    ...     "seed": 1,
+    ... }
+    >>> with Client() as client:
+    ...     job = client.submit(problem)
+    ...     job = client.wait(job.id, timeout=60)
+    >>> print(job.state, round(job.parameters["a"], 2))
+    finished 2.0
     """
 
     submit = jobs.submit
@@ -64,6 +80,9 @@ class Client(Connection):
     reweight = analysis.reweight
     sensitivity = analysis.sensitivity
     profile = analysis.profile
+    explore = analysis.explore
+    predict = analysis.predict
+    design = analysis.design
     global_sensitivity = analysis.global_sensitivity
     uncertainty = analysis.uncertainty
     posterior = analysis.posterior
@@ -76,6 +95,8 @@ class Client(Connection):
     warm_starts = drafts.warm_starts
     read_problem = drafts.read_problem
     read_measurements = drafts.read_measurements
+    read_ags = drafts.read_ags
+    import_ags = drafts.import_ags
     examples = drafts.examples
     example = drafts.example
     problem_schema = drafts.problem_schema
@@ -89,3 +110,7 @@ class Client(Connection):
     keys = service.keys
     create_key = service.create_key
     revoke_key = service.revoke_key
+    hooks = service.hooks
+    create_hook = service.create_hook
+    test_hook = service.test_hook
+    delete_hook = service.delete_hook

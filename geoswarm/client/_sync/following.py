@@ -23,7 +23,13 @@ __all__ = ["events", "wait"]
 def events(self: Connection, job_id: str, after: int = 0) -> Iterator[Event]:
     """Follow a job: every event after the given one, as it comes, until the job has ended.
 
-    A broken connection is taken up again where it broke; no event is lost or doubled.
+    A broken connection is resumed where it broke; no event is lost or duplicated.
+
+    Examples
+    --------
+    >>> kinds = {event.kind for event in client.events(job.id)}
+    >>> "generation" in kinds
+    True
     """
     with closing(_follow(self, job_id, after, None)) as coming:
         yield from coming
@@ -48,9 +54,15 @@ def wait(
     Raises
     ------
     WaitTimeoutError
-        It did not end in time.
+        The job did not end in time.
     JobFailedError
         It has failed.
+
+    Examples
+    --------
+    >>> ended = client.wait(job.id, timeout=60)
+    >>> ended.state
+    'finished'
     """
     deadline = None if timeout is None else time.monotonic() + timeout
     get(self, job_id)  # an unknown job, or no service, is told at once

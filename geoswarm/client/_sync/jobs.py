@@ -44,6 +44,12 @@ def submit(self: Connection, problem: Problem, idempotency_key: str | None = Non
     """Submit a problem, a mapping or the path of a problem file; files with measurements are sent along.
 
     The same ``idempotency_key`` with the same problem gives the same job, however often it is sent.
+
+    Examples
+    --------
+    >>> submitted = client.submit(problem, idempotency_key="monday")
+    >>> submitted.state
+    'queued'
     """
     content = problem_text(problem)
     headers = {**JSON_BODY, "Idempotency-Key": idempotency_key or str(uuid.uuid4())}
@@ -72,13 +78,26 @@ def list_jobs(
         Newest, best or largest first, names from A to Z, unless ``order`` says otherwise.
     trend
         Most values of each job's convergence; none when not given.
+
+    Examples
+    --------
+    >>> page = client.list(state="finished", limit=1)
+    >>> page.items[0].state
+    'finished'
     """
     query = present(state=state, q=search, owner=owner, sort=sort, order=order, trend=trend, limit=limit, cursor=cursor)
     return self._send(Call("GET", f"{API}/jobs", reader(Page[Job]), query))
 
 
 def iterate_jobs(self: Connection, *, state: str | None = None) -> Iterator[Job]:
-    """Go through all jobs, newest first."""
+    """Go through all jobs, newest first.
+
+    Examples
+    --------
+    >>> names = [one.name for one in client.iterate_jobs(state="finished")]
+    >>> names[-1]
+    'line'
+    """
     cursor = None
     while True:
         page = list_jobs(self, state=state, limit=200, cursor=cursor)
@@ -88,41 +107,105 @@ def iterate_jobs(self: Connection, *, state: str | None = None) -> Iterator[Job]
 
 
 def get(self: Connection, job_id: str) -> Job:
-    """Show a job."""
+    """Show a job.
+
+    Examples
+    --------
+    >>> shown = client.get(job.id)
+    >>> shown.state, shown.evaluations
+    ('finished', 60)
+    """
     return self._send(Call("GET", job_path(job_id), reader(Job)))
 
 
 def problem(self: Connection, job_id: str) -> dict[str, Any]:
-    """Show the problem of a job, complete: it can be submitted again."""
+    """Show the problem of a job, complete: it can be submitted again.
+
+    Examples
+    --------
+    >>> document = client.problem(job.id)
+    >>> document["name"]
+    'line'
+    """
     return self._send(Call("GET", f"{job_path(job_id)}/problem", reader(dict[str, Any])))
 
 
 def cancel(self: Connection, job_id: str) -> Job:
-    """End a job now; what it has found stays."""
+    """End a job now; its results are kept.
+
+    Examples
+    --------
+    >>> other = client.submit(problem | {"stopping": {"max_seconds": 600}})
+    >>> cancelled = client.cancel(other.id)
+    >>> cancelled.state
+    'cancelled'
+    """
     return self._send(Call("POST", f"{job_path(job_id)}/cancel", reader(Job)))
 
 
 def pause(self: Connection, job_id: str) -> Job:
-    """Hold a job."""
+    """Hold a job.
+
+    Examples
+    --------
+    >>> other = client.submit(problem | {"stopping": {"max_seconds": 600}})
+    >>> paused = client.pause(other.id)
+    >>> paused.state
+    'paused'
+    >>> ended = client.cancel(other.id)
+    """
     return self._send(Call("POST", f"{job_path(job_id)}/pause", reader(Job)))
 
 
 def resume(self: Connection, job_id: str) -> Job:
-    """Go on with a paused job."""
+    """Continue a paused job.
+
+    Examples
+    --------
+    >>> other = client.submit(problem | {"stopping": {"max_seconds": 600}})
+    >>> paused = client.pause(other.id)
+    >>> resumed = client.resume(other.id)
+    >>> resumed.state in ("queued", "running")
+    True
+    >>> ended = client.cancel(other.id)
+    """
     return self._send(Call("POST", f"{job_path(job_id)}/resume", reader(Job)))
 
 
 def change_stopping(self: Connection, job_id: str, stopping: Mapping[str, Any]) -> Job:
-    """Replace all stop criteria of a job; one that has finished or was cancelled goes on where it was."""
+    """Replace all stop criteria of a job; a finished or cancelled one continues where it was.
+
+    Examples
+    --------
+    >>> ended = client.wait((client.submit(problem)).id, timeout=60)
+    >>> changed = client.change_stopping(ended.id, {"max_evaluations": 90})
+    >>> changed.state in ("queued", "running")
+    True
+    """
     content = json.dumps({"stopping": dict(stopping)}, default=plain)
     return self._send(Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content))
 
 
 def retry_failed(self: Connection, job_id: str) -> Retry:
-    """Run the failed evaluations of a paused or ended job again, and only them."""
+    """Rerun the failed evaluations of a paused or ended job, and only these.
+
+    Examples
+    --------
+    >>> section = {"kind": "formula", "series": {"y": {"expression": "ln(a) + b * x"}}}  # fails for a < 0
+    >>> other = client.wait((client.submit(problem | {"forward_model": section})).id, timeout=60)
+    >>> retried = client.retry_failed(other.id)
+    >>> retried.evaluations == other.failed_evaluations
+    True
+    """
     return self._send(Call("POST", f"{job_path(job_id)}/retry-failed", reader(Retry)))
 
 
 def delete(self: Connection, job_id: str) -> None:
-    """Delete an ended job with everything that belongs to it."""
+    """Delete an ended job with everything that belongs to it.
+
+    Examples
+    --------
+    >>> other = client.wait((client.submit(problem)).id)
+    >>> client.delete(other.id)
+    """
     self._send(Call("DELETE", job_path(job_id), nothing))

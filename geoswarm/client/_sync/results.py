@@ -34,7 +34,14 @@ __all__ = [
 
 
 def best(self: Connection, job_id: str) -> Best:
-    """Show the best evaluation with its responses; NotFoundError when there is none yet."""
+    """Show the best evaluation with its responses; NotFoundError when there is none yet.
+
+    Examples
+    --------
+    >>> best = client.best(job.id)
+    >>> round(best.parameters["b"], 2)
+    2.0
+    """
     return self._send(Call("GET", f"{job_path(job_id)}/best", reader(Best)))
 
 
@@ -52,7 +59,13 @@ def generations(
     Parameters
     ----------
     points
-        At most so many, evenly spaced over all of them.
+        At most this many, evenly spaced over all of them.
+
+    Examples
+    --------
+    >>> generations = client.generations(job.id)
+    >>> generations[-1].evaluations
+    60
     """
     query = present(after=after, limit=limit, diversity=diversity or None, points=points)
     return self._send(Call("GET", f"{job_path(job_id)}/generations", reader(tuple[Generation, ...], "items"), query))
@@ -69,7 +82,14 @@ def evaluations(
     cursor: str | None = None,
     responses: bool = False,
 ) -> Page[Evaluation]:
-    """Show one page of evaluations, ordered by generation and particle."""
+    """Show one page of evaluations, ordered by generation and particle.
+
+    Examples
+    --------
+    >>> page = client.evaluations(job.id, limit=5)
+    >>> len(page.items)
+    5
+    """
     query = present(
         generation=generation,
         state=state,
@@ -91,7 +111,14 @@ def iterate_evaluations(
     max_objective: float | None = None,
     responses: bool = False,
 ) -> Iterator[Evaluation]:
-    """Go through all evaluations that match."""
+    """Go through all evaluations that match.
+
+    Examples
+    --------
+    >>> objectives = [one.objective for one in client.iterate_evaluations(job.id)]
+    >>> len(objectives)
+    60
+    """
     cursor = None
     while True:
         page = evaluations(
@@ -120,12 +147,18 @@ def download_evaluations(
     form: Literal["csv", "parquet"] = "csv",
     responses: bool = False,
 ) -> Path:
-    """Write all evaluations that match to a CSV or Parquet file; it appears only when it is complete.
+    """Write all matching evaluations to a CSV or Parquet file; the file appears only when it is complete.
 
     Parameters
     ----------
     responses
-        With the calculated series; Parquet only.
+        Include the calculated series; Parquet only.
+
+    Examples
+    --------
+    >>> path = client.download_evaluations(job.id, "runs.csv")
+    >>> path.name
+    'runs.csv'
     """
     query = present(generation=generation, state=state, max_objective=max_objective, format=form)
     if responses:
@@ -136,24 +169,52 @@ def download_evaluations(
 
 
 def evaluation(self: Connection, job_id: str, generation: int, particle: int) -> Evaluation:
-    """Show one evaluation with its responses."""
+    """Show one evaluation with its responses.
+
+    Examples
+    --------
+    >>> one = client.evaluation(job.id, 0, 3)
+    >>> one.state, sorted(one.parameters)
+    ('finished', ['a', 'b'])
+    """
     return self._send(Call("GET", f"{job_path(job_id)}/evaluations/{generation:d}/{particle:d}", reader(Evaluation)))
 
 
 def attempts(self: Connection, job_id: str, generation: int, particle: int) -> tuple[Attempt, ...]:
-    """Show every try at one evaluation: by whom, when, and how it ended."""
+    """Show every attempt at one evaluation: by whom, when, and how it ended.
+
+    Examples
+    --------
+    >>> tries = client.attempts(job.id, 0, 3)
+    >>> [(one.number, one.outcome) for one in tries]
+    [(1, 'finished')]
+    """
     path = f"{job_path(job_id)}/evaluations/{generation:d}/{particle:d}/attempts"
     return self._send(Call("GET", path, reader(tuple[Attempt, ...], "items")))
 
 
 def fit(self: Connection, job_id: str, *, generation: int | None = None, particle: int | None = None) -> Fit:
-    """Show measured points with the first, the best and one chosen evaluation, in the units of the problem."""
+    """Show measured points with the first, the best and one chosen evaluation, in the units of the problem.
+
+    Examples
+    --------
+    >>> fit = client.fit(job.id)
+    >>> fit.series[0].series
+    'y'
+    """
     query = present(generation=generation, particle=particle)
     return self._send(Call("GET", f"{job_path(job_id)}/fit", reader(Fit), query))
 
 
 def points(self: Connection, job_id: str, *, responses: bool = False) -> Points:
-    """Read all successful evaluations as arrays, a selection of long histories; with their calculated series."""
+    """Read all successful evaluations as arrays, a selection of long histories; with their calculated series.
+
+    Examples
+    --------
+    >>> points = client.points(job.id)
+    >>> points.objective.shape, sorted(points.values)
+    ((60,), ['a', 'b'])
+    """
     query = present(responses=responses or None)
     return self._send(Call("GET", f"{job_path(job_id)}/points", read_points, query))
 
@@ -171,7 +232,13 @@ def mesh(
     Parameters
     ----------
     part
-        Of a combined forward model; the first with a mesh when None.
+        Part of a combined forward model; the first with a mesh when None.
+
+    Examples
+    --------
+    >>> mesh = client.mesh(slope.id)
+    >>> mesh.triangles.shape
+    (192, 6)
     """
     query = present(part=part, generation=generation, particle=particle)
     return self._send(Call("GET", f"{job_path(job_id)}/mesh", reader(Mesh), query))
@@ -193,11 +260,17 @@ def mesh_fields(
     Parameters
     ----------
     part
-        Of a combined forward model; the first with a mesh when None.
+        Part of a combined forward model; the first with a mesh when None.
     start, end
-        Phases at whose ends the period begins and ends; the usual one when None.
+        Phases at whose ends the period starts and ends; the usual period when None.
     since_beginning
-        Begin before the first phase, whatever ``start`` says.
+        Start before the first phase, regardless of ``start``.
+
+    Examples
+    --------
+    >>> fields = client.mesh_fields(slope.id)
+    >>> fields.shear_strain.shape
+    (192, 6)
     """
     query = present(part=part, generation=generation, particle=particle, start=start, end=end)
     query |= present(since_beginning=since_beginning or None)

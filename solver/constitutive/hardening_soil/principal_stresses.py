@@ -21,17 +21,22 @@ from geoswarm.solver.constitutive.hardening_soil.surfaces import (
 )
 from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
 from geoswarm.solver.constitutive.tensors import fill_principal_axes
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 
 __all__ = ["BEYOND", "CAP", "SHEAR", "TENSION", "Room", "dot", "solve_on", "trial_stresses"]
 
 _ITERATIONS: Final = 40
 _HALVINGS: Final = 8
-_RESIDUAL: Final = 1.0e-9
+_RESIDUAL: Final = 1.0e-7
 """What is left of an equation, over the size of the stresses, when the last correction takes it to rounding."""
 _RIGHT: Final = 6
-_WIDE: Final = 10
-"""First column of right-hand sides in a system, and the number of all columns."""
+_WIDE: Final = 11
+"""First column of right-hand sides in a system, and the number of all columns.
+
+One for a relative growth of the elastic modulus, three for unit strains, and the residual.
+"""
+_UNIT: Final = _RIGHT + 1
+_REST: Final = _WIDE - 1
 
 _ROUNDS: Final = 8
 BEYOND: Final = 1.0e-10
@@ -76,6 +81,9 @@ class Room(NamedTuple):
     flows: FloatArray
     """(3, 3): of shear, cap and tension."""
 
+    stiffer: FloatArray
+    """(3,): derivatives of the principal stresses by the logarithm of the elastic modulus."""
+
 
 @kernel
 def _average(v: FloatArray, edge: int) -> None:
@@ -98,7 +106,7 @@ def dot(a: FloatArray, b: FloatArray) -> float:
     return total
 
 
-@kernel
+@kernel_in_place
 def trial_stresses(modulus: float, room: Room) -> None:
     """Fill principal trial stresses, axes and slopes."""
     total, axes, d = local_vector(6), room.axes, room.unit
@@ -110,7 +118,7 @@ def trial_stresses(modulus: float, room: Room) -> None:
         room.slope[k] = d[0] * x * x + d[1] * y * y + d[2] * z * z + 2.0 * (d[3] * x * y + d[4] * y * z + d[5] * z * x)
 
 
-@kernel
+@kernel_in_place
 def _weigh(edge: int, trial: FloatArray, size: float, soil: HardeningSoil, room: Room) -> None:
     """Fill the weights of an edge."""
     k, t = room.k, trial
@@ -129,7 +137,7 @@ def _weigh(edge: int, trial: FloatArray, size: float, soil: HardeningSoil, room:
     _average(room.least, same)
 
 
-@kernel
+@kernel_in_place
 def _system(
     u: FloatArray,
     active: int,
@@ -144,9 +152,9 @@ def _system(
 ) -> float:
     """Fill the linearised equations for u (6,), principal stresses and the multipliers of shear, cap and tension.
 
-    Unknown are the stresses and the multipliers of active surfaces, n: ``rows`` (n of 6, 10), with a matrix (n, n)
-    on the left and four right-hand sides from column 6 on, stress of the unit principal strains and the residual.
-    Returns the largest residual, kPa.
+    Unknown are the stresses and the multipliers of active surfaces, n: ``rows`` (n of 6, 11), with a matrix (n, n)
+    on the left and five right-hand sides from column 6 on: stress of a relative growth of the elastic modulus, of the
+    unit principal strains, and the residual. Returns the largest residual, kPa.
     """
     w, k, flows = room.mean, room.k, room.flows
     E, E_s = fixed, 0.0
@@ -171,7 +179,8 @@ def _system(
     for i in range(3):
         relaxed = lame * volume + twice * (u[3] * flows[0, i] + u[4] * flows[1, i] + u[5] * flows[2, i])
         rest = room.trial[i] - u[i] - E * relaxed
-        rows[i, _RIGHT + 3] = rest
+        rows[i, _RIGHT] = E * (room.slope[i] - relaxed)
+        rows[i, _REST] = rest
         worst = max(worst, abs(rest))
         for j in range(3):
             sine_j = sine_high * w[0, j] + sine_low * w[2, j]
@@ -180,7 +189,7 @@ def _system(
             change = -0.5 * u[3] * (w[0, i] + w[2, i]) * sine_j + u[4] * bend
             rows[i, j] = E * (lame * (-u[3] * sine_j + u[4] * of_volume) + twice * change)
             rows[i, j] += (relaxed - room.slope[i]) * E_s * room.least[j]
-            rows[i, _RIGHT + j] = E * (lame + twice * w[i, j])
+            rows[i, _UNIT + j] = E * (lame + twice * w[i, j])
         rows[i, i] += 1.0
     at = 3
     for surface in range(3):
@@ -192,10 +201,12 @@ def _system(
             rows[i, at] = E * (twice * flows[surface, i] + lame * dilation)
             rows[at, i] = -w[2, i]
             rows[at, 3 + i] = 0.0
-            rows[at, _RIGHT + i] = 0.0
+            rows[at, _UNIT + i] = 0.0
+        rows[at, _RIGHT] = 0.0
         if surface == 0:
             limit, limit_low, limit_gamma = largest_shear(gamma + u[3], low, soil)
             rows[at, at], rest = -limit_gamma, limit - high + low
+            rows[at, _RIGHT] = limit_gamma * u[3] * soil.stiffening
             for i in range(3):
                 rows[at, i] = w[0, i] - (1.0 + limit_low) * w[2, i]
         elif surface == 1:
@@ -203,15 +214,15 @@ def _system(
             rows[at, at], rest = -cap_volume * X / P, cap + soil.attraction - P
             for i in range(3):
                 rows[at, i] = flows[1, i] - cap_volume * u[4] * (1.0 / 3.0 - X / P * flows[1, i]) / P
-        rows[at, _RIGHT + 3] = rest
+        rows[at, _REST] = rest
         worst = max(worst, abs(rest)) if rest == rest else math.inf
         at += 1
     return worst if worst == worst else math.inf
 
 
-@kernel
-def _solve(rows: FloatArray, n: int) -> bool:
-    """Put the solution of a system in the place of its right-hand sides; whether there is one.
+@kernel_in_place
+def _solve(rows: FloatArray, n: int, right: int) -> bool:
+    """Put the solution of a system in the place of its right-hand sides from column ``right`` on; whether there is one.
 
     Gaussian elimination as :func:`geoswarm.solver.constitutive.tensors.solve_dense` has it, in one piece of memory.
     """
@@ -222,7 +233,9 @@ def _solve(rows: FloatArray, n: int) -> bool:
         if not 0.0 < scale < math.inf:
             return False
         scale = 1.0 / scale
-        for j in range(_WIDE):
+        for j in range(n):
+            rows[i, j] *= scale
+        for j in range(right, _WIDE):
             rows[i, j] *= scale
     for i in range(n):
         pivot = i
@@ -232,27 +245,31 @@ def _solve(rows: FloatArray, n: int) -> bool:
         if not abs(rows[pivot, i]) > 1.0e-300:
             return False
         if pivot != i:
-            for j in range(_WIDE):
+            for j in range(i, n):
+                rows[i, j], rows[pivot, j] = rows[pivot, j], rows[i, j]
+            for j in range(right, _WIDE):
                 rows[i, j], rows[pivot, j] = rows[pivot, j], rows[i, j]
         inverse = 1.0 / rows[i, i]
-        for j in range(_RIGHT, _WIDE):
+        for j in range(right, _WIDE):
             rows[i, j] *= inverse
         for j in range(i + 1, n):
             rows[i, j] *= inverse
         for k in range(i + 1, n):
             factor = rows[k, i]
             if factor != 0.0:
-                for j in range(i + 1, _WIDE):
+                for j in range(i + 1, n):
+                    rows[k, j] -= factor * rows[i, j]
+                for j in range(right, _WIDE):
                     rows[k, j] -= factor * rows[i, j]
     for i in range(n - 2, -1, -1):
         for k in range(i + 1, n):
             factor = rows[i, k]
-            for j in range(_RIGHT, _WIDE):
+            for j in range(right, _WIDE):
                 rows[i, j] -= factor * rows[k, j]
     return True
 
 
-@kernel
+@kernel_in_place
 def _newton(
     u: FloatArray,
     active: int,
@@ -274,21 +291,23 @@ def _newton(
             rows[i, j] = 0.0
     worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, rows)
     for _ in range(_ITERATIONS):
-        if not worst < math.inf or not _solve(rows, n):
+        last = worst <= _RESIDUAL * size  # only then the tangent is asked for
+        if not worst < math.inf or not _solve(rows, n, (_RIGHT if soil.scaled else _UNIT) if last else _REST):
             return False
         at = 3
         for i in range(6):
             if i < 3:
-                way[i] = rows[i, _RIGHT + 3]
+                way[i] = rows[i, _REST]
             elif active & (1 << (i - 3)):
-                way[i] = rows[at, _RIGHT + 3]
+                way[i] = rows[at, _REST]
                 at += 1
-        if worst <= _RESIDUAL * size:
+        if last:
             for i in range(6):
                 u[i] += way[i]
             for i in range(3):
+                room.stiffer[i] = rows[i, _RIGHT]
                 for j in range(3):
-                    room.D[i, j] = rows[i, _RIGHT + j]
+                    room.D[i, j] = rows[i, _UNIT + j]
             return True
         for i in range(6):
             base[i] = u[i]
@@ -303,7 +322,7 @@ def _newton(
     return False
 
 
-@kernel
+@kernel_in_place
 def solve_on(
     u: FloatArray,
     active: int,
@@ -316,7 +335,7 @@ def solve_on(
     soil: HardeningSoil,
     room: Room,
 ) -> bool:
-    """Solve from u, elastic stresses; fills D, flows and trial. Whether u was found.
+    """Solve from u, elastic stresses; fills D, stiffer, flows and trial. Whether u was found.
 
     ``careful``: first with fixed elastic moduli, each that of the solution before. Where the stress ends far from the
     elastic one, Newton's method with the modulus as a function of stress may go the wrong way.

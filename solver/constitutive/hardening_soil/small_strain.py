@@ -27,11 +27,10 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-import numpy as np
-
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.tensors import principal_axes
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
+from geoswarm.solver.constitutive.tensors import fill_principal_axes
+from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 
 __all__ = ["SmallStrain", "mean_stiffness", "stiffness_at", "stiffness_slope"]
 
@@ -39,6 +38,9 @@ _FIRST: Final = (0, 1, 2, 0, 1, 2)
 _SECOND: Final = (0, 1, 2, 1, 2, 0)
 _STRAIGHT: Final = 1.0e-7
 """Deviatoric strain over all strain below which there is none: rounding is no way."""
+
+_NOTHING: Final = 1.0e-13
+"""Deviatoric strain below which there is none: that of a body that turns is rounding, and must turn no strain back."""
 
 _LEAST: Final = 0.01
 """Least 1 + H_ii: strains of more than 99 % are none."""
@@ -111,7 +113,7 @@ def _deviator(strain: FloatArray, d: FloatArray) -> float:
         d[j, i] = d[i, j]
         size = max(size, abs(strain[k]))
     norm = _norm(d)
-    return norm if norm > _STRAIGHT * size else 0.0
+    return norm if norm > max(_STRAIGHT * size, _NOTHING) else 0.0
 
 
 @kernel
@@ -123,46 +125,54 @@ def _norm(a: FloatArray) -> float:
     return math.sqrt(total)
 
 
-@kernel
-def _times(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Product of (3, 3)."""
-    c = np.zeros((3, 3))
+@kernel_in_place
+def _multiply(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Fill and return the product of (3, 3)."""
     for i in range(3):
         for j in range(3):
-            for k in range(3):
-                c[i, j] += a[i, k] * b[k, j]
+            c[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
     return c
 
 
 @kernel
-def _turn_back(H: FloatArray, d: FloatArray) -> bool:
-    """Replace H by T (H + 1) T - 1; whether that changed it."""
-    tensor = np.empty(6)
-    for k in range(6):
-        tensor[k] = d[_FIRST[k], _SECOND[k]]
-    values, axes = principal_axes(tensor)
-    back = np.empty((3, 3))
+def _reset(H: FloatArray, values: FloatArray) -> bool:
+    """Replace H by T (H + 1) T - 1 on the principal axes of the way, whose ``values`` (3,) are; whether it changed."""
+    t, any_turned = local_vector(3), False
     for i in range(3):
-        for j in range(3):
-            back[i, j] = axes[j, i]
-    local = _times(_times(back, H), axes)
-    any_turned = False
-    t = np.ones(3)
-    for i in range(3):
-        if local[i, i] * values[i] < 0.0:
+        t[i] = 1.0
+        if H[i, i] * values[i] < 0.0:
             any_turned = True
-            t[i] = 1.0 / math.sqrt(max(1.0 + local[i, i], _LEAST))
-            local[i, i] = 0.0
+            t[i] = 1.0 / math.sqrt(max(1.0 + H[i, i], _LEAST))
+            H[i, i] = 0.0
     if any_turned:
         for i in range(3):
             for j in range(3):
                 if i != j:
-                    local[i, j] *= t[i] * t[j]
-        whole = _times(_times(axes, local), back)
-        for i in range(3):
-            for j in range(3):
-                H[i, j] = whole[i, j]
+                    H[i, j] *= t[i] * t[j]
     return any_turned
+
+
+@kernel
+def _turn_back(H: FloatArray, d: FloatArray) -> bool:
+    """Let begin again in H what the way d turns back; whether that changed it."""
+    values = local_vector(3)
+    if d[0, 1] == 0.0 and d[1, 2] == 0.0 and d[2, 0] == 0.0:  # on its own axes, as in most laboratory tests
+        for i in range(3):
+            values[i] = d[i, i]
+        return _reset(H, values)
+    tensor = local_vector(6)
+    axes, back, local, product = local_matrix(3, 3), local_matrix(3, 3), local_matrix(3, 3), local_matrix(3, 3)
+    for k in range(6):
+        tensor[k] = d[_FIRST[k], _SECOND[k]]
+    fill_principal_axes(tensor, values, axes)
+    for i in range(3):
+        for j in range(3):
+            back[i, j] = axes[j, i]
+    _multiply(_multiply(back, H, product), axes, local)
+    if not _reset(local, values):
+        return False
+    _multiply(_multiply(axes, local, product), back, H)
+    return True
 
 
 @kernel
@@ -184,7 +194,7 @@ def mean_stiffness(
     """
     for i in range(9):
         after[i] = history[i]
-    d, H = np.empty((3, 3)), np.empty((3, 3))
+    d, H, product = local_matrix(3, 3), local_matrix(3, 3), local_matrix(3, 3)
     norm = _deviator(strain, d)
     if norm == 0.0:
         return stiffness_at(history[HIST], history[TURNED], small), history[HIST], history[HIST], False
@@ -196,10 +206,10 @@ def mean_stiffness(
         before = max(before, abs(history[k]))
     first, turned, has_turned = 0.0, history[TURNED], False
     if before > 0.0:
-        before = math.sqrt(3.0) * _norm(_times(H, d)) / norm
+        before = math.sqrt(3.0) * _norm(_multiply(H, d, product)) / norm
         has_turned, first = _turn_back(H, d), before
         if has_turned:
-            first = math.sqrt(3.0) * _norm(_times(H, d)) / norm
+            first = math.sqrt(3.0) * _norm(_multiply(H, d, product)) / norm
             g = max(0.5 * before, before - turned)
             turned = max(turned, max(1.0 - first / before, 0.0) * g)
     for k in range(6):
@@ -207,30 +217,58 @@ def mean_stiffness(
         H[i, j] += d[i, j]
         H[j, i] = H[i, j]
         after[k] = H[i, j] if k < 3 else 2.0 * H[i, j]
-    last = math.sqrt(3.0) * _norm(_times(H, d)) / norm
+    last = math.sqrt(3.0) * _norm(_multiply(H, d, product)) / norm
     after[HIST], after[TURNED] = last, turned
     after[SOFTEST] = min(history[SOFTEST], stiffness_at(last, turned, small))
     return _mean(first, last, turned, small), first, last, has_turned
 
 
 @kernel
-def stiffness_slope(strain: FloatArray, history: FloatArray, small: SmallStrain, slope: FloatArray) -> None:
+def _squared_slopes(history: FloatArray, d: FloatArray, of_first: FloatArray, of_last: FloatArray) -> None:
+    """Fill the derivatives of |H de|^2 and |(H + de) de|^2 by de, (3, 3).
+
+    gamma_hist^2 is three times these over |de|^2.
+    """
+    H = local_matrix(3, 3)
+    for k in range(6):
+        i, j = _FIRST[k], _SECOND[k]
+        H[i, j] = history[k] if k < 3 else 0.5 * history[k]
+        H[j, i] = H[i, j]
+    Hd, dd = _multiply(H, d, local_matrix(3, 3)), _multiply(d, d, local_matrix(3, 3))
+    old, more = _multiply(H, Hd, local_matrix(3, 3)), _multiply(H, dd, local_matrix(3, 3))
+    middle, cube = _multiply(d, Hd, local_matrix(3, 3)), _multiply(dd, d, local_matrix(3, 3))
+    for i in range(3):
+        for j in range(3):
+            of_first[i, j] = old[i, j] + old[j, i]
+            of_last[i, j] = of_first[i, j] + 2.0 * (more[i, j] + middle[i, j] + more[j, i]) + 4.0 * cube[i, j]
+
+
+@kernel
+def stiffness_slope(
+    strain: FloatArray,
+    history: FloatArray,
+    small: SmallStrain,
+    of_step: tuple[float, float, float, bool],
+    slope: FloatArray,
+) -> None:
     """Fill the derivative of the mean k of a step by the strain, (6,); 0 where the way is rounding.
 
-    Closed form on a way that does not turn, central differences in a step that begins with a turn.
+    ``of_step`` is what :func:`mean_stiffness` returned of the step. Closed form on a way that does not turn, central
+    differences in a step that begins with a turn.
     """
-    d, H, after = np.empty((3, 3)), np.zeros((3, 3)), np.empty(9)
+    d, own = local_matrix(3, 3), True
     for k in range(6):
         slope[k] = 0.0
+        own = own and (k < 3 or (strain[k] == 0.0 and history[k] == 0.0))
     norm = _deviator(strain, d)
     if norm == 0.0:
         return
-    k_mean, first, last, has_turned = mean_stiffness(strain, history, small, after)
+    k_mean, first, last, has_turned = of_step
     if has_turned:
-        moved = np.empty(6)
+        moved, after = local_vector(6), local_vector(9)
         for k in range(6):
             moved[k] = strain[k]
-        for k in range(6):
+        for k in range(3 if own else 6):  # shear to either side is the same where there is none
             moved[k] = strain[k] + _AWAY * norm
             high = mean_stiffness(moved, history, small, after)[0]
             moved[k] = strain[k] - _AWAY * norm
@@ -243,23 +281,14 @@ def stiffness_slope(strain: FloatArray, history: FloatArray, small: SmallStrain,
         return
     by_last = (stiffness_at(last, turned, small) - k_mean) / length
     by_first = (k_mean - stiffness_at(first, turned, small)) / length
-    for k in range(6):
-        i, j = _FIRST[k], _SECOND[k]
-        H[i, j] = history[k] if k < 3 else 0.5 * history[k]
-        H[j, i] = H[i, j]
-    # gamma^2 = 3 tr((H de)^T H de)/|de|^2, with H or H + de
-    Hd, dd = _times(H, d), _times(d, d)
-    old, more = _times(_times(H, H), d), _times(H, dd)
-    middle, cube = _times(d, Hd), _times(dd, d)
-    by = np.empty((3, 3))
+    of_first, of_last, by = local_matrix(3, 3), local_matrix(3, 3), local_matrix(3, 3)
+    _squared_slopes(history, d, of_first, of_last)
+    square = norm * norm
     for i in range(3):
         for j in range(3):
-            of_first = old[i, j] + old[j, i]
-            of_last = of_first + 2.0 * (more[i, j] + middle[i, j] + more[j, i]) + 4.0 * cube[i, j]
-            square = norm * norm
-            by[i, j] = by_last * (1.5 * of_last / last - last * d[i, j]) / square
+            by[i, j] = by_last * (1.5 * of_last[i, j] / last - last * d[i, j]) / square
             if first > 0.0:
-                by[i, j] += by_first * (1.5 * of_first / first - first * d[i, j]) / square
+                by[i, j] += by_first * (1.5 * of_first[i, j] / first - first * d[i, j]) / square
     mean = (by[0, 0] + by[1, 1] + by[2, 2]) / 3.0
     for k in range(6):
         i, j = _FIRST[k], _SECOND[k]

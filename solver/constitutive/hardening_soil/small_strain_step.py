@@ -18,8 +18,6 @@ from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
-
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hardening_soil.principal_stresses import SHEAR
 from geoswarm.solver.constitutive.hardening_soil.small_strain import (
@@ -30,19 +28,17 @@ from geoswarm.solver.constitutive.hardening_soil.small_strain import (
 )
 from geoswarm.solver.constitutive.hardening_soil.step import hardening_soil_step
 from geoswarm.solver.constitutive.hardening_soil.surfaces import HardeningSoil
+from geoswarm.solver.constitutive.local_arrays import local_vector
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["small_strain_step"]
-
-_AWAY: Final = 1.0e-5
-"""Part by which the stiffness is moved to see how stress changes where a surface is active."""
 
 HISTORY: Final = 2
 """Where the history begins in the state, after gamma and p_p."""
 
 
 @kernel
-def _stiffer(k: float, h: float, soil: HardeningSoil) -> HardeningSoil:
+def _stiffer(k: float, h: float, growth: float, soil: HardeningSoil) -> HardeningSoil:
     """Constants of a step."""
     return HardeningSoil(
         h * soil.initial,
@@ -62,26 +58,9 @@ def _stiffer(k: float, h: float, soil: HardeningSoil) -> HardeningSoil:
         soil.alpha,
         soil.hardening,
         soil.tension,
+        growth,
+        True,
     )
-
-
-@kernel
-def _step(
-    k: float,
-    stress: FloatArray,
-    strain: FloatArray,
-    state: FloatArray,
-    soil: HardeningSoil,
-    small: SmallStrain,
-    new: FloatArray,
-    tangent: FloatArray,
-) -> tuple[float, float, int]:
-    """gamma, p_p and status of a step with a stiffness; fills stress and its derivative at that stiffness."""
-    h: float = max(min(k, state[HISTORY + SOFTEST]), 1.0) ** small.power
-    gamma, pressure, status = hardening_soil_step(
-        stress, strain, state[0] / h, state[1], _stiffer(k, h, soil), new, tangent
-    )
-    return gamma * h if status > 0 and status & SHEAR else state[0], pressure, status
 
 
 @kernel
@@ -113,29 +92,25 @@ def small_strain_step(
     0: elastic, above: what is active, -1: no stress was found.
     """
     n = stress.shape[0]
-    whole, slope = np.zeros(6), np.empty(6)
-    for i in range(n):
-        whole[i] = strain[i]
-    k = mean_stiffness(whole, state[HISTORY:], small, new_state[HISTORY:])[0]
+    whole, slope, by = local_vector(6), local_vector(6), local_vector(6)
+    for i in range(6):
+        whole[i] = strain[i] if i < n else 0.0
+        by[i] = 0.0
+    of_step = mean_stiffness(whole, state[HISTORY:], small, new_state[HISTORY:])
+    k = of_step[0]
     if not k >= 1.0:  # of strains that are no numbers; rounding of a mean at the cut-off
         k = 1.0
-    new_state[0], new_state[1], status = _step(k, stress, strain, state, soil, small, new, tangent)
+    softest = state[HISTORY + SOFTEST]
+    least = max(min(k, softest), 1.0)
+    h, growth = least**small.power, small.power if 1.0 < k < softest else 0.0
+    gamma, new_state[1], status = hardening_soil_step(
+        stress, strain, state[0] / h, state[1], _stiffer(k, h, growth, soil), new, tangent, by
+    )
+    new_state[0] = gamma * h if status > 0 and status & SHEAR else state[0]
     if status < 0 or k == 1.0:
         return status
-    stiffness_slope(whole, state[HISTORY:], small, slope)
-    by, found = np.zeros(n), False
-    if status > 0:
-        high, low, unused = np.empty(n), np.empty(n), np.empty((n, n))
-        found = _step((1.0 + _AWAY) * k, stress, strain, state, soil, small, high, unused)[2] >= 0
-        found = found and _step((1.0 - _AWAY) * k, stress, strain, state, soil, small, low, unused)[2] >= 0
-        for i in range(n):
-            by[i] = (high[i] - low[i]) / (2.0 * _AWAY * k)
-    if not found:  # elastic stress is a function of k times the strain
-        for i in range(n):
-            by[i] = 0.0
-            for j in range(n):
-                by[i] += tangent[i, j] * strain[j] / k
+    stiffness_slope(whole, state[HISTORY:], small, of_step, slope)
     for i in range(n):
         for j in range(n):
-            tangent[i, j] += by[i] * slope[j]
+            tangent[i, j] += by[i] * slope[j] / k
     return status

@@ -97,6 +97,7 @@ def hardening_soil_step(
     soil: HardeningSoil,
     new: FloatArray,
     tangent: FloatArray,
+    by_stiffness: FloatArray,
 ) -> tuple[float, float, int]:
     """One step.
 
@@ -110,6 +111,8 @@ def hardening_soil_step(
         Constants.
     new, tangent
         Filled: stress (n,), and d stress/d strain of this algorithm (n, n).
+    by_stiffness
+        Filled: derivative of the stress by the logarithm of the elastic modulus, (n,), kPa.
 
     Returns
     -------
@@ -128,6 +131,7 @@ def hardening_soil_step(
         local_vector(3),
         local_matrix(3, 3),
         local_matrix(3, 3),
+        local_vector(3),
     )
     lame = soil.poisson / ((1.0 + soil.poisson) * (1.0 - 2.0 * soil.poisson))
     twice = 1.0 / (1.0 + soil.poisson)
@@ -139,7 +143,8 @@ def hardening_soil_step(
         room.unit[i] = lame * volume + twice * strain[i] if i < 3 else 0.5 * twice * strain[i]
     fill_principal_axes(room.old, room.trial, room.axes)
     least_old = room.trial[2]
-    E, size = elastic_modulus(least_old, least_old, soil)[0], 0.0
+    E, E_s = elastic_modulus(least_old, least_old, soil)
+    size = 0.0
     most = _MOST * E
     for _ in range(_TRIES):
         trial_stresses(E, room)
@@ -182,7 +187,7 @@ def hardening_soil_step(
         if not solve_on(u, active, edge, gamma, pressure, least_old, size, careful, soil, room):
             tries = _TRIES
             continue
-        E = elastic_modulus(least_old, dot(room.least, u), soil)[0]
+        E, E_s = elastic_modulus(least_old, dot(room.least, u), soil)
         if edge > 0:
             trial_stresses(E, room)  # without means
         apart, below = u[0] - u[1], u[1] - u[2]
@@ -204,7 +209,7 @@ def hardening_soil_step(
             edge = 0
     if not found:
         return gamma, pressure, -1
-    if not _finish(u, edge, least_old, size, soil, room, new, tangent):
+    if not _finish(u, edge, E, E_s, size, soil, room, new, tangent, by_stiffness):
         return gamma, pressure, -1
     status = active + EDGE * edge
     after, cap = gamma, pressure
@@ -226,20 +231,21 @@ def hardening_soil_step(
 def _finish(
     u: FloatArray,
     edge: int,
-    least_old: float,
+    E: float,
+    E_s: float,
     size: float,
     soil: HardeningSoil,
     room: Room,
     new: FloatArray,
     tangent: FloatArray,
+    by_stiffness: FloatArray,
 ) -> bool:
-    """Fill stress components and tangent from the solution u; whether they are numbers.
+    """Fill stress components and their derivatives from the solution u; whether they are numbers.
 
     The shear stress on the trial axes is that of the trial times the ratio of the differences of the principal
     stresses, and the trial depends on the elastic modulus, too.
     """
     n = new.shape[0]
-    E, E_s = elastic_modulus(least_old, dot(room.least, u), soil)
     shear, by_strain, Q, d = 0.5 * E / (1.0 + soil.poisson), local_vector(3), local_matrix(6, 6), local_vector(3)
     for j in range(3):
         by_strain[j] = 0.0
@@ -253,7 +259,21 @@ def _finish(
         room.D[j, j] += shear
         room.D[i, j] -= shear
         room.D[j, i] -= shear
-    turned_back(room.trial, u, room.D, room.axes, shear, size, new, tangent)
+    unturned = turned_back(room.trial, u, room.D, room.axes, shear, size, new, tangent)
+    sheared = False
+    for k in range(3, 6):
+        sheared = sheared or room.unit[k] != 0.0
+    good = True
+    if unturned and not sheared:  # nothing turns
+        for i in range(n):
+            by_stiffness[i] = 0.0
+        for i in range(3):
+            good = good and abs(new[i]) < math.inf
+            for k in range(3):
+                by_stiffness[i] += room.axes[i, k] * room.stiffer[k]
+            for j in range(3):
+                good = good and abs(tangent[i, j]) < math.inf
+        return good
     fill_rotation_matrix(room.axes, Q)
     for k in range(3):
         i, j = _PAIRS[k]
@@ -266,9 +286,11 @@ def _finish(
         gap = room.trial[i] - room.trial[j]
         ratio = (u[i] - u[j]) / gap if abs(gap) > 1.0e-9 * size else 0.0
         d[k] = ratio * total
-    good = True
     for i in range(n):
         turn = Q[i, 3] * d[0] + Q[i, 4] * d[1] + Q[i, 5] * d[2]
+        by_stiffness[i] = turn * (E + E_s * dot(room.least, room.stiffer))
+        for k in range(3):
+            by_stiffness[i] += Q[i, k] * room.stiffer[k]
         for j in range(n):
             tangent[i, j] += turn * (Q[j, 0] * by_strain[0] + Q[j, 1] * by_strain[1] + Q[j, 2] * by_strain[2])
             good = good and abs(tangent[i, j]) < math.inf

@@ -80,6 +80,11 @@ class HardeningSoil(NamedTuple):
     """H."""
 
     tension: float
+    stiffening: float
+    """Growth of ln E_i and ln E_ur of the shear surface with that of the elastic modulus, at small strains; else 0."""
+
+    scaled: bool
+    """Whether derivatives by the elastic modulus are asked for."""
 
 
 @kernel
@@ -111,6 +116,8 @@ def hardening_soil_of(constants: FloatArray) -> HardeningSoil:
         c[12],
         c[13],
         min(c[10], a),
+        0.0,
+        False,
     )
 
 
@@ -151,11 +158,14 @@ def cap_pressure(pressure: float, volume: float, soil: HardeningSoil) -> tuple[f
     """p_p after a plastic volume strain and its derivative by it; exact."""
     old = (pressure + soil.attraction) / soil.reference
     rate, rest = soil.hardening / soil.reference, 1.0 - soil.power
-    growth = rate * volume * old**-rest
+    slow = old**-rest
+    growth, stiff = rate * volume * slow, old * slow
     if rest > 1.0e-9:
+        grown = max(1.0 + rest * growth, 1.0e-6)
         growth = math.log1p(max(rest * growth, -0.999999)) / rest
-    new = old * math.exp(min(growth, 500.0))
-    return new * soil.reference - soil.attraction, soil.hardening * new**soil.power
+        stiff /= grown
+    factor = math.exp(min(growth, 500.0))
+    return old * factor * soil.reference - soil.attraction, soil.hardening * stiff * factor
 
 
 @kernel

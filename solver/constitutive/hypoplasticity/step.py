@@ -19,26 +19,21 @@ products are tensor products.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.hypoplasticity.clay import CLAY_CONSTANTS, clay_functions
-from geoswarm.solver.constitutive.hypoplasticity.intergranular_strain import LEAD, WAY, along_way, begin_way, end_of_way
-from geoswarm.solver.constitutive.hypoplasticity.sand import SAND_CONSTANTS, sand_functions
+from geoswarm.solver.constitutive.hypoplasticity.clay import CLAY_CONSTANTS
+from geoswarm.solver.constitutive.hypoplasticity.intergranular_strain import LEAD, WAY, begin_way, end_of_way
+from geoswarm.solver.constitutive.hypoplasticity.rate import CLAY, FIRST, MOST, SAND, Room, fill_invariants, fill_rate
+from geoswarm.solver.constitutive.hypoplasticity.sand import SAND_CONSTANTS
 from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["CLAY", "CONSTANTS", "FIRST", "SAND", "STATE", "hypoplastic_update"]
 
-FIRST: Final = 7
-"""Place of the first constant of a law, after its number, p_t, R, m_R, m_T, beta_r and chi."""
-
 CONSTANTS: Final = FIRST + max(SAND_CONSTANTS, CLAY_CONSTANTS)
-
-CLAY: Final = 0
-SAND: Final = 1
 
 STATE: Final = 8
 """State variables: void ratio, intergranular strain (6,), mobilised friction angle in degree."""
@@ -49,7 +44,6 @@ _TOLERANCE: Final = 1.0e-8
 _ALIGNED: Final = 1.0e-12
 """Part of the intergranular strain across the path that is none."""
 
-_LEAST_TRACE: Final = 3.0e-4
 _LARGEST_COUNT: Final = 2000
 _SHORTEST: Final = 1.0e-10
 _LONGEST: Final = 1.0
@@ -57,9 +51,6 @@ _LONGEST: Final = 1.0
 
 _STEADY: Final = 1.0e-3
 _ROOT: Final = math.sqrt(2.0)
-_HALF_ROOT: Final = math.sqrt(0.5)
-_MOST: Final = 45
-"""Numbers that are integrated, of six components: stress, tangent, q and its slope, shear stiffness across the axes."""
 
 # Fehlberg's pair: nodes, weights of the stages, weights of order 5, and these less those of order 4.
 _NODES: Final = np.array([0.0, 1 / 4, 3 / 8, 12 / 13, 1.0, 1 / 2])
@@ -76,135 +67,57 @@ _STAGES: Final = np.array(
 _WEIGHTS: Final = np.array([16 / 135, 0.0, 6656 / 12825, 28561 / 56430, -9 / 50, 2 / 55])
 _ERRORS: Final = np.array([1 / 360, 0.0, -128 / 4275, -2197 / 75240, 1 / 50, 2 / 55])
 
+_SHORT: Final = 1.0e-2
+"""Relative change of stress in a substep up to which three stages are tried first: rules of Kutta and the midpoint."""
 
-@kernel
-def _invariants(y: FloatArray, n: int, shift: float, t: FloatArray, s2: FloatArray) -> tuple[float, float, float]:
-    """Fill t = sigma/tr(sigma) (6,) and s^2 (6,); return tr(sigma), s:s and tr(s^3), with p_t in the stress."""
-    trace = y[0] + y[1] + y[2] + 3.0 * shift
-    inverse = 1.0 / trace
-    for i in range(3):
-        t[i] = (y[i] + shift) * inverse
-    for i in range(3, 6):
-        t[i] = y[i] * inverse if i < n else 0.0
-    x, y_, z = t[0] - 1.0 / 3.0, t[1] - 1.0 / 3.0, t[2] - 1.0 / 3.0
-    a, b, c = t[3], t[4], t[5]
-    s2[0] = x * x + 0.5 * (a * a + c * c)
-    s2[1] = y_ * y_ + 0.5 * (a * a + b * b)
-    s2[2] = z * z + 0.5 * (b * b + c * c)
-    s2[3] = a * (x + y_) + b * c * _HALF_ROOT
-    s2[4] = b * (y_ + z) + a * c * _HALF_ROOT
-    s2[5] = c * (x + z) + a * b * _HALF_ROOT
-    j = s2[0] + s2[1] + s2[2]
-    return trace, j, s2[0] * x + s2[1] * y_ + s2[2] * z + s2[3] * a + s2[4] * b + s2[5] * c
-
-
-class Room(NamedTuple):
-    """Arrays that the stages of a step share."""
-
-    t: FloatArray
-    """(6,): stress over its trace."""
-
-    s2: FloatArray
-    """(6,): square of the deviator of t."""
-
-    D: FloatArray
-    """(6,): strain rate as L sees it."""
-
-    f: FloatArray
-    """(5,): functions of the law."""
-
-    slopes: FloatArray
-    """(5, 4): their derivatives."""
-
-    units: FloatArray
-    """(2, 6): unit strains along the path, and across it in the plane of the old intergranular strain."""
-
-    way: FloatArray
-    """(WAY,): the path of the intergranular strain."""
-
-    lead: FloatArray
-    """(LEAD,): what it makes of the strain rate."""
+_SHORT_TOLERANCE: Final = 1.0e-7
+"""Error of the midpoint rule; that of Kutta's is smaller by far more than the change of stress, below _TOLERANCE."""
 
 
 @kernel
-def _rate(
+def _short(
     y: FloatArray,
     n: int,
-    fraction: float,
+    columns: int,
+    now: float,
+    part: float,
+    scale: float,
+    weight: float,
     loading: bool,
     length: float,
     volume: float,
     log_v: float,
     constants: FloatArray,
     room: Room,
-    rate: FloatArray,
+    rates: FloatArray,
+    trial: FloatArray,
 ) -> bool:
-    """Fill the derivative by the fraction of the path of y: stress (n,), tangent (n, n), q and its slope.
+    """Carry y over a short substep by Kutta's rule of order 3; False, and y as before, where its error is too large.
 
-    The last of y is the tangent of shear where nothing is sheared; n is then 3. ``length``, ``volume``, ``log_v``:
-    norm of the strain of the whole path, its volume strain, ln(1 + e) at its beginning. False where the law is not
-    defined.
+    The error is that of the midpoint rule, of order 2.
     """
-    t, D, f, slopes, units, lead = room.t, room.D, room.f, room.slopes, room.units, room.lead
-    trace, j, k = _invariants(y, n, constants[1], t, room.s2)
-    log_now = log_v - fraction * volume
-    if not (trace > _LEAST_TRACE and log_now > 0.0):
-        return False
-    if constants[0] == CLAY:
-        known = clay_functions(trace, j, k, log_now, constants, FIRST, f, slopes)
-    else:
-        known = sand_functions(trace, j, k, math.exp(log_now) - 1.0, constants, FIRST, f, slopes)
-    if not known:
-        return False
-    if constants[2] > 0.0:
-        along_way(fraction, loading, y[n + n * n], y[n + n * n + 1], constants, room.way, lead)
-    A, B, C, n0, n1 = f[0], f[1], f[2], f[3], f[4]
-    size = lead[2] * length
-    td, t0, t1 = 0.0, 0.0, 0.0
+    size = n + n * n + 3
+    square = 0.0
     for i in range(n):
-        D[i] = length * (lead[0] * units[0, i] + lead[1] * units[1, i])
-        td += t[i] * D[i]
-        t0 += t[i] * units[0, i]
-        t1 += t[i] * units[1, i]
-    D_trace = D[0] + D[1] + D[2]
-    trace0, trace1 = units[0, 0] + units[0, 1] + units[0, 2], units[1, 0] + units[1, 1] + units[1, 2]
-    w = C * td - n1 * size
-    for i in range(n):
-        rate[i] = A * D[i] + w * t[i] + (B * D_trace - n0 * size if i < 3 else 0.0)
-    # Column by column, the derivative by one strain: that of stress so far is in y.
-    same, inverse = lead[7], 1.0 / trace
-    flow = w * inverse
-    for m in range(n):
-        first = n + n * m
-        of_trace = (y[first] + y[first + 1] + y[first + 2]) * inverse
-        of_t, of_s2, of_D = 0.0, 0.0, 0.0
-        for i in range(n):
-            b = y[first + i]
-            of_t += t[i] * b
-            of_s2 += room.s2[i] * b
-            of_D += D[i] * b
-        of_t, of_s2, of_D = of_t * inverse, of_s2 * inverse, of_D * inverse
-        one = 1.0 if m < 3 else 0.0
-        of_j = 2.0 * (of_t - (1.0 / 3.0 + j) * of_trace)
-        of_k = 3.0 * (of_s2 - (k + j / 3.0) * of_trace)
-        of_e = -fraction * one
-        u0 = (lead[3] - same) * units[0, m] + lead[4] * units[1, m]
-        u1 = lead[5] * units[0, m] + (lead[6] - same) * units[1, m]
-        of_size = lead[8] * units[0, m] + lead[9] * units[1, m]
-        for i in range(5):
-            f[i] = slopes[i, 0] * of_trace + slopes[i, 1] * of_j + slopes[i, 2] * of_k + slopes[i, 3] * of_e
-        everywhere = D_trace * f[1] - size * f[3] - n0 * of_size + B * (same * one + trace0 * u0 + trace1 * u1)
-        along = C * (of_D - td * of_trace + same * t[m] + t0 * u0 + t1 * u1) + td * f[2] - size * f[4] - n1 * of_size
-        along -= w * of_trace
-        u0, u1 = A * u0, A * u1
-        for i in range(n):
-            rate[first + i] = flow * y[first + i] + t[i] * along + D[i] * f[0] + units[0, i] * u0 + units[1, i] * u1
-        for i in range(3):
-            rate[first + i] += everywhere
-        rate[first + m] += A * same
-    rate[n + n * n] = lead[10]
-    rate[n + n * n + 1] = lead[11]
-    rate[n + n * n + 2] = flow * y[n + n * n + 2] + A * same
+        square += rates[0, i] * rates[0, i]
+    if not part * math.sqrt(square) <= _SHORT * scale:
+        return False
+    for i in range(size):
+        trial[i] = y[i] + 0.5 * part * rates[0, i]
+    if not fill_rate(trial, n, columns, now + 0.5 * part, loading, length, volume, log_v, constants, room, rates[1]):
+        return False
+    for i in range(size):
+        trial[i] = y[i] + part * (2.0 * rates[1, i] - rates[0, i])
+    if not fill_rate(trial, n, columns, now + part, loading, length, volume, log_v, constants, room, rates[2]):
+        return False
+    square = 0.0
+    for i in range(n + 1):
+        place, share = (i, 1.0 / scale) if i < n else (n + n * n, weight)
+        square += (share * part / 6.0 * (rates[0, place] - 2.0 * rates[1, place] + rates[2, place])) ** 2
+    if not math.sqrt(square) <= _SHORT_TOLERANCE:
+        return False
+    for i in range(size):
+        y[i] += part / 6.0 * (rates[0, i] + 4.0 * rates[1, i] + rates[2, i])
     return True
 
 
@@ -212,6 +125,7 @@ def _rate(
 def _integrate(
     y: FloatArray,
     n: int,
+    columns: int,
     begin: float,
     end: float,
     loading: bool,
@@ -231,7 +145,7 @@ def _integrate(
     for _ in range(_LARGEST_COUNT):
         room.way[8] = max(0.1 * part * room.way[2], 1.0e-30)
         if fresh:
-            if not _rate(y, n, now, loading, length, volume, log_v, constants, room, rates[0]):
+            if not fill_rate(y, n, columns, now, loading, length, volume, log_v, constants, room, rates[0]):
                 return False
             weight, pace = room.lead[12], room.lead[10]
             square = 0.0
@@ -245,6 +159,14 @@ def _integrate(
                 part = min(part, _LONGEST / pace)
         last = part >= 0.999999 * (end - now)
         part = end - now if last else part
+        if fresh and _short(
+            y, n, columns, now, part, scale, weight, loading, length, volume, log_v, constants, room, rates, trial
+        ):
+            if last:
+                return True
+            now += part
+            part *= 2.0
+            continue
         good = True
         for stage in range(1, 6):
             for i in range(size):
@@ -253,9 +175,8 @@ def _integrate(
                 share = part * _STAGES[stage, old]
                 for i in range(size):
                     trial[i] += share * rates[old, i]
-            good = _rate(
-                trial, n, now + part * _NODES[stage], loading, length, volume, log_v, constants, room, rates[stage]
-            )
+            at = now + part * _NODES[stage]
+            good = fill_rate(trial, n, columns, at, loading, length, volume, log_v, constants, room, rates[stage])
             if not good:
                 break
         fresh = False
@@ -324,7 +245,7 @@ def hypoplastic_update(
     if not e > -1.0:
         return -1
     log_v = math.log(1.0 + e)
-    y, trial, rates = local_vector(_MOST), local_vector(_MOST), local_matrix(6, _MOST)
+    y, trial, rates = local_vector(MOST), local_vector(MOST), local_matrix(6, MOST)
     room = Room(
         local_vector(6),
         local_vector(6),
@@ -336,8 +257,11 @@ def hypoplastic_update(
         local_vector(LEAD),
     )
     units, lead, way = room.units, room.lead, room.way
-    for i in range(_MOST):
+    for i in range(MOST):
         y[i] = 0.0
+    for stage in range(6):  # a column that is left out does not change
+        for i in range(n, n + n * n):
+            rates[stage, i] = 0.0
     for i in range(6):
         units[0, i], units[1, i] = 0.0, 0.0
     for i in range(WAY):
@@ -363,7 +287,7 @@ def hypoplastic_update(
         for i in range(n):
             units[0, i] = units[1, i] / total if total > 0.0 else 0.0
             units[1, i] = 0.0
-        if not _rate(y, n, 0.0, False, 0.0, 0.0, log_v, constants, room, trial):
+        if not fill_rate(y, n, n, 0.0, False, 0.0, 0.0, log_v, constants, room, trial):
             return -1
         for i in range(n, n + n * n + 3):
             y[i] = trial[i]
@@ -379,20 +303,28 @@ def hypoplastic_update(
             across = 0.0
         for i in range(n):
             units[1, i] = units[1, i] / across if across > 0.0 else 0.0
-        turn = 0.0
+        columns, turn = n, 0.0
+        if n == 3 and y[0] == y[2] and units[0, 0] == units[0, 2] and units[1, 0] == units[1, 2]:
+            columns = 2  # x and z are the same
         if R > 0.0:
             excess = max(math.hypot(along, across), 1.0)  # beyond 1 by rounding or extrapolation
             y[n + n * n], y[n + n * n + 1] = begin_way(along / excess, across / excess, length / R, constants[5], way)
             turn = way[3]
-        if turn > 0.0 and not _integrate(y, n, 0.0, turn, False, length, volume, log_v, constants, room, rates, trial):
+        if turn > 0.0 and not _integrate(
+            y, n, columns, 0.0, turn, False, length, volume, log_v, constants, room, rates, trial
+        ):
             return -1
-        if turn < 1.0 and not _integrate(y, n, turn, 1.0, True, length, volume, log_v, constants, room, rates, trial):
+        if turn < 1.0 and not _integrate(
+            y, n, columns, turn, 1.0, True, length, volume, log_v, constants, room, rates, trial
+        ):
             return -1
+        if columns == 2:
+            y[9], y[10], y[11] = y[5], y[4], y[3]
         along, across = end_of_way(y[n + n * n], constants, way) if R > 0.0 else (0.0, 0.0)
     for i in range(n + n * n + 3):
         if not abs(y[i]) < math.inf:
             return -1
-    _, j, k = _invariants(y, n, constants[1], room.t, room.s2)
+    _, j, k = fill_invariants(y, n, constants[1], room.t, room.s2)
     new_state[0] = (1.0 + e) * math.exp(-volume) - 1.0
     for i in range(6):
         h = 0.0

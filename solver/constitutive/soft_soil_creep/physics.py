@@ -227,31 +227,31 @@ def _inadmissible(
 ) -> str | None:
     """First parameter outside its range, in words; written so that NaN is refused too."""
     if not 0.0 < kappa_star < math.inf:
-        return f"kappa_star = {kappa_star:g}: a value above 0 is accepted"
+        return f"kappa_star must be above 0, got {kappa_star:g}"
     if not kappa_star < lambda_star < math.inf:
-        return f"lambda_star = {lambda_star:g}: a value above kappa_star = {kappa_star:g} is accepted"
+        return f"lambda_star must be above kappa_star = {kappa_star:g}, got {lambda_star:g}"
     if not 0.0 < mu_star < math.inf:
-        return f"mu_star = {mu_star:g}: a value above 0 is accepted"
+        return f"mu_star must be above 0, got {mu_star:g}"
     if not 0.0 <= c < math.inf:
-        return f"c = {c:g} kPa: 0 or more is accepted"
+        return f"c must be at least 0, got {c:g} kPa"
     if phi == 0.0:
-        return "phi = 0 degree: soft soil needs friction, a value above 0 and below 90 degree is accepted"
+        return "phi must be above 0 and below 90 degree, got 0 degree: soft soil needs friction"
     if not 0.0 < phi < 90.0:
-        return f"phi = {phi:g} degree: a value above 0 and below 90 degree is accepted"
+        return f"phi must be above 0 and below 90 degree, got {phi:g} degree"
     if not 0.0 <= psi <= phi:
-        return f"psi = {psi:g} degree: a value from 0 to phi = {phi:g} degree is accepted"
+        return f"psi must be from 0 to phi = {phi:g} degree, got {psi:g} degree"
     if not 0.0 <= nu_ur < 0.5:
-        return f"nu_ur = {nu_ur:g}: a value from 0 to below 0.5 is accepted"
+        return f"nu_ur must be from 0 to below 0.5, got {nu_ur:g}"
     if K0nc is not None and M is not None:
-        return f"K0nc = {K0nc:g} and M = {M:g} are both given: one of them is accepted, the other follows from it"
+        return f"K0nc = {K0nc:g} and M = {M:g} are both given; give only one, the other follows from it"
     if K0nc is not None and not 0.0 < K0nc < 1.0:
-        return f"K0nc = {K0nc:g}: a value above 0 and below 1 is accepted"
+        return f"K0nc must be above 0 and below 1, got {K0nc:g}"
     if M is not None and not 0.0 < M < math.inf:
-        return f"M = {M:g}: a value above 0 is accepted"
+        return f"M must be above 0, got {M:g}"
     if tension_cutoff is not None and not tension_cutoff >= 0.0:
-        return f"tension_cutoff = {tension_cutoff:g} kPa: 0 or more is accepted"
+        return f"tension_cutoff must be at least 0, got {tension_cutoff:g} kPa"
     if not 0.0 < tau < math.inf:
-        return f"tau = {tau:g} day: a value above 0 is accepted"
+        return f"tau must be above 0, got {tau:g} day"
     return None
 
 

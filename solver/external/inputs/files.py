@@ -1,4 +1,4 @@
-"""Template files, read and written without changing a byte of what is no placeholder."""
+"""Template files, read and written without changing a byte outside placeholders."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def read_template_file(path: Path) -> str:
         It is missing, unreadable or too large.
     """
     if path.exists() and not path.is_file():
-        raise TemplateError("is no regular file", str(path))
+        raise TemplateError("is not a regular file", str(path))
     try:
         with path.open("rb") as file:
             content = file.read(MAX_TEMPLATE_BYTES + 1)

@@ -64,7 +64,7 @@ def parse_format(text: str) -> NumberFormat:
     """
     found = _FORMAT.fullmatch(text)
     if found is None:
-        raise ValueError(f"format '{text}' is not understood; accepted are {ACCEPTED}")
+        raise ValueError(f"format '{text}' is not supported; accepted are {ACCEPTED}")
     kind, precision = found["kind"], found["precision"]
     if precision is not None and kind in "ds":
         raise ValueError(f"format '{text}': %{kind} takes a width, but no digits behind the point")

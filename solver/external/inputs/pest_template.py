@@ -30,7 +30,7 @@ _NO_MARKER = "[]():!&"
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """One parameter space: its name in lower case, its width with the markers, and where it stands."""
+    """One parameter space: its name in lower case, its width with the markers, and its place."""
 
     name: str
     width: int
@@ -75,7 +75,7 @@ class PestTemplate:
         for space in self.spaces:
             if space.name not in lower:
                 listed = ", ".join(sorted(known)[:20]) or "none"
-                message = f"{space.name} is no parameter{did_you_mean(space.name, lower)}; parameters: {listed}"
+                message = f"{space.name} is not a parameter{did_you_mean(space.name, lower)}; parameters: {listed}"
                 raise TemplateError(message, self.file, space.line, space.column)
 
     def used(self, known: Collection[str]) -> frozenset[str]:
@@ -160,6 +160,6 @@ def _space(part: str, marker: str, file: str, line: int, column: int) -> Space:
     name = part.strip().lower()
     if not name or len(name) > _MOST_NAME or any(sign.isspace() for sign in name):
         what = "no name" if not name else f"'{name[:40]}'"
-        message = f"between the markers '{marker}' stands {what}; the name of one parameter is expected"
+        message = f"between the markers '{marker}' there is {what}; the name of one parameter is expected"
         raise TemplateError(message, file, line, column)
     return Space(name, len(part) + 2, line, column)

@@ -43,7 +43,7 @@ _LONGEST = MAX_LENGTH + 50
 
 @dataclass(frozen=True, slots=True)
 class Placeholder:
-    """One placeholder, and where it stands; line and column count from 1."""
+    """One placeholder and its place; line and column count from 1."""
 
     expression: Expression
     format: NumberFormat | None
@@ -109,7 +109,7 @@ class Template:
             for name in sorted(one.expression.names - {SLOT}):
                 if name not in known:
                     listed = ", ".join(sorted(known)[:20]) or "none"
-                    message = f"{name} is no parameter{did_you_mean(name, known)}; parameters: {listed}"
+                    message = f"{name} is not a parameter{did_you_mean(name, known)}; parameters: {listed}"
                     raise TemplateError(message, self.file, one.line, one.column)
 
     def fill(self, values: Mapping[str, float]) -> str:

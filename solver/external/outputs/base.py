@@ -69,7 +69,7 @@ class OutputReader(BaseModel, ABC):
 
     @property
     def sources(self) -> tuple[str, ...]:
-        """Files beside the problem file that say how to read."""
+        """Files next to the problem file that say how to read."""
         return ()
 
     def with_sources(self, folder: Path) -> OutputReader:
@@ -121,7 +121,7 @@ class OutputReader(BaseModel, ABC):
         return np.array(x, dtype=np.float64), np.array(y, dtype=np.float64)
 
     def traced(self, folder: Path) -> list[tuple[int, str]]:
-        """Number and text of the line that each point of :meth:`read` stands in; 0 where a file has no lines.
+        """Number and text of the line of each point of :meth:`read`; 0 if a file has no lines.
 
         Raises
         ------
@@ -139,4 +139,4 @@ class OutputReader(BaseModel, ABC):
 class ScaledReader(OutputReader, ABC):
     """A reader whose y may be multiplied, for formats that have no expressions."""
 
-    y_factor: float = Field(1.0, description="y is multiplied by this number: -1 turns a sign, 1000 makes mm of m.")
+    y_factor: float = Field(1.0, description="Factor for y: -1 changes the sign, 1000 converts m to mm.")

@@ -48,7 +48,7 @@ def parse_dataset(text: str) -> Dataset:
     """
     found = _DATASET.fullmatch(text.strip())
     if found is None:
-        raise ValueError(f"'{text[:60]}' is no data set; write for example results/uy or results/uy[*, 3]")
+        raise ValueError(f"'{text[:60]}' is not a data set; write for example results/uy or results/uy[*, 3]")
     if found["places"] is None:
         return Dataset(found["path"], None)
     places = [place.strip() for place in found["places"].split(",")]
@@ -58,7 +58,7 @@ def parse_dataset(text: str) -> Dataset:
 
 
 class Hdf5Reader(ScaledReader):
-    """x and y from data sets, of which only what is wanted is read."""
+    """x and y from data sets; only the requested part is read."""
 
     told_by: ClassVar[str] = "HDF5 (a file .h5 or .hdf5, x and y)"
 

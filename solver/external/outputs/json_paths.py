@@ -52,7 +52,7 @@ def parse_json_path(text: str) -> JsonPath:
     while position < len(text):
         found = _STEP.match(text, position)
         if found is None or (found["name"] and (not position) == text.startswith(".", position)):
-            raise ValueError(f"'{text}' is no path at character {position + 1}; write for example results[*].uy")
+            raise ValueError(f"'{text}' is not a path at character {position + 1}; write for example results[*].uy")
         steps.append(_step(found))
         position = found.end()
     if not steps:

@@ -64,7 +64,7 @@ class JsonReader(ScaledReader):
             return json.loads(text)
         except json.JSONDecodeError as error:
             message = f"{self.file}: line {error.lineno}: {error.msg} at character {error.colno}; JSON is expected"
-            cut = "; the file may be cut off" if error.pos >= len(text.rstrip()) else ""
+            cut = "; the file may be truncated" if error.pos >= len(text.rstrip()) else ""
             raise OutputError("bad_output", message + cut) from None
         except (ValueError, RecursionError) as error:  # a number of many digits; nested too deeply
             raise OutputError("bad_output", f"{self.file}: cannot be read as JSON: {error}") from None

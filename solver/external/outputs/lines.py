@@ -32,7 +32,7 @@ def opened(folder: Path, file: str) -> BinaryIO:
     path = below(folder, file)
     try:
         if path.exists() and not path.is_file():  # a pipe would be waited for
-            raise OutputError("bad_output", f"{file}: is no regular file")
+            raise OutputError("bad_output", f"{file}: is not a regular file")
         stream = path.open("rb")
     except FileNotFoundError:
         raise OutputError("no_output", f"{file}: the run wrote no such file{_others(folder, file)}") from None
@@ -86,7 +86,7 @@ def _numbered(stream: BinaryIO, file: str, encoding: Encoding, longest: int) -> 
             raise _too_long(file, number, longest)
         if b"\0" in raw:
             raise OutputError(
-                "bad_output", f"{place(file, number)}: found a zero byte; the file is binary, or was cut off"
+                "bad_output", f"{place(file, number)}: found a zero byte; the file is binary or truncated"
             )
         yield number, decoded(raw, file, number, encoding).rstrip("\r\n")
 

@@ -45,7 +45,7 @@ def number_of(text: str, decimal: str = ".") -> float:
     """
     if decimal == ",":
         if "." in text:
-            raise ValueError(f"'{text[:40]}' has a point, but the decimal sign was said to be a comma")
+            raise ValueError(f"'{text[:40]}' has a point, but the decimal sign is set to a comma")
         text = text.replace(",", ".")
     try:
         number = float(text)
@@ -54,7 +54,7 @@ def number_of(text: str, decimal: str = ".") -> float:
     if not math.isfinite(number):
         raise NotFiniteNumberError(f"'{text.strip()[:40]}' is not finite; a finite number is expected")
     if "_" in text:
-        raise ValueError(f"'{text.strip()[:40]}' is no number")
+        raise ValueError(f"'{text.strip()[:40]}' is not a number")
     return number
 
 
@@ -69,7 +69,7 @@ def _fortran(text: str) -> float:
             raise ValueError(f"'{text[:40]}' has a comma; if it is the decimal sign, write decimal: ','")
         if _GLUED.match(text):
             raise ValueError(f"'{text[:40]}' is several numbers without a blank between; give fixed columns")
-        raise ValueError(f"'{text[:40]}' is no number" if text else "there is nothing where a number is expected")
+        raise ValueError(f"'{text[:40]}' is not a number" if text else "there is nothing where a number is expected")
     return float(f"{found['mantissa']}e{found['power'] or found['bare'] or 0}")
 
 

@@ -34,4 +34,4 @@ def compiled(pattern: str) -> re.Pattern[str]:
             warnings.simplefilter("error")
             return re.compile(pattern)
     except (re.error, Warning, RecursionError, OverflowError) as error:
-        raise ValueError(f"'{pattern[:80]}' is no regular expression: {error}") from None
+        raise ValueError(f"'{pattern[:80]}' is not a regular expression: {error}") from None

@@ -60,7 +60,7 @@ class SearchReader(ScaledReader):
                 raise ValueError(f"find has no group (?P<{name}>...){hint}; its named groups: {there}")
         twice = [name for name in groups if groups.count(name) > 1]
         if twice:
-            raise ValueError(f"group {twice[0]} stands in several expressions; a name may be used once")
+            raise ValueError(f"group {twice[0]} is in several expressions; use each name once")
         if self.observations is None and (len(patterns) > 1 or self.take != "only"):
             raise ValueError("several expressions, and take, are for observations; points take one find with x and y")
         return self

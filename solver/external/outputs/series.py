@@ -1,4 +1,4 @@
-"""The sections of ``series``: which reader a section asks for is told by its fields.
+"""The sections of ``series``: the fields of a section determine its reader.
 
 ====================  ==========================================================
 reader                told by

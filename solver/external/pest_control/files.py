@@ -91,7 +91,7 @@ def beside(case: PestCase, words: Iterable[str]) -> list[str]:
 
 
 def other_files(case: PestCase, copied: Iterable[str], folder: Path) -> list[str]:
-    """What lies beside the control file and is neither copied, nor PEST's own, nor made by a run."""
+    """Files next to the control file that are neither copied, nor PEST's own, nor made by a run."""
     pairs = (*case.templates, *case.instructions)
     known = {*copied, case.path.name, *(pair.pest for pair in pairs), *(pair.model for pair in pairs)}
     names = []

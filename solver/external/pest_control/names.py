@@ -12,7 +12,7 @@ _SIGNS = "abcdefghijklmnopqrstuvwxyz0123456789"
 
 
 def word(text: str) -> str:
-    """Return a text as a name: signs that no name has become ``_``, and a letter stands first.
+    """Return a text as a name: other signs become ``_``, and a letter comes first.
 
     >>> word("hk-1:a"), word("1st")
     ('hk_1_a', '_1st')

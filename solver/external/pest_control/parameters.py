@@ -28,7 +28,7 @@ class ParameterLine:
 def parameter_lines(
     parameters: Iterable[PestParameter], renamed: Mapping[str, str]
 ) -> tuple[list[ParameterLine], list[str]]:
-    """Return the parameters in the order of the control file, and what is to be told.
+    """Return the parameters in the order of the control file, and notes.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def _tied(
 ) -> ParameterLine:
     parent = listed.get(one.tied_to or "")
     if parent is None or parent.transform == "tied":
-        what = f"'{one.tied_to}', which is {'tied itself' if parent else 'no parameter'}"
+        what = f"'{one.tied_to}', which is {'tied itself' if parent else 'not a parameter'}"
         raise PestControlError(f"parameter {one.name} is tied to {what}; a searched or fixed parameter is accepted")
     if parent.value == 0.0:
         raise PestControlError(

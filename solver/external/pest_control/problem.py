@@ -1,4 +1,4 @@
-"""The problem that a control file makes: its text with remarks, and the files beside it."""
+"""The problem made from a control file: its text with remarks, and its files."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _WIDTH = 118
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """A problem made of a control file: what is to be written, and what is to be told."""
+    """A problem made from a control file: what to write, and notes."""
 
     copies: Copies
     notes: tuple[str, ...]
@@ -54,7 +54,7 @@ def imported(case: PestCase, folder: Path, files: Sequence[str] = ()) -> Importe
         It cannot be made, or would overwrite something.
     """
     if (folder / PROBLEM).exists():
-        raise PestControlError(f"{folder / PROBLEM} is there, and never overwritten; give another --output DIR")
+        raise PestControlError(f"{folder / PROBLEM} exists and is never overwritten; give another --output DIR")
     copies, notes = Copies(folder), list(case.notes)
     renamed = same_length((one.name for one in case.parameters), _accepted)
     templates = _templates(case, copies, renamed)
@@ -106,7 +106,7 @@ def _templates(case: PestCase, copies: Copies, renamed: Mapping[str, str]) -> di
         found[model_file(pair.model)] = copies.add(place if place.endswith(".tpl") else f"{place}.tpl", content)
     unknown = sorted(used - {one.name for one in case.parameters})
     if unknown:
-        raise PestControlError(f"{case.path}: templates use {', '.join(unknown[:10])}, which are no parameters")
+        raise PestControlError(f"{case.path}: templates use {', '.join(unknown[:10])}, which are not parameters")
     return found
 
 

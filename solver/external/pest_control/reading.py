@@ -92,7 +92,7 @@ def _control(path: Path) -> Any:
         except Exception as error:  # noqa: BLE001  pyEMU raises Exception itself
             told = re.sub(r"^error reading ctrl file '.*?': ", "", str(error))
         gc.collect()  # closes what pyEMU has left open, without a warning
-    raise PestControlError(f"{path} cannot be read as a control file of PEST: {told[:500]}")
+    raise PestControlError(f"{path} cannot be read as a PEST control file: {told[:500]}")
 
 
 def _complete(path: Path, sections: Sections, control: Any) -> None:
@@ -134,7 +134,7 @@ def _columns(control: Any) -> list[str]:
 def _parameter(row: dict[str, Any], path: Path) -> PestParameter:
     name, transform = str(row["parnme"]).lower(), str(row["partrans"]).lower()
     if transform not in _TRANSFORMS:
-        message = f"PARTRANS of parameter {name} must be one of {', '.join(_TRANSFORMS)}, not {transform[:40]}"
+        message = f"PARTRANS of parameter {name} must be one of {', '.join(_TRANSFORMS)}, got {transform[:40]}"
         raise PestControlError(f"{path}: {message}")
     numbers = [_finite(row, key, name, path) for key in ("parval1", "parlbnd", "parubnd", "scale", "offset")]
     value, lower, upper, scale, offset = numbers
@@ -147,14 +147,14 @@ def _observation(row: dict[str, Any], path: Path) -> PestObservation:
     name = str(row["obsnme"]).lower()
     value, weight = (_finite(row, key, name, path) for key in ("obsval", "weight"))
     if weight < 0.0:
-        raise PestControlError(f"{path}: the weight of observation {name} is {weight:g}; 0 or above is accepted")
+        raise PestControlError(f"{path}: the weight of observation {name} must be at least 0, got {weight:g}")
     return PestObservation(name, value, weight, str(row["obgnme"]).lower())
 
 
 def _finite(row: dict[str, Any], key: str, name: str, path: Path) -> float:
     value = float(row[key])
     if not math.isfinite(value):
-        raise PestControlError(f"{path}: {key.upper()} of {name} is {value}; a finite number is needed")
+        raise PestControlError(f"{path}: {key.upper()} of {name} must be a finite number, got {value}")
     return value
 
 

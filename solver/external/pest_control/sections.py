@@ -1,4 +1,4 @@
-"""The sections of a control file that no problem can carry over: each is told with what it held."""
+"""The sections of a control file that a problem cannot carry over: each is reported with its contents."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def sections_of(text: str) -> Sections:
     lines = [line for line in lines if line and not line.startswith("#")]
     if not lines or lines[0].split()[0].lower() != "pcf":
         first = lines[0][:40] if lines else ""
-        raise PestControlError(f"is no control file of PEST: its first line must be pcf, got '{first}'")
+        raise PestControlError(f"is not a PEST control file: its first line must be pcf, got '{first}'")
     found: Sections = {}
     current: list[str] = []
     for line in lines[1:]:

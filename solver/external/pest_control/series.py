@@ -42,7 +42,7 @@ class PestSeries:
 
 
 def series_of(case: PestCase, read: Mapping[str, Sequence[str]]) -> tuple[list[PestSeries], list[str]]:
-    """Return the series, and what is to be told.
+    """Return the series, and notes.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ _REASONS = frozenset(get_args(FailureReason))
 
 
 def failure_of(error: BaseException, file: str, called: str, hint: str = "") -> RunFailedError:
-    """Return the failed evaluation that an exception of a function stands for.
+    """Return the failed evaluation for an exception of a function.
 
     Parameters
     ----------

@@ -99,7 +99,7 @@ def _imported(folder: Path, path: Path, version: str) -> ModuleType:
         raise RunFailedError("bad_output", f"{path} cannot be read: {error.strerror or error}") from None
     if fingerprint(source) != version:
         raise RunFailedError(
-            "bad_output", f"{path} has changed since this problem was made of it; start the calibration anew"
+            "bad_output", f"{path} has changed since this problem was made of it; start the calibration over"
         )
     package = _package_of(folder, path)
     if package is None:
@@ -185,7 +185,7 @@ def _refuse_other_siblings(source: bytes, path: Path) -> None:
             if wanted is not None and name in sys.modules and (there is None or not _same(Path(there), wanted)):
                 raise RunFailedError(
                     "bad_output",
-                    f"{path.name} imports {name}, and {wanted} lies beside it; but that name is taken by "
+                    f"{path.name} imports {name}, and {wanted} is in the same folder; but that name is taken by "
                     f"{there or 'a module of Python'}: rename the file",
                 )
 

@@ -36,6 +36,6 @@ def function_of_session(word: str, name: str) -> Callable[..., Any]:
     except KeyError:
         raise RunFailedError(
             "bad_output",
-            f"{name} was a function of a Python session that is over; write it into a file (kind: python, file: "
+            f"{name} was a function of a Python session that has ended; write it into a file (kind: python, file: "
             "model.py) to run it again",
         ) from None

@@ -66,9 +66,9 @@ def signature_in(source: bytes, file: str, function: str) -> Signature:
         tree = ast.parse(source, file)
     except SyntaxError as error:
         place = "" if error.lineno is None else f", line {error.lineno}"
-        raise SignatureError(f"{file}{place} is no Python: {error.msg}") from None
+        raise SignatureError(f"{file}{place} is not valid Python: {error.msg}") from None
     except (ValueError, RecursionError, MemoryError) as error:
-        raise SignatureError(f"{file} is no Python that can be read: {error or type(error).__name__}") from None
+        raise SignatureError(f"{file} cannot be read as Python: {error or type(error).__name__}") from None
     found: _Function | None = None
     other: str | None = None
     names: dict[str, None] = {}

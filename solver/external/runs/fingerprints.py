@@ -1,4 +1,4 @@
-"""What tells one version of a file, or of all files below a folder, from another."""
+"""Fingerprints of the version of a file, or of all files below a folder."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PIECE, _PIECES = 256 * 1024, 64
 
 
 class FileStamp(NamedTuple):
-    """What the system tells of a file: another one when the file has changed."""
+    """What the system reports about a file; it differs when the file has changed."""
 
     device: int
     number: int

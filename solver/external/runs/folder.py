@@ -88,7 +88,7 @@ class RunFolder:
         return self.path.with_name(f"{'failed' if failed else 'run'}-{self._name}")
 
     def finish(self, keep: Keep, *, failed: bool) -> Path | None:
-        """Keep or delete it; return where it is kept, None: it is gone. Never raises."""
+        """Keep or delete it; return where it is kept, None if it was deleted. Never raises."""
         if keep == "all" or (failed and keep == "failed"):
             kept = self.kept_as(failed=failed)
             with contextlib.suppress(OSError):

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import contextlib
 import os
+import queue
 import secrets
 import select
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
+
+import psutil
 
 from geoswarm.solver.system.processes import adopts_orphans, descendants, kill_session
 
@@ -152,6 +156,8 @@ def _watched(
     """Take in what a program prints until it ends; False when it was killed at its limit."""
     assert process.stdout is not None
     pipe = process.stdout.fileno()
+    if not hasattr(os, "set_blocking") or sys.platform == "win32":
+        return _watched_by_thread(process, pipe, mark, began, seconds, printed)
     os.set_blocking(pipe, False)
     deadline = None if seconds is None else began + seconds
     with _PidDescriptor(process.pid) as ended:
@@ -186,6 +192,39 @@ def _watched(
                 printed.take(data)
             if over:
                 return True
+
+
+def _watched_by_thread(
+    process: subprocess.Popen[bytes], pipe: int, mark: str, began: float, seconds: float | None, printed: _Printed
+) -> bool:
+    """Do the same where a pipe cannot be asked whether there is something to read."""
+    pieces: queue.Queue[bytes] = queue.Queue(_READS)
+
+    def read() -> None:
+        with contextlib.suppress(OSError):
+            while data := os.read(pipe, _ONCE):
+                pieces.put(data)
+
+    reader = threading.Thread(target=read, name="output of a program", daemon=True)
+    reader.start()
+
+    def take(most: int) -> None:
+        with contextlib.suppress(queue.Empty):
+            for _ in range(most):
+                printed.take(pieces.get_nowait())
+
+    while True:
+        take(_READS)
+        over = process.poll() is not None
+        if over or (seconds is not None and time.monotonic() - began > seconds):
+            (_kill_rest(process.pid, mark) if over else _kill_tree(process, mark))
+            last = time.monotonic() + _KILL_SECONDS
+            while reader.is_alive() and time.monotonic() < last:
+                take(_READS)
+                reader.join(_LOOK_SECONDS)
+            take(_LAST_READS)
+            return over
+        time.sleep(_LOOK_SECONDS)
 
 
 class _Printed:
@@ -248,8 +287,7 @@ def _read(pipe: int) -> bytes | None:
 def _kill_tree(process: subprocess.Popen[bytes], mark: str) -> None:
     """Kill a program and all that it has started, and wait for it."""
     for pid in reversed(descendants(process.pid)):
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.kill(pid, signal.SIGKILL)
+        _kill(pid)
     process.kill()
     process.wait()
     _kill_rest(process.pid, mark)
@@ -263,14 +301,15 @@ def _kill_rest(session: int, mark: str) -> None:
 
 
 def _kill_marked(mark: str) -> None:
-    """Kill what stands below this process and carries the mark of a run."""
+    """Kill what stands below this process and carries the mark of a run, where marks can be read."""
+    if not hasattr(os, "WNOHANG"):
+        return
     killed: set[int] = set()
     deadline = time.monotonic() + _KILL_SECONDS
     while True:
         left = [pid for pid in descendants(os.getpid()) if _is_marked(pid, mark)]
         for pid in left:
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.kill(pid, signal.SIGKILL)
+            _kill(pid)
         killed.update(left)
         for pid in killed:  # orphans are ours to collect; nobody else's are
             with contextlib.suppress(ChildProcessError):
@@ -278,6 +317,11 @@ def _kill_marked(mark: str) -> None:
         if not left or time.monotonic() > deadline:
             return
         time.sleep(0.002)
+
+
+def _kill(pid: int) -> None:
+    with contextlib.suppress(psutil.Error):
+        psutil.Process(pid).kill()
 
 
 def _kill_session(session: int) -> None:

@@ -17,7 +17,7 @@ _FIRST_PAUSE, _LONGEST_PAUSE = 0.002, 0.25
 
 @contextmanager
 def slot(folder: Path, count: int | None) -> Iterator[int]:
-    """Hold the first free slot, numbered from 0; wait while all are taken, which is no time of the run.
+    """Hold the first free slot, numbered from 0; wait while all are taken, which does not count as run time.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The files that a run is given: read once, so that nobody can change them while a calibration goes on."""
+"""The files of a run: read once, so that they cannot change during a calibration."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LARGEST = 16 * 1024 * 1024
 
 
 class Sources:
-    """Files and folders beside a problem that each run gets.
+    """Files and folders of a problem that each run gets.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Sources:
             if name in self._copied and path.is_file() and path.stat().st_size <= LARGEST:
                 self._contents[name] = path.read_bytes(), path.stat().st_mode & 0o777
             if versions.get(name, now := fingerprint(path)) != now:
-                raise ValueError(f"{name} in {base} has changed since the problem was read; start anew, or put it back")
+                raise ValueError(f"{name} in {base} has changed since the problem was read; start over, or restore it")
 
     def place(self, folder: RunFolder) -> None:
         """Copy and link them into the folder of a run.

@@ -30,7 +30,7 @@ def _pattern(text: str) -> str:
     try:
         re.compile(text)
     except re.error as error:
-        raise ValueError(f"'{text}' is no regular expression: {error}") from error
+        raise ValueError(f"'{text}' is not a regular expression: {error}") from error
     return text
 
 
@@ -51,7 +51,7 @@ class Success(BaseModel):
 
 
 class Fail(BaseModel):
-    """What tells why a run has failed."""
+    """Signs of why a run has failed."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

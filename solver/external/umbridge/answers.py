@@ -26,7 +26,7 @@ def checked_info(answer: Any, name: str, url: str) -> None:
     version = answer.get("protocolVersion") if isinstance(answer, dict) else None
     models = answer.get("models") if isinstance(answer, dict) else None
     if not isinstance(version, int | float) or not abs(version) < 1e6 or not isinstance(models, list):
-        raise RunFailedError("bad_output", f"{url} is no server of UM-Bridge: {str(answer)[:100]}")
+        raise RunFailedError("bad_output", f"{url} is not an UM-Bridge server: {str(answer)[:100]}")
     if int(version) != int(PROTOCOL):
         raise RunFailedError("bad_output", f"{url} speaks version {version:g} of the protocol, not {PROTOCOL:g}")
     names = [str(one) for one in models]
@@ -45,7 +45,7 @@ def checked_sizes(answer: Any, key: str, url: str) -> list[int]:
     """
     found = answer.get(key) if isinstance(answer, dict) else None
     if not isinstance(found, list) or not all(isinstance(one, int) and not isinstance(one, bool) for one in found):
-        raise RunFailedError("bad_output", f"{url} answered no {key}: {str(answer)[:100]}")
+        raise RunFailedError("bad_output", f"{url} answered without {key}: {str(answer)[:100]}")
     return list(found)
 
 
@@ -59,14 +59,16 @@ def vectors(answer: Any, sizes: Sequence[int], url: str) -> list[FloatArray]:
     """
     output = answer.get("output") if isinstance(answer, dict) else None
     if not isinstance(output, list) or not all(isinstance(one, list) for one in output):
-        raise RunFailedError("bad_output", f"{url} answered no output of lists: {str(answer)[:100]}")
+        raise RunFailedError(
+            "bad_output", f"{url} answered with an output that is not a list of lists: {str(answer)[:100]}"
+        )
     got = [len(one) for one in output]
     if got != list(sizes):
         raise RunFailedError("bad_output", f"{url} answered output vectors of {_list(got)} numbers, not {_list(sizes)}")
     found = []
     for index, one in enumerate(output):
         if any(isinstance(value, bool) or not isinstance(value, int | float | None) for value in one):
-            raise RunFailedError("bad_output", f"{url}: output {index} holds what is no number: {str(one)[:100]}")
+            raise RunFailedError("bad_output", f"{url}: output {index} contains what is not a number: {str(one)[:100]}")
         values = np.array([_number(value) for value in one], dtype=np.float64)
         wrong = np.flatnonzero(~np.isfinite(values))
         if wrong.size:

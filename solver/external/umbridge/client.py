@@ -52,9 +52,9 @@ def address_of(url: str) -> tuple[str, str, int, str]:
         parts = urlsplit(url.strip())
         port = parts.port
     except ValueError as error:
-        raise ValueError(f"'{url[:100]}' is no address: {error}; {accepted}") from None
+        raise ValueError(f"'{url[:100]}' is not an address: {error}; {accepted}") from None
     if parts.scheme not in ("http", "https") or not parts.hostname or not url.isprintable():
-        raise ValueError(f"'{url[:100]}' is no address of a server; {accepted}")
+        raise ValueError(f"'{url[:100]}' is not the address of a server; {accepted}")
     if parts.username or parts.password or parts.query or parts.fragment:
         raise ValueError(f"an address has a host, a port and a path only, no user, password or ?; {accepted}")
     return parts.scheme, parts.hostname, port or (443 if parts.scheme == "https" else 80), parts.path.rstrip("/")
@@ -152,7 +152,7 @@ class Server:
             tried = f" ({self.tries} tries)" if self.tries > 1 else ""
             why = getattr(error, "strerror", None) or str(error)
             return RunFailedError("not_started", f"{self.url} cannot be reached: {why}{tried}; is the server running?")
-        return RunFailedError("program_failed", f"{self.url} hung up: {type(error).__name__}: {error}")
+        return RunFailedError("program_failed", f"{self.url} closed the connection: {type(error).__name__}: {error}")
 
     def _read(self, route: str, status: int, answer: bytes) -> Any:
         text = answer.decode("utf-8", errors="replace")
@@ -168,7 +168,7 @@ class Server:
             reason = kind if kind in _REASONS else "program_failed"
             raise RunFailedError(reason, f"{self.url}{route} answered with HTTP {status}: {words}")
         if found is None:
-            raise RunFailedError("bad_output", f"{self.url}{route} answered no JSON: '{text[:100]}'")
+            raise RunFailedError("bad_output", f"{self.url}{route} did not answer with JSON: '{text[:100]}'")
         return found
 
 

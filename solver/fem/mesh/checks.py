@@ -165,7 +165,7 @@ def _boundary_faults(mesh: Mesh) -> list[str]:
     edges = np.concatenate([mesh.triangles[:, list(edge)] for edge in EDGES])
     known = {(int(a), int(b), int(c)) for a, b, c in edges}
     return [
-        f"boundary {name}: nodes {start}, {end}, {mid} are no edge of a triangle that lies on its left"
+        f"boundary {name}: nodes {start}, {end}, {mid} are not an edge of a triangle on its left"
         for name, table in mesh.boundaries.items()
         for start, end, mid in table.tolist()
         if (start, end, mid) not in known

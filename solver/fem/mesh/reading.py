@@ -264,7 +264,7 @@ def _boundaries(
     for name, edges in lines.items():
         owners = [sides.get(frozenset(edge), []) for edge in edges]
         if not all(owners):
-            raise MeshError(f"line {name} is no side of the triangles; lines along their edges are accepted")
+            raise MeshError(f"line {name} is not a side of the triangles; interfaces must lie along their edges")
         outer = [owner[0] for owner in owners if len(owner) == 1 or keep_lines]
         if outer:
             boundaries[name] = np.array(outer, dtype=np.int32)

@@ -90,8 +90,8 @@ class _Opening:
             if len(self.owners.get(key, ())) != 2:
                 (x, y), (z, w) = self._mesh.nodes[[start, end]].tolist()
                 raise MeshError(
-                    f"interface {name}: the line from ({x:.6g}, {y:.6g}) to ({z:.6g}, {w:.6g}) is no edge between two "
-                    "triangles; an interface lies inside the body, along edges"
+                    f"interface {name}: the line from ({x:.6g}, {y:.6g}) to ({z:.6g}, {w:.6g}) is not an edge between "
+                    "two triangles; an interface lies inside the body, along edges"
                 )
             if key in self.cut:
                 raise MeshError(f"interfaces {self.cut[key]} and {name} lie on the same edge; one of them is accepted")

@@ -60,7 +60,7 @@ class BodySections(BaseModel):
     fixities: dict[BoundaryName, Fixity] = Field(
         default={}, description="Boundaries that are held: horizontal, vertical, both or free."
     )
-    phases: list[PhaseSection] = Field(min_length=1, max_length=100, description="What happens, one after the other.")
+    phases: list[PhaseSection] = Field(min_length=1, max_length=100, description="Phases in their order.")
     zero_at_phase: Name | None = Field(
         None, description="Phase before which time and displacement are zero; the first creep phase unless given."
     )
@@ -158,8 +158,8 @@ def _phase_issues(body: BodySections, mesh: Mesh) -> list[Issue]:
             text = f"{', '.join(sorted(missing))} without a material; the first phase gives one to each active part"
             issues.append(Issue(f"{path}.materials", text))
         if (phase.kind in ("gravity", "K0")) != (number == 0):
-            text = "gravity or K0 is accepted for the first phase, plastic and creep for later ones"
-            issues.append(Issue(f"{path}.kind", f"{phase.kind}: {text}"))
+            text = "must be gravity or K0 for the first phase, plastic or creep for later ones"
+            issues.append(Issue(f"{path}.kind", f"{text}; got {phase.kind}"))
     return issues
 
 
@@ -171,7 +171,7 @@ def _vector_issues(body: BodySections, mesh: Mesh) -> list[Issue]:
         if point not in mesh.points
     ]
     issues += [
-        Issue(f"forward_model.vectors.{name}", "is also the name of a point; another name is accepted")
+        Issue(f"forward_model.vectors.{name}", "is also the name of a point; choose another name")
         for name in body.vectors
         if name in mesh.points
     ]

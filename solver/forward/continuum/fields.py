@@ -21,7 +21,7 @@ _SLOPES = np.array([shape_functions(*place)[1] for place in _PLACES])
 
 
 def parts_with_body(model: ForwardModel) -> tuple[str, ...]:
-    """Names of the parts that have a mesh; the empty name stands for a model that is no combination."""
+    """Names of the parts that have a mesh; the empty name means a model without parts."""
     if isinstance(model, BodyModel):
         return ("",)
     if isinstance(model, CombinedModel):
@@ -32,7 +32,7 @@ def parts_with_body(model: ForwardModel) -> tuple[str, ...]:
 def body_of(
     model: ForwardModel, part: str, parameters: Mapping[str, float]
 ) -> tuple[BodyModel, Mapping[str, float]] | None:
-    """The model of a body and its parameters by name; None when there is no such body."""
+    """The model of a body and its parameters by name; None if there is no such body."""
     if part not in parts_with_body(model):
         return None
     if isinstance(model, CombinedModel):

@@ -53,7 +53,7 @@ class LayerSection(_Section):
     @model_validator(mode="after")
     def _one_of_two(self) -> LayerSection:
         if (self.thickness is None) == (self.bottom is None):
-            raise ValueError(f"layer {self.name}: exactly one of thickness and bottom is accepted")
+            raise ValueError(f"layer {self.name}: give exactly one of thickness and bottom")
         return self
 
 
@@ -201,6 +201,6 @@ def profile_of(line: Any, values: Mapping[str, float], name: str) -> Profile:
     if (np.diff(points[:, 0]) <= 0.0).any():
         first = int(np.argmax(np.diff(points[:, 0]) <= 0.0))
         raise InfeasibleError(
-            f"{name}: x = {points[first + 1, 0]:g} m follows x = {points[first, 0]:g} m; increasing x is accepted"
+            f"{name}: x = {points[first + 1, 0]:g} m follows x = {points[first, 0]:g} m; x must increase"
         )
     return Profile(points[:, 0], points[:, 1])

@@ -128,7 +128,7 @@ class UserSoil(SoilSection, UserLawSection):
                 raise ProblemError([Issue(f"{path}.values.{name}", text)])
         for name, info in known.items():
             if name not in found.values and info.default is None:
-                text = "is missing; a number or an expression is accepted"
+                text = "is missing; give a number or an expression"
                 raise ProblemError([Issue(f"{path}.values.{name}", text)])
         return found
 

@@ -117,7 +117,7 @@ class BodyModel(ABC):
         for number, phase in enumerate(self.body.phases):
             if phase.duration is not None and number >= zero:
                 if isinstance(phase.duration, Quantity):
-                    text = f"'{phase.duration.expression.text}': a number is accepted, no parameter"
+                    text = f"'{phase.duration.expression.text}' must be a number, not a parameter"
                     raise ProblemError([Issue(f"forward_model.phases[{number}].duration", text)])
                 found[phase.name] = float(phase.duration)
         return found
@@ -370,4 +370,4 @@ def _refuse(known: Mapping[str, SeriesInfo], series: str, x: FloatArray) -> None
         wrong |= x != np.round(x)
     if wrong.any():
         accepted = f"{'whole numbers ' if info.x_integer else ''}from {info.x_lower:g} to {info.x_upper:g}"
-        raise ProblemError([Issue(series, f"x = {x[wrong][0]:g} {info.x_unit}: {accepted} is accepted")])
+        raise ProblemError([Issue(series, f"x must be {accepted}, got {x[wrong][0]:g} {info.x_unit}")])

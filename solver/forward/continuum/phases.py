@@ -48,17 +48,17 @@ class PhaseSection(BaseModel):
     materials: dict[Name, Name] = Field(
         default={}, description="Material by region and interface; the first phase gives one to each of them."
     )
-    activate: list[Name] = Field(default=[], description="Regions that are there from this phase on.")
-    deactivate: list[Name] = Field(default=[], description="Regions that are taken away.")
+    activate: list[Name] = Field(default=[], description="Regions that are active from this phase on.")
+    deactivate: list[Name] = Field(default=[], description="Regions that are removed.")
     fixities: dict[BoundaryName, Fixity] = Field(default={}, description="Boundaries whose fixity changes.")
     loads: list[LoadSection] = Field(default=[], max_length=100, description="Loads from this phase on.")
     duration: Annotated[Any, ValueRange("day", 0.0, lower_open=True)] | None = Field(
-        None, description="How long it lasts, day; only for creep, and needed there."
+        None, description="Duration, day; only for creep, and required there."
     )
     updated_mesh: bool = Field(
         False, description="Whether equilibrium holds in the deformed mesh (large deformations)."
     )
-    reset_displacements: bool = Field(False, description="Whether displacements are zero at its beginning.")
+    reset_displacements: bool = Field(False, description="Whether displacements are reset to zero at its start.")
 
     @model_validator(mode="after")
     def _duration_of_creep(self) -> PhaseSection:
@@ -74,11 +74,11 @@ class VectorSection(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     points: list[Name] = Field(min_length=1, max_length=200, description="Points; the first has the number 1.")
-    start: float = Field(0.0, ge=0.0, description="Beginning of the period, day since the zero of time.")
+    start: float = Field(0.0, ge=0.0, description="Start of the period, day since the zero of time.")
     end: float = Field(gt=0.0, description="End of the period, day since the zero of time.")
 
     @model_validator(mode="after")
     def _ordered(self) -> VectorSection:
         if self.start >= self.end:
-            raise ValueError(f"start = {self.start:g} day: below end = {self.end:g} day is accepted")
+            raise ValueError(f"start must be below end = {self.end:g} day, got {self.start:g} day")
         return self

@@ -49,12 +49,12 @@ class ValueRange:
             except ExpressionError as error:
                 raise ValueError(str(error)) from error
             if expression.is_comparison:
-                raise ValueError(f"'{expression.text}' is a comparison; a number or an expression is accepted")
+                raise ValueError(f"'{expression.text}' is a comparison; give a number or an expression")
             if expression.names:
                 return Quantity(expression, self)
             value = expression.value({})
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError("a number, or an expression of parameters as text, is accepted")
+            raise ValueError("must be a number, or an expression of parameters as text")
         fault = self.fault(float(value))
         if fault is not None:
             raise ValueError(fault)
@@ -71,7 +71,7 @@ class ValueRange:
             parts.append(f"{'above' if self.lower_open else 'at least'} {self.lower:g}")
         if self.upper < math.inf:
             parts.append(f"{'below' if self.upper_open else 'at most'} {self.upper:g}")
-        return f"{f'{value:g} {self.unit}'.strip()}: {' and '.join(parts) or 'a finite number'} is accepted"
+        return f"must be {' and '.join(parts) or 'a finite number'}, got {f'{value:g} {self.unit}'.strip()}"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         del source, handler
@@ -100,13 +100,13 @@ class LineValueRange(ValueRange):
         if self.number and not isinstance(value, list | tuple):
             return super().parse(value)
         if not isinstance(value, list | tuple) or not self.fewest <= len(value) <= _MOST_POINTS:
-            raise ValueError(f"a list of {self.fewest} to {_MOST_POINTS} points is accepted")
+            raise ValueError(f"must be a list of {self.fewest} to {_MOST_POINTS} points")
         if not all(isinstance(point, list | tuple) and len(point) == 2 for point in value):
             raise ValueError("each point is a list of two numbers (or expressions of parameters)")
         points = [(ValueRange("m").parse(place), super(LineValueRange, self).parse(inner)) for place, inner in value]
         for (before, _), (after, _) in pairwise(points):
             if isinstance(before, float) and isinstance(after, float) and after <= before:
-                raise ValueError(f"{after:g} m follows {before:g} m; increasing places are accepted")
+                raise ValueError(f"{after:g} m follows {before:g} m; places must increase")
         return points
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -141,7 +141,7 @@ class Quantity:
         found = float(self.expression.value(values))
         fault = self.limits.fault(found)
         if fault is not None:
-            raise InfeasibleError(f"'{self.expression.text}' = {fault}")
+            raise InfeasibleError(f"'{self.expression.text}' {fault}")
         return found
 
 

@@ -45,7 +45,7 @@ class MeshSection(BaseModel):
     def _one_source(self) -> MeshSection:
         tables = [self.nodes, self.triangles, self.regions]
         if self.file is not None and any(table is not None for table in tables):
-            raise ValueError("a file and tables are both given; one of them is accepted")
+            raise ValueError("a file and tables are both given; give only one of them")
         if self.file is None and any(table is None for table in tables):
             raise ValueError("give a file, or all of nodes, triangles and regions")
         return self
@@ -96,7 +96,7 @@ class MeshSection(BaseModel):
             raise MeshError(f"triangle {names.index(None)} belongs to no region")
         widths = {len(nodes) for nodes in self.triangles}
         if widths not in ({3}, {6}):
-            raise MeshError("triangles of 3 nodes, or all of 6 nodes, are accepted")
+            raise MeshError("all triangles must have 3 nodes, or all 6")
         return mesh_of_tables(
             np.array(self.nodes, dtype=np.float64),
             np.array(self.triangles, dtype=np.int64),

@@ -52,10 +52,10 @@ class CommandSpec(ForwardModelSpec):
 
     kind: Literal["command"] = "command"
     run: Call = Field(
-        description="Program and arguments, never a shell; {slot} and {python} are replaced, in environment, too."
+        description="Program and arguments, never a shell; {slot} and {python} are replaced, also in environment."
     )
     then: tuple[Call, ...] = Field(
-        (), max_length=10, description="Other calls, tried in turn when the one before failed."
+        (), max_length=10, description="Other calls, tried in turn when the previous one failed."
     )
     files: tuple[RelativePath, ...] = Field(
         (),
@@ -74,19 +74,19 @@ class CommandSpec(ForwardModelSpec):
         {}, max_length=100, description="Files with all parameters: json, yaml or csv."
     )
     environment: dict[VariableName, Argument] = Field(
-        {}, max_length=100, description="Environment variables, beside a minimal set."
+        {}, max_length=100, description="Environment variables, in addition to a minimal set."
     )
     pass_: tuple[VariableName, ...] = Field(
         (),
         alias="pass",
         max_length=100,
-        description="Variables of your own environment that are handed on, never shown.",
+        description="Variables of your own environment that are passed on, never shown.",
     )
     slots: int | None = Field(
         None,
         ge=1,
         le=10_000,
-        description="How many at once on a machine, for licences; waiting for one is no time of a run.",
+        description="Runs at once on a machine, for licences; waiting for one does not count as run time.",
     )
     pool: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")] | None = Field(
         None, description="Name of the slots; problems with one name share them. Otherwise each folder has its own."
@@ -94,7 +94,7 @@ class CommandSpec(ForwardModelSpec):
     seconds: float | None = Field(
         None,
         gt=0.0,
-        description="Wall time of one call, after which it is killed; also of reading each thing that it wrote.",
+        description="Wall time after which a call is killed; also the limit for reading each output.",
         json_schema_extra=in_unit("s"),
     )
     licence_pause: float = Field(
@@ -107,8 +107,8 @@ class CommandSpec(ForwardModelSpec):
     licence_patience: float = Field(
         86_400.0, ge=0.0, description="How long an evaluation waits for a licence.", json_schema_extra=in_unit("s")
     )
-    success: Success = Field(Success(), description="What a successful run shows.")
-    fail: Fail = Field(Fail(), description="What tells why a run has failed.")
+    success: Success = Field(Success(), description="Signs of a successful run.")
+    fail: Fail = Field(Fail(), description="Signs of why a run has failed.")
     series: dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)], SeriesReader] = Field(
         min_length=1, max_length=1000, description="How each series is read."
     )
@@ -118,7 +118,7 @@ class CommandSpec(ForwardModelSpec):
         description="Unit of parameters by name, as tables and figures show it: {E: kPa}; nothing is converted.",
     )
     keep: Keep = Field("failed", description="Which run folders are kept: failed (the last 20), all or none.")
-    folder: str | None = Field(None, description="Where its files lie; that of the problem file unless given.")
+    folder: str | None = Field(None, description="Folder of its files; that of the problem file unless given.")
     # What a canonical problem has beside: nobody writes it.
     contents: SkipJsonSchema[dict[str, str] | None] = Field(None, description="texts of the templates")
     versions: SkipJsonSchema[dict[str, str] | None] = Field(None, description="fingerprints of copied and linked files")
@@ -138,7 +138,7 @@ class CommandSpec(ForwardModelSpec):
         for field, names in made:
             for name in names:
                 if name in seen:
-                    raise ValueError(f"{name} stands in {seen[name]} and in {field}; it can come from one of them")
+                    raise ValueError(f"{name} is in {seen[name]} and in {field}; give it in one of them only")
                 seen[name] = field
         for name in (*self.success.files, *(one for reader in self.series.values() for one in reader.files)):
             if any(name == link or name.startswith(f"{link}/") for link in self.link):

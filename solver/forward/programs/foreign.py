@@ -1,4 +1,4 @@
-"""What forward models that we did not write have in common: series as they are declared, nothing known beside."""
+"""Common parts of forward models that we did not write: only their declared series are known."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class ForeignModel(ABC):
         return np.empty(0)
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
-        """Nothing is inadmissible: a run will tell."""
+        """Nothing is inadmissible; only a run can show it."""
         del parameters
         return None
 

@@ -1,4 +1,4 @@
-"""Forward model that is a Python function of a file beside the problem file.
+"""Forward model from a Python function in a file next to the problem file.
 
 ::
 
@@ -45,7 +45,7 @@ class PythonSeries(BaseModel):
 
 
 class PythonSpec(ForwardModelSpec):
-    """A Python function of a file beside the problem file."""
+    """A Python function in a file next to the problem file."""
 
     depends_on_section: ClassVar[bool] = True
     programs: ClassVar[bool] = True
@@ -57,9 +57,9 @@ class PythonSpec(ForwardModelSpec):
         min_length=1, max_length=1000, description="what the function returns, by name, and in which units"
     )
     quick_runs: bool = Field(
-        False, description="whether its runs are so short that a report may make some hundred more of them unasked"
+        False, description="whether its runs are so short that a report may make a few hundred more without asking"
     )
-    folder: str | None = Field(None, description="where the file lies; that of the problem file unless given")
+    folder: str | None = Field(None, description="folder of the file; that of the problem file unless given")
     # What a canonical problem has beside: nobody writes it.
     version: SkipJsonSchema[str | None] = Field(None, description="SHA-256 of the file")
     signature: SkipJsonSchema[Signature | None] = Field(None, description="arguments of the function")
@@ -93,7 +93,7 @@ class PythonSpec(ForwardModelSpec):
         if self.file is None:
             raise ProblemError([Issue(f"{path}.file", "is missing; name the .py file of the function")])
         if not self.function.isidentifier() or keyword.iskeyword(self.function):
-            message = f"'{self.function[:100]}' is no name of a function; write for example settlement"
+            message = f"'{self.function[:100]}' is not the name of a function; write for example settlement"
             raise ProblemError([Issue(f"{path}.function", message)])
         if folder is None and not (self.folder and Path(self.folder).is_absolute()):
             raise ProblemError(
@@ -125,7 +125,7 @@ class PythonSpec(ForwardModelSpec):
 
 def _contents(path: Path, place: str) -> bytes:
     if not path.is_file():
-        what = "is no file" if path.exists() else "is not there"
+        what = "is not a file" if path.exists() else "is not there"
         raise ProblemError([Issue(place, f"{path} {what}; name a .py file beside the problem file")])
     try:
         with path.open("rb") as file:

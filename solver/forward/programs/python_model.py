@@ -78,7 +78,7 @@ class _Calls:
         self._function: Callable[..., Any] | None = None
 
     def make_ready(self) -> None:
-        """Import the file, ahead of the first evaluation; what goes wrong is told by that."""
+        """Import the file before the first evaluation; errors are reported by that evaluation."""
         try:
             self._found()
         except RunFailedError:

@@ -42,7 +42,7 @@ class UmbridgeSeries(BaseModel):
 
     output: int = Field(0, ge=0, description="number of the output vector, from 0")
     x: tuple[float, ...] = Field(
-        min_length=1, max_length=200_000, description="points that its numbers stand for; linear between them"
+        min_length=1, max_length=200_000, description="points to which its numbers belong; linear between them"
     )
     x_unit: str = Field("dimensionless", max_length=50, description="unit of x")
     y_unit: str = Field("dimensionless", max_length=50, description="unit in which the server answers")
@@ -53,7 +53,7 @@ class UmbridgeSeries(BaseModel):
     def _apart(cls, x: tuple[float, ...]) -> tuple[float, ...]:
         twice = _first_twice(x)
         if twice is not None:
-            raise ValueError(f"{twice:g} stands there twice; each number of the output has a point of its own")
+            raise ValueError(f"{twice:g} is given twice; each number of the output needs its own point")
         return x
 
 
@@ -74,9 +74,9 @@ class UmbridgeSpec(ForwardModelSpec):
         min_length=1, max_length=1000, description="which output vector each series is"
     )
     seconds: float | None = Field(
-        None, gt=0.0, description="Wall time of one request, after which it has failed.", json_schema_extra=in_unit("s")
+        None, gt=0.0, description="Wall time after which a request has failed.", json_schema_extra=in_unit("s")
     )
-    tries: int = Field(3, ge=1, le=100, description="How often a server is called that cannot be reached or is busy.")
+    tries: int = Field(3, ge=1, le=100, description="Attempts to call a server that cannot be reached or is busy.")
     pause: float = Field(
         1.0, ge=0.0, le=3600.0, description="Pause between these calls.", json_schema_extra=in_unit("s")
     )
@@ -117,7 +117,7 @@ class UmbridgeSpec(ForwardModelSpec):
             raise ValueError("no parameter is named; write for example [[E, nu]]")
         twice = _first_twice(names)
         if twice is not None:
-            raise ValueError(f"{twice} stands there twice; once is accepted")
+            raise ValueError(f"{twice} is given twice; give it once")
         return inputs
 
     def build(self) -> UmbridgeModel:

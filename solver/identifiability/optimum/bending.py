@@ -1,6 +1,6 @@
-"""Whether the model bends within the intervals at an optimum, and intervals by likelihood where it does.
+"""Whether the model is nonlinear within the intervals at an optimum, and intervals by likelihood where it does.
 
-A linearised interval of a parameter ends where the objective of the *linearised* model, the others fitted anew, has
+A linearised interval of a parameter ends where the objective of the *linearised* model, the others refitted, has
 risen by a limit. One forward run at each end tells how much that of the model itself rises there: what the linearised
 effects of the other parameters can take off its residuals is taken off. With tau^2 the ratio of the two rises, the
 interval by likelihood is about 1 / tau as long on that side (the profile t plot of Bates and Watts 1988, section 6.1,
@@ -58,9 +58,10 @@ def measure_bending(
 
 
 def likelihood_intervals(calibration: Calibration, linearisation: Linearisation) -> Linearisation:
-    """See whether the model bends, and where it does take the intervals by likelihood, with runs in this process.
+    """Check whether the model is nonlinear, and take the intervals by likelihood where it is, with runs in process.
 
-    Two runs for each parameter that has an interval, and a profile of those within whose intervals the model bends.
+    Two runs for each parameter that has an interval, and a profile of those within whose intervals the model is
+    nonlinear.
     """
     half = linearisation.linear_half_widths
     ends = plan_ends(calibration.space, linearisation.optimum, linearisation.model.inverse, half)

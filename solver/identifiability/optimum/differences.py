@@ -145,7 +145,7 @@ def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations:
         chosen = [i for i in np.flatnonzero(plan.parameter == index).tolist() if evaluations[i].reason is None]
         if len(chosen) < 2:
             raise StatisticsError(
-                f"sensitivities to {name} cannot be had: only {len(chosen)} of its neighbouring evaluations succeeded"
+                f"sensitivities to {name} cannot be calculated: only {len(chosen)} neighbouring evaluations succeeded"
             )
         offsets = np.array([0.0, *plan.offset[chosen]])
         for series in names:

@@ -20,7 +20,7 @@ IntervalBasis: TypeAlias = Literal["linearised", "correlated", "uneven", "profil
 size, or the profile objective."""
 
 BENDS = 0.1
-"""Part by which an end of an interval by likelihood differs from the linearised one, from which the model bends."""
+"""Part by which an end of an interval by likelihood differs from the linearised one where a model is nonlinear."""
 
 _FAR, _MISPLACED = 0.2, 1.0  # standard errors
 _BASES: dict[IntervalBasis, str] = {
@@ -41,11 +41,23 @@ class LinearModel:
         Weighted derivatives per range, shape (n, d), and residuals, shape (n,).
     inverse
         What estimates take from weighted readings, shape (d, n).
+    variances
+        Of weighted readings with independent noise, shape (n,); nan where the noise is neither known nor estimated.
     """
 
     weighted: FloatArray
     residuals: FloatArray
     inverse: FloatArray
+    variances: FloatArray
+
+    @property
+    def reachable(self) -> float:
+        """Share of the sum of squares that a step to the minimum of the linearised objective takes off, 0 to 1."""
+        total = float(self.residuals @ self.residuals)
+        if total == 0.0:
+            return 0.0
+        left = self.residuals - self.weighted @ np.linalg.lstsq(self.weighted, self.residuals)[0]
+        return 1.0 - float(left @ left) / total
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +112,8 @@ class Linearisation:
         The linearised model itself.
     linear_half_widths
         Of the intervals by linearisation, parts of the range, shape (d,); nan where there is none.
+    widening
+        How many times wider an allowance for dependence makes the intervals by linearisation, shape (d,); 1 without.
     bases
         What each interval rests on.
     bending
@@ -130,6 +144,7 @@ class Linearisation:
     fit: FitVerdict
     model: LinearModel
     linear_half_widths: FloatArray
+    widening: FloatArray
     bases: tuple[IntervalBasis, ...]
     bending: FloatArray
     dependence: tuple[Dependence, ...] = ()
@@ -182,7 +197,7 @@ class Linearisation:
         return self.bases[self.names.index(name)]
 
     def bent(self, name: str) -> bool:
-        """Whether the model bends within its interval, which is by linearisation all the same."""
+        """Whether the model is nonlinear within its interval, which is by linearisation all the same."""
         index = self.names.index(name)
         return self.bases[index] != "profile" and bool(self.bending[index] > BENDS)
 
@@ -190,9 +205,17 @@ class Linearisation:
         """How far an end of its interval by likelihood lies from the linearised one, relatively; nan if unknown."""
         return float(self.bending[self.names.index(name)])
 
+    def widening_of(self, name: str) -> float:
+        """How many times wider an allowance for dependence makes its interval by linearisation."""
+        return float(self.widening[self.names.index(name)])
+
     def basis_in_words(self, name: str) -> str:
         """What its interval rests on, in a few words; empty for linearisation where that is enough."""
-        return "approximate: the model bends there" if self.bent(name) else _BASES[self.basis(name)]
+        if self.bent(name):
+            return "approximate: the model is nonlinear there"
+        basis = self.basis(name)
+        widened = basis in ("correlated", "uneven")
+        return f"{_BASES[basis]}{f' by a factor of {self.widening_of(name):.2g}' if widened else ''}"
 
     def interval_in_words(self, name: str) -> str:
         """Which interval it has: "its 95% interval by linearisation"."""
@@ -220,7 +243,7 @@ class Linearisation:
         if self.noise is None:
             return "there are no more measured points than free parameters, so the noise cannot be estimated; give it"
         if self.basis(name) == "profile":
-            return "other values fit nearly as well up to both bounds, as the model bends"
+            return "other values fit nearly as well up to both bounds, as the model is nonlinear"
         if self.unclear:
             return f"the sensitivities to {' and '.join(self.unclear)} are too uncertain"
         return "its interval would be wider than the searched range"
@@ -233,6 +256,7 @@ class Linearisation:
                 "standard_error": _number(self.standard_errors[i]),
                 "interval": None if self.interval(name) is None else list(self.interval(name) or ()),
                 "interval_basis": None if self.interval(name) is None else self.bases[i],
+                "widening": _number(self.widening[i]),
                 "bending": _number(self.bending[i]),
                 "bent": self.bent(name),
                 "influence": float(self.influences[i]),

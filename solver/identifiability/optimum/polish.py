@@ -108,7 +108,7 @@ class _Made:
 
     @property
     def runs(self) -> Runs:
-        """All of them; residuals are calculated when they are looked at."""
+        """All of them; residuals are calculated on access."""
         objectives = [np.inf if run.objective is None else run.objective for run in self.evaluations]
         return Runs(np.array([run.parameters for run in self.evaluations]), np.array(objectives), self._residuals)
 

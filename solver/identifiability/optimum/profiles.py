@@ -87,7 +87,7 @@ class Profile:
 def profile_settings(
     calibration: Calibration, linearisation: Linearisation, *, parameters: Sequence[str] | None = None
 ) -> ProfileSettings:
-    """Say where profiles begin, how wide their first steps are, and where they end.
+    """Return where profiles start, the size of their first steps, and where they end.
 
     Parameters
     ----------

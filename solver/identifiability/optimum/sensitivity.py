@@ -7,7 +7,10 @@ and S the diagonal of their noise variances, the estimate that minimises the obj
 
 which is the usual s^2 (J' J)^-1 for one series. Standard errors and covariance are these; intervals are wider where the
 residuals show that the noise is not independent and even (``residuals.dependence``), and follow the likelihood where
-the model bends (``bending``). Parameters are taken in parts of their range in search coordinates, so that singular
+the model is nonlinear (``bending``). A series with a robust loss enters by its pseudo residuals
+(:class:`geoswarm.solver.objective.PseudoReadings`), which gives the sandwich covariance of the robust estimate; its
+noise is estimated, as a stated error is that of readings without outliers. Parameters are taken in parts of their
+range in search coordinates, so that singular
 values compare what a move through the whole searched range would change.
 """
 
@@ -19,7 +22,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.noise import Noise, estimate_noise, known_noise, problem_noise, with_losses
 from geoswarm.solver.identifiability.optimum.combinations import Directions, find_directions
 from geoswarm.solver.identifiability.optimum.differences import (
     DifferenceDesign,
@@ -30,9 +34,10 @@ from geoswarm.solver.identifiability.optimum.differences import (
 )
 from geoswarm.solver.identifiability.optimum.linearisation import IntervalBasis, Linearisation, LinearModel
 from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep, minimising_step
-from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance
+from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance, reading_variances
 from geoswarm.solver.identifiability.residuals.dependence import Dependence, dependence_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, is_exact
+from geoswarm.solver.objective import LEAST_SLOPE, PseudoReadings
 
 __all__ = ["design", "from_evaluations", "linearise"]
 
@@ -74,24 +79,27 @@ def linearise(
 ) -> Linearisation:
     """Linearise from derivatives, wherever they come from; arguments and errors as :func:`from_evaluations`."""
     check_points(calibration)
-    observed = calibration.objective.observed
+    objective = calibration.objective
+    plain = objective.plain_residuals(jacobian.responses)
+    pseudo = objective.pseudo_readings(jacobian.responses)
+    _check_scales(pseudo)
+    observed = pseudo.observed
     series = [o.series for o in observed]
     weights = np.concatenate([o.weight * o.point_weights / o.y.size for o in observed])
     root = np.sqrt(weights)
     weighted = np.concatenate([jacobian.derivatives[s] for s in series]) * root[:, None]
     errors = np.concatenate([jacobian.error[s] for s in series]) * root[:, None]
-    residuals = np.concatenate([jacobian.responses[o.series] - o.y for o in observed]) * root
+    residuals = np.concatenate([pseudo.residuals[s] for s in series]) * root
     found = find_directions(calibration.free_names, weighted, errors, np.concatenate([o.y for o in observed]) * root)
     stated = known_noise(calibration.problem, noise) if noise is not None else problem_noise(calibration.problem)
+    taken = dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True))
     estimate = (
         stated
-        if stated is not None
-        else estimate_noise(
-            calibration.problem,
-            {o.series: jacobian.responses[o.series] - o.y for o in observed},
-            dict(zip(series, _blocks(found.leverage, [o.y.size for o in observed]), strict=True)),
-        )
+        if stated is not None and not objective.robust
+        else with_losses(estimate_noise(calibration.problem, pseudo.residuals, taken), stated, pseudo, taken)
     )
+    if objective.robust and stated is not None:  # a stated error says nothing of pseudo residuals
+        stated = estimate if any(o.loss is None for o in observed) else None
     noise_level = 0.0 if estimate is None else float(np.sqrt(mean_variance(calibration, weights, estimate)))
     unclear = found.unclear(calibration.free_names, noise_level)
     step = minimising_step(weighted, residuals, found, calibration.space.to_unit(jacobian.optimum))
@@ -102,6 +110,16 @@ def linearise(
         {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
         None if stated is None else stated.deviations,
     )
+    inverse = found.inverse(weighted)
+    variances = np.full(len(weights), np.nan) if estimate is None else reading_variances(calibration, weights, estimate)
+    if objective.robust:  # profiles and the look at bending see the losses themselves
+        slopes = (
+            objective.loss_slopes(plain)
+            * np.sqrt(np.concatenate([np.full(o.y.size, pseudo.slopes[o.series]) for o in observed])) ** -1.0
+        )
+        model = LinearModel(weighted * slopes[:, None], objective.with_losses(plain), inverse, variances)
+    else:
+        model = LinearModel(weighted, residuals, inverse, variances)
     dependence = _dependence(calibration, jacobian, residuals, weights, found, fit)
     spread = Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence)
     if unclear:
@@ -118,8 +136,18 @@ def linearise(
         int((weights > 0).sum()),
         fit,
         tuple(one for one, _ in dependence),
-        LinearModel(weighted, residuals, found.inverse(weighted)),
+        model,
     )
+
+
+def _check_scales(pseudo: PseudoReadings) -> None:
+    """Refuse losses beyond whose scale nearly all readings lie: nothing there resembles least squares."""
+    beyond = [o.series for o in pseudo.observed if o.loss is not None and pseudo.slopes[o.series] <= LEAST_SLOPE]
+    if beyond:
+        raise StatisticsError(
+            f"too many residuals of {', '.join(beyond)} lie beyond loss_scale for a linearisation; give a loss_scale "
+            "nearer to the scatter of the readings"
+        )
 
 
 def _dependence(
@@ -137,10 +165,12 @@ def _dependence(
     for o in calibration.objective.observed:
         places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
         places = places[np.argsort(o.x[places - start], kind="stable")]
-        start += o.y.size
+        first, start = start, start + o.y.size
         if is_exact(o, jacobian.responses[o.series] - o.y):
             continue
-        one = dependence_of(o.series, residuals[places], found.basis[places], o.series in patterned)
+        one = dependence_of(
+            o.series, residuals[places], found.basis[places], o.x[places - first], o.series in patterned
+        )
         if one is not None:
             departing.append((one, places))
     return departing
@@ -206,6 +236,7 @@ def _assemble(
         fit=fit,
         model=model,
         linear_half_widths=spread.half,
+        widening=spread.widening,
         bases=_bases(spread, dependence),
         bending=np.full(space.dimension, np.nan),
         dependence=dependence,
@@ -216,4 +247,4 @@ def _bases(spread: Spread, dependence: tuple[Dependence, ...]) -> tuple[Interval
     """What the interval of each parameter rests on: correlation goes before unevenness where both widen it."""
     kinds = {one.kind for one in dependence}
     wider: IntervalBasis = "correlated" if "correlated" in kinds else "uneven"
-    return tuple(wider if is_wider else "linearised" for is_wider in spread.widened)
+    return tuple(wider if factor > 1.0 else "linearised" for factor in spread.widening.tolist())

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.noise import Noise
 from geoswarm.solver.identifiability.optimum.combinations import Directions
 from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep
 from geoswarm.solver.identifiability.residuals.dependence import Dependence, allowed_deviations
 
-__all__ = ["Spread", "mean_variance"]
+__all__ = ["Spread", "mean_variance", "reading_variances"]
 
 
-def _variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> FloatArray:
-    """Variance of every weighted reading, shape (n,)."""
+def reading_variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> FloatArray:
+    """Return the variance of every weighted reading, shape (n,)."""
     variances: FloatArray = weights * np.concatenate(
         [
             np.full(o.y.size, noise.deviations[o.series] ** 2) / np.where(o.point_weights > 0, o.point_weights, 1.0)
@@ -30,7 +30,7 @@ def _variances(calibration: Calibration, weights: FloatArray, noise: Noise) -> F
 
 def mean_variance(calibration: Calibration, weights: FloatArray, noise: Noise) -> float:
     """Return the mean variance of a weighted reading that has a weight."""
-    return float(_variances(calibration, weights, noise).sum() / max(int((weights > 0).sum()), 1))
+    return float(reading_variances(calibration, weights, noise).sum() / max(int((weights > 0).sum()), 1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,8 @@ class Spread:
     """Spread of the estimates in parts of the range.
 
     Covariance (d, d), deviations and distance (d,) are those of independent noise; half widths of the intervals and the
-    rises of the profiles at their ends, (d,), allow for dependence, and ``widened`` says where that mattered.
+    rises of the profiles at their ends, (d,), allow for dependence, and ``widening``, (d,), says how many times wider
+    that makes them.
     """
 
     covariance: FloatArray
@@ -46,7 +47,7 @@ class Spread:
     half: FloatArray
     distance: FloatArray
     profile_increase: FloatArray
-    widened: BoolArray
+    widening: FloatArray
 
     @classmethod
     def of(
@@ -66,9 +67,9 @@ class Spread:
         nothing = np.full(dimension, np.nan)
         covariance = np.full((dimension, dimension), np.nan)
         if noise is None:
-            return cls(covariance, nothing, nothing, nothing, nothing, np.zeros(dimension, dtype=np.bool_))
+            return cls(covariance, nothing, nothing, nothing, nothing, np.ones(dimension))
         quantile = _quantile(level, noise)
-        variances = _variances(calibration, weights, noise)
+        variances = reading_variances(calibration, weights, noise)
         # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
         inverse = found.inverse(weighted)
         scaled = inverse * np.sqrt(variances)
@@ -76,11 +77,14 @@ class Spread:
         deviations = np.sqrt(np.where(found.determined, np.diag(full), np.nan))
         allowed = deviations
         if dependence:
-            wider = allowed_deviations(inverse, np.sqrt(variances), residuals, found.basis, dependence, level, quantile)
+            x = np.concatenate([o.x for o in calibration.objective.observed])
+            wider = allowed_deviations(
+                inverse, np.sqrt(variances), residuals, found.basis, dependence, x, level, quantile
+            )
             allowed = np.maximum(deviations, wider)
         half = quantile * allowed
         half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
-        widened = np.asarray(allowed > deviations)
+        widening = np.divide(allowed, deviations, out=np.ones_like(deviations), where=deviations > 0.0)
         deviations = np.where(2.0 * quantile * deviations <= 1.0, deviations, np.nan)
         known = ~np.isnan(deviations)
         covariance[np.ix_(known, known)] = full[np.ix_(known, known)]
@@ -90,12 +94,12 @@ class Spread:
         distance = np.full_like(deviations, np.nan)
         distance[deviations == 0.0] = 0.0  # a perfect fit
         np.divide(np.abs(step.move), deviations, out=distance, where=deviations > 0.0)
-        return cls(covariance, deviations, half, distance, increase, widened)
+        return cls(covariance, deviations, half, distance, increase, widening)
 
     def without_intervals(self) -> Spread:
         """The same, but for what the derivatives are too uncertain for."""
         nothing = np.full_like(self.deviations, np.nan)
-        return Spread(np.full_like(self.covariance, np.nan), nothing, nothing, self.distance, nothing, self.widened)
+        return Spread(np.full_like(self.covariance, np.nan), nothing, nothing, self.distance, nothing, self.widening)
 
 
 def _quantile(level: float, noise: Noise) -> float:

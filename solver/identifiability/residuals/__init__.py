@@ -1,4 +1,4 @@
-"""Whether the model describes the data: tests of what it leaves over.
+"""Whether the model describes the data: tests of the residuals.
 
 ==================  ==========================================================
 ``independence``    runs test, Durbin-Watson, repeats

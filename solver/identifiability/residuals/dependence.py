@@ -3,10 +3,14 @@
 Used where the residuals show it, and for intervals alone: standard errors are those of independent noise of one size.
 An interval is the wider of the two.
 
-- *Correlated*: autoregressive of first order within a series. Residuals are less correlated than the noise, as the fit
+- *Correlated*: autoregressive of first order within a series; of unevenly spaced readings either by their order or by
+  their distance in x, correlation rho^(distance / median distance), as the likelihood decides. Residuals are less
+    correlated than the noise, as the fit
   takes a part of it along, so the correlation rho is judged by the restricted likelihood (Patterson and Thompson 1971;
   Cressie and Lahiri 1993), and as few readings leave it uncertain, the interval is one of the mixture of Student's t
-  over rho, each weighted by that likelihood. n readings are worth n (1 - rho) / (1 + rho) independent ones.
+  over rho, each weighted by that likelihood and by (1 - rho^2)^-1/4. n readings are worth n^2 / sum R independent
+  ones, with R their correlations: n (1 - rho) / (1 + rho) of many even ones. It is looked for where a pattern was found
+  in the residuals, and where the likelihood speaks for it.
 - *Uneven*: each residual stands for its own variance, r_i^2 / (1 - h_i)^2 with the leverage h_i (MacKinnon and White
   1985, HC3); the degrees of freedom follow from how few of them carry it (Lipsitz, Ibrahim and Parzen 1999).
 """
@@ -17,7 +21,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import solve_banded, solve_triangular
 from scipy.special import stdtr, stdtrit
 
 from geoswarm.solver.arrays import FloatArray, IntArray
@@ -29,6 +33,12 @@ _FEWEST = 8
 _RHO = np.linspace(0.0, 0.98, 50)
 _LEAST_LEFT = 0.05  # of 1 - h
 _FEWEST_FREE = 2.0
+_EVEN = 0.01  # of the median distance: smaller differences do not count
+_LEAST_GAP, _MOST_GAP = 0.05, 1e3  # repeats are not the same reading
+_FEWEST_TO_SPEAK, _FEW = 18, 50  # readings: fewer leave the correlation open; of few, tests for patterns miss it
+_SPEAKS, _SPEAKS_OF_FEW = 3.84, 1.0  # twice the gain of log-likelihood: by chance more in 2.5, of few in 16 %
+_PRIOR = 0.25  # power of 1 / (1 - rho^2): half-way from even to the reference prior (Berger and Yang 1994)
+_FURTHER_WAY = 1.0  # that much more where there are two ways to choose from
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +52,11 @@ class Dependence:
     kind
         ``correlated`` or ``uneven``.
     rho
-        Correlation of neighbouring readings; 0 for uneven ones.
+        Correlation of neighbouring readings, of ``by_x`` at their median distance; 0 for uneven ones.
     readings, effective
         Number, and how many independent ones they are worth.
+    by_x
+        Whether the correlation falls with the distance in x and not with the number of readings between.
     """
 
     series: str
@@ -52,13 +64,15 @@ class Dependence:
     rho: float
     readings: int
     effective: float
+    by_x: bool = False
 
     @property
     def sentence(self) -> str:
         """What it means for intervals."""
         if self.kind == "correlated":
+            how = f"{self.rho:.2f}{' at their median distance in x' if self.by_x else ''}"
             return (
-                f"{self.series}: neighbouring residuals are correlated ({self.rho:.2f}), so {self.readings} readings "
+                f"{self.series}: neighbouring residuals are correlated ({how}), so {self.readings} readings "
                 f"are worth {self.effective:.0f} independent ones; intervals allow for that, standard errors do not."
             )
         return (
@@ -68,7 +82,9 @@ class Dependence:
         )
 
 
-def dependence_of(series: str, scaled: FloatArray, basis: FloatArray, correlated: bool) -> Dependence | None:
+def dependence_of(
+    series: str, scaled: FloatArray, basis: FloatArray, x: FloatArray, correlated: bool
+) -> Dependence | None:
     """Describe the noise of one series.
 
     Parameters
@@ -77,21 +93,28 @@ def dependence_of(series: str, scaled: FloatArray, basis: FloatArray, correlated
         Residuals in the order of x, scaled to one standard deviation, shape (m,).
     basis
         Rows of the orthonormal basis of the weighted derivatives for these readings, shape (m, r).
+    x
+        Of the readings, rising, shape (m,).
     correlated
         Whether a pattern was found in them.
     """
     count = len(scaled)
     if count < _FEWEST or not np.any(scaled):
         return None
-    if correlated:
-        likelihood, _ = _restricted(scaled, basis)
-        rho = float(_RHO[np.argmax(likelihood)])
-        if rho <= 0.0:
-            return None
-        return Dependence(series, "correlated", rho, count, max(count * (1.0 - rho) / (1.0 + rho), 1.0))
-    ranks = np.argsort(np.argsort(np.abs(scaled), kind="stable"), kind="stable")
-    strength = float(np.corrcoef(ranks, np.arange(count))[0, 1]) * np.sqrt(count - 1.0)
-    return Dependence(series, "uneven", 0.0, count, float(count)) if abs(strength) > _SIGNIFICANT else None
+    likelihood, _, gaps = _candidates(scaled, basis, x)
+    way, index = (int(place) for place in np.unravel_index(np.argmax(likelihood), likelihood.shape))
+    gain = 2.0 * float(likelihood[way, index] - likelihood[0, 0])
+    speaks = gain > (_SPEAKS_OF_FEW if count < _FEW else _SPEAKS) + _FURTHER_WAY * (len(gaps) - 1)
+    if not correlated:
+        ranks = np.argsort(np.argsort(np.abs(scaled), kind="stable"), kind="stable")
+        strength = float(np.corrcoef(ranks, np.arange(count))[0, 1]) * np.sqrt(count - 1.0)
+        if abs(strength) > _SIGNIFICANT:
+            return Dependence(series, "uneven", 0.0, count, float(count))
+    if index > 0 and (correlated or (speaks and count >= _FEWEST_TO_SPEAK)):
+        rho = float(_RHO[index])
+        total = float(np.sum(_along(np.ones((1, count)), rho ** gaps[way]) ** 2))
+        return Dependence(series, "correlated", rho, count, max(count**2 / total, 1.0), way == 1)
+    return None
 
 
 def allowed_deviations(
@@ -100,6 +123,7 @@ def allowed_deviations(
     residuals: FloatArray,
     basis: FloatArray,
     found: list[tuple[Dependence, IntArray]],
+    x: FloatArray,
     level: float,
     quantile: float,
 ) -> FloatArray:
@@ -117,6 +141,8 @@ def allowed_deviations(
         Orthonormal basis of the weighted derivatives, shape (n, r).
     found
         Series that depart, with the places of their readings in the order of x.
+    x
+        Of the readings, shape (n,).
     level, quantile
         Of the intervals of independent noise.
     """
@@ -128,7 +154,7 @@ def allowed_deviations(
         if dependence.kind == "uneven":
             half = _uneven_half(own, residuals[places], rows, level)
         else:
-            half = _correlated_half(own, residuals[places], rows, level)
+            half = _correlated_half(own, residuals[places], rows, x[places], level)
         variances += (half / quantile) ** 2
     rest = (inverse * deviations)[:, ~departing]
     return np.asarray(np.sqrt(variances + np.sum(rest**2, axis=1)))
@@ -145,52 +171,75 @@ def _uneven_half(inverse: FloatArray, residuals: FloatArray, basis: FloatArray, 
     return np.asarray(stdtrit(degrees, 0.5 + level / 2.0) * np.sqrt(variance))
 
 
-def _correlated_half(inverse: FloatArray, residuals: FloatArray, basis: FloatArray, level: float) -> FloatArray:
-    """Half widths, shape (d,), of what one series of correlated noise adds: the mixture over rho."""
-    from scipy.signal import lfilter
-
-    likelihood, variance = _restricted(residuals, basis)
+def _correlated_half(
+    inverse: FloatArray, residuals: FloatArray, basis: FloatArray, x: FloatArray, level: float
+) -> FloatArray:
+    """Half widths, shape (d,), of what one series of correlated noise adds: the mixture over correlations."""
+    likelihood, variance, gaps = _candidates(residuals, basis, x)
+    likelihood = likelihood - _PRIOR * np.log(1.0 - _RHO**2)
     shares = np.exp(likelihood - likelihood.max())
     shares /= shares.sum()
-    used = np.flatnonzero(shares > 1e-6 * shares.max())
+    used = np.argwhere(shares > 1e-6 * shares.max())
     spreads = np.empty((len(used), len(inverse)))
-    for row, index in enumerate(used.tolist()):
-        rho = float(_RHO[index])
-        before = lfilter(
-            [0.0, rho], [1.0, -rho], inverse, axis=1
-        )  # of each reading: sum of rho^k times the k-th before
-        own = np.sum(inverse * (inverse + 2.0 * before), axis=1)
-        spreads[row] = np.sqrt(np.maximum(own, 0.0) * variance[index])
+    for row, (way, index) in enumerate(used.tolist()):
+        own = np.sum(_along(inverse, _RHO[index] ** gaps[way]) ** 2, axis=1)
+        spreads[row] = np.sqrt(own * variance[way, index])
     free = max(float(len(residuals) - basis.shape[1]), 1.0)
     # bisection for the half width that the mixture of Student's t exceeds with 1 - level
     low = np.zeros(len(inverse))
     high = stdtrit(free, 0.5 + level / 2.0) * np.maximum(spreads.max(axis=0), 1e-300)
+    kept = shares[used[:, 0], used[:, 1]]
     for _ in range(50):
         middle = 0.5 * (low + high)
-        inside = shares[used] @ (2.0 * stdtr(free, middle / np.maximum(spreads, 1e-300)) - 1.0)
+        inside = kept @ (2.0 * stdtr(free, middle / np.maximum(spreads, 1e-300)) - 1.0)
         low, high = np.where(inside < level, middle, low), np.where(inside < level, high, middle)
     return np.asarray(high)
 
 
-def _restricted(residuals: FloatArray, basis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Restricted log-likelihood of each rho, and the variance of a reading under it; each of the shape of ``_RHO``.
+def _along(rows: FloatArray, rho: FloatArray) -> FloatArray:
+    """Rows a, shape (k, n), by a root of the correlations R of n readings: the squares of a row sum up to a' R a.
 
-    Readings are whitened by e_i - rho e_{i-1}, and regressed on the equally whitened derivatives.
+    R^-1 = D' D, with D e the whitened (e_i - rho_i e_{i-1}) / sqrt(1 - rho_i^2); so the row is that of D'^-1 a.
     """
-    count = len(residuals)
+    scale = np.append(1.0, 1.0 / np.sqrt(1.0 - rho**2))
+    bands = np.stack([np.append(0.0, -rho * scale[1:]), scale])
+    return np.asarray(solve_banded((0, 1), bands, rows.T).T)
+
+
+def _gaps(x: FloatArray) -> list[FloatArray]:
+    """Distances of neighbours in their median, shape (m - 1,): by reading, and where they are uneven by x as well."""
+    even = np.ones(len(x) - 1)
+    steps = np.diff(x)
+    middle = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+    if middle <= 0.0 or np.ptp(steps) <= _EVEN * middle:
+        return [even]
+    return [even, np.clip(steps / middle, _LEAST_GAP, _MOST_GAP)]
+
+
+def _candidates(
+    residuals: FloatArray, basis: FloatArray, x: FloatArray
+) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
+    """Restricted log-likelihood and variance of a reading, of shape (ways, correlations), and the gaps of the ways."""
+    gaps = _gaps(x)
     left, singular, _ = np.linalg.svd(basis, full_matrices=False)
-    regressors = left[:, singular > 1e-8]
-    free = max(count - regressors.shape[1], 1)
-    table = np.column_stack([regressors, residuals])
-    ahead, behind = table[1:], table[:-1]
-    first, own, lagged, before = np.outer(table[0], table[0]), ahead.T @ ahead, ahead.T @ behind, behind.T @ behind
-    likelihood, variance = np.empty(_RHO.size), np.empty(_RHO.size)
-    for index, rho in enumerate(_RHO.tolist()):
-        square = 1.0 - rho * rho
-        gram = first + (own - rho * (lagged + lagged.T) + rho * rho * before) / square  # of the whitened table
-        root = np.linalg.cholesky(gram[:-1, :-1])
-        along = solve_triangular(root, gram[:-1, -1], lower=True)
-        variance[index] = max(float(gram[-1, -1] - along @ along) / free, 1e-300)
-        determinants = 0.5 * (count - 1) * np.log(square) + float(np.sum(np.log(np.diag(root))))
-        likelihood[index] = -determinants - 0.5 * free * np.log(variance[index])
-    return likelihood, variance
+    table = np.column_stack([left[:, singular > 1e-8], residuals])
+    found = np.array([[_restricted(table, rho**way) for rho in _RHO.tolist()] for way in gaps])
+    return found[..., 0], found[..., 1], gaps
+
+
+def _restricted(table: FloatArray, rho: FloatArray) -> tuple[float, float]:
+    """Restricted log-likelihood of correlations of neighbours, shape (m - 1,), and the variance of a reading.
+
+    Readings are whitened by (e_i - rho_i e_{i-1}) / sqrt(1 - rho_i^2), and regressed on the equally whitened
+    derivatives: the columns of ``table`` before its last, which are the residuals.
+    """
+    count, columns = table.shape
+    free = max(count - columns + 1, 1)
+    square = 1.0 - rho * rho
+    white = (table[1:] - rho[:, None] * table[:-1]) / np.sqrt(square)[:, None]
+    gram = np.outer(table[0], table[0]) + white.T @ white
+    root = np.linalg.cholesky(gram[:-1, :-1])
+    along = solve_triangular(root, gram[:-1, -1], lower=True)
+    variance = max(float(gram[-1, -1] - along @ along) / free, 1e-300)
+    determinants = 0.5 * float(np.sum(np.log(square))) + float(np.sum(np.log(np.diag(root))))
+    return -determinants - 0.5 * free * np.log(variance), variance

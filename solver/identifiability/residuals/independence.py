@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy.special import fdtrc, ndtr
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.objective import OUTLYING
 
 __all__ = ["LackOfFit", "SeriesResiduals", "durbin_watson", "examine_residuals", "repeats_test", "runs_test"]
 
@@ -69,6 +70,8 @@ class SeriesResiduals:
         None without repeats.
     warnings
         What to be careful about, in sentences.
+    loss_weights
+        Weights that a robust loss gives the points, 0 to 1, shape (m,); None without a loss.
     """
 
     series: str
@@ -83,13 +86,21 @@ class SeriesResiduals:
     durbin_watson_probability: float | None
     lack_of_fit: LackOfFit | None
     warnings: tuple[str, ...]
+    loss_weights: FloatArray | None = None
+
+    @property
+    def outliers(self) -> int | None:
+        """How many points a robust loss all but sets aside; None without a loss."""
+        return None if self.loss_weights is None else int((self.loss_weights < OUTLYING).sum())
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
         from dataclasses import asdict
 
         data = asdict(self)
-        return data | {"x": self.x.tolist(), "residuals": self.residuals.tolist(), "warnings": list(self.warnings)}
+        arrays = {"x": self.x.tolist(), "residuals": self.residuals.tolist(), "warnings": list(self.warnings)}
+        weights = None if self.loss_weights is None else self.loss_weights.tolist()
+        return data | arrays | {"loss_weights": weights, "outliers": self.outliers}
 
 
 def examine_residuals(
@@ -105,6 +116,7 @@ def examine_residuals(
         Known standard deviation of a reading by series, base units.
     """
     dimension = calibration.space.dimension
+    losses = calibration.objective.point_losses(responses)
     found = []
     for o in calibration.objective.observed:
         used = o.point_weights > 0
@@ -113,8 +125,11 @@ def examine_residuals(
         weights = o.point_weights[used][order]
         residuals = (responses[o.series] - o.y)[used][order]
         scaled = residuals * np.sqrt(weights)
-        known = None if noise is None else noise.get(o.series)
-        found.append(_examine(o.series, x, residuals, scaled, weights, dimension, known))
+        known = None if noise is None or o.loss is not None else noise.get(o.series)
+        one = _examine(o.series, x, residuals, scaled, weights, dimension, known)
+        if o.series in losses:
+            one = replace(one, loss_weights=losses[o.series][used][order])
+        found.append(one)
     return tuple(found)
 
 
@@ -136,8 +151,7 @@ def _examine(
         if min(runs_probability or 1.0, watson_probability) < _LEVEL:
             warnings.append(
                 f"{series}: residuals are correlated (Durbin-Watson {watson:.2f}, {runs} runs where {expected:.0f} are "
-                "expected): the model misses a part of the data, or readings are not independent; intervals are too "
-                "narrow."
+                "expected): the model misses a part of the data, or readings are not independent."
             )
     lack = repeats_test(x, scaled, weights, dimension)
     if lack is not None and lack.significant:

@@ -1,4 +1,4 @@
-"""Whether the model describes the data: the verdict that stands before all others.
+"""Whether the model describes the data: the verdict that comes before all others.
 
 Intervals and verdicts about parameters hold only for a model that describes the data up to independent noise of the
 stated size. Two things are tested at the optimum, with a level of 5 % over all series and stages: patterns in the
@@ -88,9 +88,10 @@ def untested(why: str) -> FitVerdict:
 
 @dataclass(frozen=True, slots=True)
 class _Readings:
-    """All readings that count, in the order of series and x; arrays of shape (n,)."""
+    """All readings that count, in the order of series and x, of shape (n,); ``sizes``: root mean square a series."""
 
     observed: tuple[ObservedSeries, ...]
+    sizes: tuple[float, ...]
     series: IntArray
     x: FloatArray
     residuals: FloatArray
@@ -155,20 +156,27 @@ def examine_fit(
 def _readings(
     calibration: Calibration, responses: Mapping[str, FloatArray], derivatives: Mapping[str, FloatArray]
 ) -> _Readings:
-    observed = tuple(o for o in calibration.objective.observed if o.weight > 0)
+    pseudo = calibration.objective.pseudo_readings(responses)
+    observed = tuple(o for o in pseudo.observed if o.weight > 0)
     columns: list[list[FloatArray]] = [[] for _ in range(6)]
     for index, o in enumerate(observed):
         used = np.flatnonzero(o.point_weights > 0)
         used = used[np.argsort(o.x[used], kind="stable")]
         inside = np.sqrt(o.point_weights[used])
         factor = np.full(used.size, np.sqrt(o.weight / o.y.size))
-        residuals = (responses[o.series] - o.y)[used]
+        residuals = pseudo.residuals[o.series][used]
         weighted = derivatives[o.series][used] * (inside * factor)[:, None]
         rows = (np.full(used.size, index), o.x[used], residuals, inside, factor, weighted)
         for column, values in zip(columns, _averaged(rows, used.size), strict=True):
             column.append(values)
     series, *others = (np.concatenate(column) for column in columns)
-    return _Readings(observed, series.astype(np.int64), *others)
+    sizes = tuple(_size(o, responses[o.series] - o.y) for o in observed)
+    return _Readings(observed, sizes, series.astype(np.int64), *others)
+
+
+def _size(o: ObservedSeries, residuals: FloatArray) -> float:
+    """Root mean square of residuals, weighted as the points are, as in the table of the series in the objective."""
+    return float(np.sqrt(np.sum(o.point_weights * residuals**2) / np.sum(o.point_weights)))
 
 
 def _averaged(rows: tuple[FloatArray, ...], size: int) -> tuple[FloatArray, ...]:
@@ -282,7 +290,7 @@ def _misfit(
         place[1],
         reason,
         probability,
-        float(np.sqrt(np.mean(natural**2))),
+        readings.sizes[place[0]] if place[1] is None else float(np.sqrt(np.mean(natural**2))),
         float(smooth[worst]),
         float(part.x[worst]),
         ratio,

@@ -34,7 +34,7 @@ _OPEN = 1e-7  # singular value, relative to the largest, of a direction that the
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Residuals to be looked at together.
+    """Residuals to be tested together.
 
     Parameters
     ----------

@@ -1,9 +1,10 @@
-"""Correlations of the parameters among good fits: which parameters the data cannot tell apart."""
+"""Correlations of the parameters among good fits: which parameters the data cannot distinguish."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Literal, TypeAlias
 
@@ -21,6 +22,7 @@ __all__ = [
     "CorrelationMethod",
     "Correlations",
     "correlate",
+    "correlate_at",
 ]
 
 NOT_CORRELATED = 0.5
@@ -34,6 +36,9 @@ COORDINATES: tuple[Coordinates, ...] = ("linear", "search")
 _FEWEST = 4  # Fisher's z needs more than three samples
 _HEAVY_TAIL = 3.0  # excess kurtosis beyond which Fisher's variance is too small
 _RESAMPLES = 1000
+_FEWEST_RESAMPLES = 200
+_MOST_DRAWS = 4_000_000  # of all resamples together: answers for thousands of good fits come within a second
+_AT_ONCE = 50  # resamples
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +57,8 @@ class Correlation:
         Number of samples.
     interval
         How the interval was found: ``fisher`` (z transformation; for Spearman with the variance of Bonett and Wright
-        2000) or ``bootstrap`` (percentiles of 1000 resamples, where a heavy-tailed parameter or |r| = 1 rules Fisher's
-        out), or ``none``.
+        2000) or ``bootstrap`` (percentiles of 1000 resamples, 200 of very many samples, where a heavy-tailed parameter
+        or |r| = 1 rules Fisher's out), or ``none``.
     """
 
     first: str
@@ -134,17 +139,34 @@ def correlate(
     seed
         Of the bootstrap.
     """
+    return correlate_at(samples, (level,), method=method, coordinates=coordinates, seed=seed)[0]
+
+
+def correlate_at(
+    samples: Samples,
+    levels: Sequence[float],
+    *,
+    method: CorrelationMethod = "pearson",
+    coordinates: Coordinates = "linear",
+    seed: int = 0,
+) -> list[Correlations]:
+    """Do the same as :func:`correlate` for several levels, from the same resamples."""
     used = samples.select(samples.unbiased) if samples.source == "mixed" else samples
     values = used.parameters if coordinates == "linear" else used.coordinates
     if method == "spearman":
         values = _ranks(values)
     values = _of_ordinary_size(values)
-    random = np.random.default_rng(seed)
-    pairs = tuple(
-        _pair(used.names[i], used.names[j], values[:, i], values[:, j], method, level, random)
-        for i, j in combinations(range(used.dimension), 2)
-    )
-    return Correlations(used.names, pairs, method, coordinates, level, bool((~used.unbiased).any()))
+    resamples = _Resamples(values, np.random.default_rng(seed))
+    tails = [_kurtosis(column) if method == "pearson" else 0.0 for column in values.T]
+    biased = bool((~used.unbiased).any())
+    found = []
+    for level in levels:
+        pairs = tuple(
+            _pair(used.names, (i, j), values, max(tails[i], tails[j]), method, level, resamples)
+            for i, j in combinations(range(used.dimension), 2)
+        )
+        found.append(Correlations(used.names, pairs, method, coordinates, level, biased))
+    return found
 
 
 def _of_ordinary_size(values: FloatArray) -> FloatArray:
@@ -163,20 +185,21 @@ def _ranks(values: FloatArray) -> FloatArray:
 
 
 def _pair(
-    first: str,
-    second: str,
-    x: FloatArray,
-    y: FloatArray,
+    names: Sequence[str],
+    pair: tuple[int, int],
+    values: FloatArray,
+    tail: float,
     method: CorrelationMethod,
     level: float,
-    random: np.random.Generator,
+    resamples: _Resamples,
 ) -> Correlation:
-    count = len(x)
-    r = _pearson(x, y) if count > 2 else None
+    first, second = names[pair[0]], names[pair[1]]
+    count = len(values)
+    r = _pearson(values[:, pair[0]], values[:, pair[1]]) if count > 2 else None
     if r is None or count < _FEWEST:
         return Correlation(first, second, r, None, None, count, "none")
-    if abs(r) > 1.0 - 1e-12 or (method == "pearson" and max(_kurtosis(x), _kurtosis(y)) > _HEAVY_TAIL):
-        lower, upper = _bootstrap(x, y, level, random)
+    if abs(r) > 1.0 - 1e-12 or tail > _HEAVY_TAIL:
+        lower, upper = resamples.interval(pair, level)
         return Correlation(first, second, r, lower, upper, count, "bootstrap")
     variance = (1.0 if method == "pearson" else 1.0 + r * r / 2.0) / (count - 3)
     half = float(ndtri(0.5 + level / 2.0)) * np.sqrt(variance)
@@ -195,13 +218,50 @@ def _pearson(x: FloatArray, y: FloatArray) -> float | None:
 
 def _kurtosis(x: FloatArray) -> float:
     """Excess kurtosis; 0 for a normal variable."""
+    if x.size == 0:
+        return 0.0
     d = x - x.mean()
     variance = float((d * d).mean())
     return float((d**4).mean()) / variance**2 - 3.0 if variance > 0 else 0.0
 
 
-def _bootstrap(x: FloatArray, y: FloatArray, level: float, random: np.random.Generator) -> tuple[float, float]:
-    chosen = (random.integers(0, len(x), len(x)) for _ in range(_RESAMPLES))
-    found = [r for r in (_pearson(x[index], y[index]) for index in chosen) if r is not None]
-    lower, upper = np.quantile(found, [0.5 - level / 2.0, 0.5 + level / 2.0]) if found else (-1.0, 1.0)
-    return float(lower), float(upper)
+class _Resamples:
+    """Correlations of all pairs in resamples of the same draws, which are made when the first pair asks.
+
+    Parameters
+    ----------
+    values
+        Samples, shape (n, d).
+    """
+
+    def __init__(self, values: FloatArray, random: np.random.Generator) -> None:
+        self._values = values
+        self._random = random
+
+    def interval(self, pair: tuple[int, int], level: float) -> tuple[float, float]:
+        """Percentile interval of r."""
+        found = self._coefficients[:, pair[0], pair[1]]
+        found = found[np.isfinite(found)]
+        lower, upper = np.quantile(found, [0.5 - level / 2.0, 0.5 + level / 2.0]) if found.size else (-1.0, 1.0)
+        return float(lower), float(upper)
+
+    @cached_property
+    def _coefficients(self) -> FloatArray:
+        """r of every resample and pair, shape (resamples, d, d); nan where a column of it is constant."""
+        count, dimension = self._values.shape
+        spread = self._values.std(axis=0)
+        z = (self._values - self._values.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
+        i, j = np.triu_indices(dimension)
+        summed = np.hstack([z, z[:, i] * z[:, j]])
+        number = int(np.clip(_MOST_DRAWS // count, _FEWEST_RESAMPLES, _RESAMPLES))
+        means = np.empty((number, summed.shape[1]))
+        for start in range(0, number, _AT_ONCE):
+            here = range(start, min(start + _AT_ONCE, number))
+            drawn = [np.bincount(self._random.integers(0, count, count), minlength=count) for _ in here]
+            means[here.start : here.stop] = np.array(drawn, dtype=np.float64) @ summed / count
+        covariance = np.empty((number, dimension, dimension))
+        covariance[:, i, j] = means[:, dimension:] - means[:, i] * means[:, j]
+        covariance[:, j, i] = covariance[:, i, j]
+        variance = np.diagonal(covariance, axis1=1, axis2=2)
+        scale = np.sqrt(np.where(variance > 1e-12, variance, np.nan))
+        return np.asarray(np.clip(covariance / (scale[:, :, None] * scale[:, None, :]), -1.0, 1.0))

@@ -1,7 +1,8 @@
-"""Follow-up jobs: the problems that ask for more evaluations, and what these evaluations tell.
+"""Follow-up jobs: the problems that ask for more evaluations, and the findings from these.
 
-A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``sobol`` or ``morris``. Any
-engine runs it, and its stored evaluations alone give the answer: the plan follows from the problem again.
+A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``explore``, ``sobol`` or
+``morris``; or, with ``predict``, another problem with the parameters of the job. Any engine runs it, and its stored
+evaluations alone give the answer: the plan follows from the problem again.
 """
 
 from __future__ import annotations
@@ -22,12 +23,19 @@ from geoswarm.solver.identifiability.optimum.differences import residual_rows
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import Profile, profile_settings, profiles_of
 from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations
+from geoswarm.solver.identifiability.prediction.bands import Prediction, prediction_of
+from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, question_hash
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
+from geoswarm.solver.identifiability.worth.outcome import Design, design_of
 from geoswarm.solver.methods.base import FollowUpMethod, Method
+from geoswarm.solver.methods.design import DesignMethod
+from geoswarm.solver.methods.explore import ExploreMethod
+from geoswarm.solver.methods.given_points import GivenPointsMethod
 from geoswarm.solver.methods.global_designs import GlobalMethod
+from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem, parse_problem
@@ -47,7 +55,6 @@ __all__ = [
 
 _LONGEST_NAME = 200
 _INCOMPLETE = "the sensitivities are not complete yet"
-_OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +77,12 @@ class Findings:
         Calculated values there, by series, base units; empty without a linearisation.
     fit
         Whether the model describes the data; None where nothing was evaluated at an optimum.
+    explored
+        Parameters, natural values, and objectives of successful runs that looked for further basins.
+    predictions
+        Bands of other problems.
+    designs
+        Candidate tests in order of their worth.
     """
 
     linearisation: Linearisation | None = None
@@ -80,6 +93,9 @@ class Findings:
     notes: tuple[str, ...] = ()
     responses: Mapping[str, FloatArray] = field(default_factory=dict)
     fit: FitVerdict | None = None
+    explored: tuple[tuple[FloatArray, float], ...] = ()
+    predictions: tuple[Prediction, ...] = ()
+    designs: tuple[Design, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -90,6 +106,9 @@ class Findings:
             "start_objective": self.start_objective,
             "profiles": [profile.to_json() for profile in self.profiles],
             "global_sensitivities": [found.to_json() for found in self.global_sensitivities],
+            "explored": len(self.explored),
+            "predictions": [prediction.to_json() for prediction in self.predictions],
+            "designs": [design.to_json() for design in self.designs],
             "notes": list(self.notes),
         }
 
@@ -104,8 +123,14 @@ def follow_up_of(problem: Problem) -> FollowUpMethod | None:
 
 
 def same_question(problem: Problem, other: Problem) -> bool:
-    """Whether two problems differ at most in name, method, stop criteria and seed, so that results can be joined."""
-    documents = [{k: v for k, v in p.document().items() if k not in _OWN_KEYS} for p in (problem, other)]
+    """Whether two problems differ at most in name, method, stop criteria and seed, so that results can be joined.
+
+    Of a problem made with the parameters of another one it is that other one that counts.
+    """
+    asked = getattr(other.method, "question", None)
+    if asked is not None:
+        return bool(asked == question_hash(problem))
+    documents = [{k: v for k, v in p.document().items() if k not in OWN_KEYS} for p in (problem, other)]
     return documents[0] == documents[1]
 
 
@@ -220,7 +245,7 @@ def findings_of(
     calibration = Calibration(problem, seed)
     method = problem.method
     if method.role != "follow_up":
-        raise StatisticsError(f"a job with method {method.kind} is no follow-up")
+        raise StatisticsError(f"a job with method {method.kind} is not a follow-up")
     return examine(method, calibration, evaluations, noise, level)
 
 
@@ -232,7 +257,7 @@ def examine(
     noise: Mapping[str, float] | float | None,
     level: float,
 ) -> Findings:
-    """Say what the evaluations of a follow-up tell; each method registers a function of its own.
+    """Return the findings from the evaluations of a follow-up; each method registers its own function.
 
     Raises
     ------
@@ -240,7 +265,7 @@ def examine(
         When the method has none.
     """
     del calibration, evaluations, noise, level
-    raise StatisticsError(f"nobody has said what the evaluations of method {method.kind} tell")
+    raise StatisticsError(f"the evaluations of method {method.kind} have no interpretation")
 
 
 @examine.register
@@ -260,7 +285,7 @@ def _sensitivity(
         if search.ends is None:
             last_difference = position + len(due)
         elif position + len(due) > len(evaluations):
-            break  # nobody has looked yet whether the model bends
+            break  # nobody has looked yet whether the model is nonlinear
         if position + len(due) > len(evaluations):
             going_on = "the descent to the minimum has not ended" if search.descending else _INCOMPLETE
             return Findings(start_objective=start, notes=(going_on,))
@@ -305,6 +330,31 @@ def _profiles(
 
 
 @examine.register
+def _explored(
+    method: ExploreMethod,  # noqa: ARG001  the form of all
+    calibration: Calibration,  # noqa: ARG001  the form of all
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
+    level: float,  # noqa: ARG001  the form of all
+) -> Findings:
+    return Findings(explored=tuple((e.parameters, e.objective) for e in evaluations if e.objective is not None))
+
+
+@examine.register
+def _looked_ahead(
+    method: GivenPointsMethod, calibration: Calibration, evaluations: Sequence[Evaluation], *_options: Any
+) -> Findings:
+    try:
+        if isinstance(method, DesignMethod):
+            return Findings(designs=(design_of(calibration, method, evaluations),))
+        if isinstance(method, PredictMethod):
+            return Findings(predictions=(prediction_of(calibration, method, evaluations),))
+    except StatisticsError as error:
+        return Findings(notes=(f"{calibration.problem.name}: {error}",))
+    raise StatisticsError(f"the evaluations of method {method.kind} have no interpretation")
+
+
+@examine.register
 def _indices(
     method: GlobalMethod,
     calibration: Calibration,
@@ -334,16 +384,20 @@ def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluatio
 def join_findings(parts: Sequence[Findings]) -> Findings:
     """Join what several follow-ups of one job have found; of two of a kind the first counts.
 
-    Where the model bends within an interval, a complete profile gives it.
+    Where the model is nonlinear within an interval, a complete profile gives it.
     """
     with_optimum = next((part for part in parts if part.linearisation is not None), NO_FINDINGS)
     profiles: dict[str, Profile] = {}
     indices: dict[tuple[str, str], GlobalSensitivity] = {}
+    predictions: dict[str, Prediction] = {}
     for part in parts:
         for profile in part.profiles:
             profiles.setdefault(profile.parameter, profile)
         for index in part.global_sensitivities:
             indices.setdefault((index.kind, index.output), index)
+        for prediction in part.predictions:
+            predictions.setdefault(prediction.name, prediction)
+    designs = next((part.designs for part in parts if part.designs), ())
     notes = dict.fromkeys(note for part in parts for note in part.notes)
     linearisation = with_optimum.linearisation
     if linearisation is not None:
@@ -358,4 +412,7 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         tuple(notes),
         with_optimum.responses,
         with_optimum.fit or next((part.fit for part in parts if part.fit is not None), None),
+        tuple(run for part in parts for run in part.explored),
+        tuple(predictions.values()),
+        designs,
     )

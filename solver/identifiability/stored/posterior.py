@@ -151,15 +151,16 @@ def sample_posterior(
         allowed = [i for i in inside if space.feasible(space.to_natural(low + unit[i] * span))]
         if allowed:
             with np.errstate(over="ignore", divide="ignore"):
-                value[allowed] = log_likelihood(surface.residuals(unit[allowed]))
+                value[allowed] = log_likelihood(calibration.objective.with_losses(surface.residuals(unit[allowed])))
         return value
 
     walkers = max(walkers, 2 * space.dimension + 2)
     start = _start(samples, surface, walkers)
     if not np.isfinite(log_probability(start)).all():
         raise StatisticsError(
-            f"the likelihood of stored evaluations is no number: objectives from {samples.objectives[samples.best]:g} "
-            "are too large, or too small, to be compared with the noise; units in which they are nearer to 1 are needed"
+            "the likelihood of stored evaluations is not a number: objectives from "
+            f"{samples.objectives[samples.best]:g} are too large, or too small, to be compared with the noise; units "
+            "in which they are nearer to 1 are needed"
         )
     random = np.random.RandomState(seed)
     sampler = emcee.EnsembleSampler(walkers, space.dimension, log_probability, vectorize=True)

@@ -187,7 +187,7 @@ def propose(
         partner = partners[0][0]
         lines = (fit_line(fair, parameter, name) for name, r in partners if r is not None)
         proposals += [_link(line) for line in lines if line is not None and line.can_be_written]
-        proposals.append(_fix(parameter, projection, f"it cannot be told apart from {partner}"))
+        proposals.append(_fix(parameter, projection, f"it cannot be distinguished from {partner}"))
         proposals.append(_add_test(parameter, f"in which {parameter} and {partner} act differently"))
     elif verdict == "not_identified":
         proposals.append(_fix(parameter, projection, "the data hardly depend on it"))
@@ -196,7 +196,7 @@ def propose(
         proposals += _widen(parameter, good_fits, projection)
         proposals.append(_add_test(parameter, f"that limits {parameter} on the open side"))
     elif verdict == "undecided":
-        proposals.append(_add_test(parameter, f"that tells more of {parameter}, or evaluate more samples"))
+        proposals.append(_add_test(parameter, f"that is more sensitive to {parameter}, or evaluate more samples"))
     return tuple(proposals)
 
 

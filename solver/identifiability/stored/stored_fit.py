@@ -37,7 +37,9 @@ def fit_of_samples(
     """
     known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
     if samples.size and samples.unbiased.all():
-        return untested("the best of a sampling is no optimum; 'geoswarm sensitivity' goes there and tests it")
+        return untested(
+            "the best of a sampling is not an optimum; 'geoswarm sensitivity' goes to the optimum and tests it"
+        )
     dimension = samples.dimension
     if not samples.responses:
         return untested("the responses of the evaluations are not stored")
@@ -64,4 +66,7 @@ def fit_of_samples(
         derivatives[o.series] = np.where(root[:, None] > 0, part / np.where(root > 0, root, 1.0)[:, None], 0.0)
         start += o.y.size
     responses = {o.series: samples.responses[o.series][best] for o in observed}
-    return examine_fit(calibration, responses, derivatives, None if known is None else known.deviations)
+    stated = (
+        None if known is None or calibration.objective.robust else known.deviations
+    )  # that of pseudo residuals is another
+    return examine_fit(calibration, responses, derivatives, stated)

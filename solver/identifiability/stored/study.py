@@ -1,4 +1,4 @@
-"""Everything that stored evaluations tell, in one go: what a report and the HTTP interface show."""
+"""All results from stored evaluations together, as a report and the HTTP interface show them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,20 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.noise import known_noise, noise_objective, problem_noise
-from geoswarm.solver.identifiability.optimum.basins import OtherFit, equivalent_objective, other_fits
+from geoswarm.solver.identifiability.optimum.basins import (
+    OtherFit,
+    equivalent_objective,
+    exchanges,
+    fits_at,
+    other_fits,
+    untried_exchanges,
+)
+from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.residuals.independence import SeriesResiduals, examine_residuals
-from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, is_exact
 from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.stored.basin_words import SPARSE, Beyond, where_intervals_hold
 from geoswarm.solver.identifiability.stored.correlations import Correlations, correlate
 from geoswarm.solver.identifiability.stored.filtering import Filtered, filter_samples, propose_threshold
 from geoswarm.solver.identifiability.stored.projections import Projection, project
@@ -23,8 +32,9 @@ from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.stored.verdicts import Verdict, judge
 from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
 from geoswarm.solver.methods.registry import find_method
+from geoswarm.solver.words import share
 
-__all__ = ["NOT_AT_OPTIMUM", "TOO_FEW_POINTS", "Statistics", "analyse"]
+__all__ = ["NOT_AT_OPTIMUM", "TOO_FEW_POINTS", "Basins", "Statistics", "analyse"]
 
 NOT_AT_OPTIMUM = (
     "Intervals are centred on a point that is not the minimum yet ({far:.1f} standard errors away at most): polish it "
@@ -34,9 +44,27 @@ NOT_AT_OPTIMUM = (
 UNKNOWN_OPTIMUM = "Whether the best point is a minimum cannot be told, because no parameter has a standard error there."
 
 OTHER_FITS = (
-    "Another set of parameters fits as well as the optimum (objective {objective:.4g} against {best:.4g}): {values}. "
-    "Search around both, or add a measurement that tells them apart."
+    "Another set of parameters {how} (objective {objective:.4g} against {best:.4g}; up to {limit:.4g} the data cannot "
+    "tell them apart at 95 %): {values}. Search around both, or add a measurement that tells them apart."
 )
+
+EXCHANGE = (
+    "{first} and {second} can be exchanged: with their values swapped the objective is the same. Which is which is not "
+    "in the data; give them bounds that do not overlap."
+)
+
+SPARSE_RUNS = (
+    "Intervals hold within the basin of the optimum, and a basin like this one could still hide in {hidden} of the "
+    "searched space, where no run came near: 'geoswarm explore' spends runs where it is most likely."
+)
+
+UNFINISHED = (
+    "A run points to another basin that the search did not explore: {values} (objective {objective:.4g} against "
+    "{best:.4g} at the optimum). 'geoswarm explore' goes there."
+)
+
+_NEARLY_ALL = 0.99  # of the objective: what a step to the minimum takes off is no error of readings
+_AS_WELL = 1.05  # times the objective
 
 ON_BOUND = (
     "The best fit lies on the {side} bound of {name}, and the data pull beyond it: widen the bound, unless what lies "
@@ -56,8 +84,44 @@ TOO_FEW_POINTS = (
 
 
 @dataclass(frozen=True, slots=True)
+class Basins:
+    """What is known of the space beyond the basin of the optimum.
+
+    Parameters
+    ----------
+    others
+        Sets of parameters that the data do not exclude, outside the region of the optimum.
+    exchanges
+        Pairs of parameters that can be exchanged: a run with their values swapped has the same objective.
+    hidden
+        Share of the searched space in which a basin like that of the optimum could hide, 0 to 1; None: not known.
+    unfinished
+        Runs that point to another basin into which nobody has gone down, the best first, at most four.
+    untried
+        Pairs of parameters that may be exchanged for all that is known, as nobody has run swapped values.
+    """
+
+    others: tuple[OtherFit, ...] = ()
+    exchanges: tuple[tuple[str, str], ...] = ()
+    hidden: float | None = None
+    unfinished: tuple[OtherFit, ...] = ()
+    untried: tuple[tuple[str, str], ...] = ()
+
+    def to_json(self, names: Sequence[str]) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "others": [other.to_json(names) for other in self.others],
+            "exchanges": [list(pair) for pair in self.exchanges],
+            "hidden": self.hidden,
+            "unfinished": [other.to_json(names) for other in self.unfinished],
+            "untried": [list(pair) for pair in self.untried],
+            "sentence": where_intervals_hold(self.hidden),
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class Statistics:
-    """What stored evaluations tell.
+    """Results from stored evaluations.
 
     Parameters
     ----------
@@ -81,6 +145,8 @@ class Statistics:
         Whether the model describes the data at all: it stands before the verdicts.
     residuals_at_optimum
         The residuals are those of a polished optimum, not of the best sample.
+    basins
+        Beyond that of the optimum.
     """
 
     samples: Samples
@@ -96,6 +162,7 @@ class Statistics:
     warnings: tuple[str, ...]
     fit: FitVerdict
     residuals_at_optimum: bool = False
+    basins: Basins = Basins()
 
     def verdict(self, parameter: str) -> Verdict:
         """The verdict about one parameter."""
@@ -119,6 +186,7 @@ class Statistics:
             "projections": [_projection_json(projection) for projection in self.projections],
             "verdicts": [verdict.to_json() for verdict in self.verdicts],
             "linearisation": None if self.linearisation is None else self.linearisation.to_json(),
+            "basins": self.basins.to_json(self.samples.names),
             "residuals_at_optimum": self.residuals_at_optimum,
             "residuals": [residuals.to_json() for residuals in self.residuals],
             "weights": [asdict(weight) for weight in self.weights],
@@ -135,6 +203,7 @@ def analyse(
     linearisation: Linearisation | None = None,
     at_optimum: Mapping[str, FloatArray] | None = None,
     elsewhere: Sequence[tuple[FloatArray, float]] = (),
+    looked: Sequence[FloatArray] = (),
     bins: int = 30,
 ) -> Statistics:
     """Analyse stored evaluations; runs no forward calculation.
@@ -152,6 +221,8 @@ def analyse(
         Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
     elsewhere
         Parameters, natural values, and objectives of minima in other basins, beyond the samples.
+    looked
+        Where the descents to them began, natural values.
     bins
         Of the projections.
 
@@ -186,13 +257,27 @@ def analyse(
     if linearisation is not None and not linearisation.at_optimum:
         far = linearisation.far
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
-    others: tuple[OtherFit, ...] = ()
+    basins = Basins()
     if linearisation is not None and not linearisation.misplaced:
         lowest = _objective_at(calibration, samples, at_optimum)
         equal = equivalent_objective(calibration, lowest, known)
         others = other_fits(samples, linearisation, equal, lowest, elsewhere)
-        warnings[:0] = [_other_fit(samples, other, lowest) for other in others]
+        unseen = Unseen.of(samples, linearisation, lowest, elsewhere)
+        found = [samples.to_unit(place) for place in (*looked, *(other.parameters for other in others))]
+        left = unseen.unfinished(equal - lowest, found)
+        basins = Basins(
+            others,
+            exchanges(calibration, samples, linearisation, lowest, elsewhere),
+            hidden_share(calibration.space, unseen, left),
+            fits_at(samples, linearisation, equal, lowest, unseen.places_of(calibration.space, left)),
+            untried_exchanges(calibration, samples, linearisation, elsewhere),
+        )
+        warnings[:0] = [_other_fit(samples, other, lowest, equal) for other in basins.others]
+        warnings[:0] = [EXCHANGE.format(first=first, second=second) for first, second in basins.exchanges]
+        warnings += [_left(samples, other, lowest) for other in basins.unfinished]
         warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
+        if basins.hidden is not None and basins.hidden > SPARSE:
+            warnings.append(SPARSE_RUNS.format(hidden=share(basins.hidden)))
     if points < samples.dimension:
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
     if samples.size and samples.source != "mixed" and (bias := find_method(samples.method).bias):
@@ -201,6 +286,12 @@ def analyse(
         evenly = "spread evenly"
         rule = evenly if samples.unbiased.all() else f"half with the lowest objectives, half {evenly}"
         warnings.insert(0, SELECTED.format(read=samples.size, total=samples.size + samples.left_out, rule=rule))
+    observed = [o for o in calibration.objective.observed if o.weight > 0]
+    exact = bool(at_best) and known is None and all(is_exact(o, at_best[o.series] - o.y) for o in observed)
+    if linearisation is not None and known is None and not linearisation.held:  # or would be met at the minimum
+        exact |= linearisation.model.reachable > _NEARLY_ALL
+    spare = None if known is not None else points - samples.dimension
+    beyond = Beyond(basins.hidden, exact, spare, basins.unfinished, basins.untried)
     return Statistics(
         samples=samples,
         filtered=filtered,
@@ -208,13 +299,14 @@ def analyse(
         pearson_search=pearson_search,
         spearman=correlate(filtered.samples, method="spearman"),
         projections=projections,
-        verdicts=judge(samples, filtered, projections, linearisation, others, fit),
+        verdicts=judge(samples, filtered, projections, linearisation, basins.others, fit, beyond),
         linearisation=linearisation,
         residuals=residuals,
         weights=shares(calibration.problem, misfits) if misfits else (),
         warnings=tuple(warnings),
         fit=fit,
         residuals_at_optimum=bool(at_optimum),
+        basins=basins,
     )
 
 
@@ -226,9 +318,20 @@ def _objective_at(calibration: Calibration, samples: Samples, responses: Mapping
     return calibration.objective.value(calibration.objective.misfits(dict(responses)))
 
 
-def _other_fit(samples: Samples, other: OtherFit, best: float) -> str:
+def _other_fit(samples: Samples, other: OtherFit, best: float, limit: float) -> str:
     values = ", ".join(f"{name} = {value:.4g}" for name, value in zip(samples.names, other.parameters, strict=True))
-    return OTHER_FITS.format(objective=other.objective, best=best, values=values)
+    if other.objective < best / _AS_WELL:
+        how = "fits better than the optimum"
+    elif other.objective <= _AS_WELL * best or best <= 0.0:
+        how = "fits as well as the optimum"
+    else:
+        how = "fits worse than the optimum, but is not excluded"
+    return OTHER_FITS.format(how=how, objective=other.objective, best=best, limit=limit, values=values)
+
+
+def _left(samples: Samples, other: OtherFit, best: float) -> str:
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in zip(samples.names, other.parameters, strict=True))
+    return UNFINISHED.format(values=values, objective=other.objective, best=best)
 
 
 def _correlation_json(correlations: Correlations) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A response surface over stored evaluations, checked by what it was not shown.
+"""A response surface over stored evaluations, validated on evaluations left out of it.
 
 It models the *responses*, not the objective: a few principal components of the weighted residuals, each a cubic radial
 basis function with a linear trend over the parameters in parts of their range. Objectives under any weights follow.
@@ -15,6 +15,7 @@ from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.objective import LeastSquares
 
 __all__ = ["ResponseSurface", "fit_surface"]
 
@@ -54,15 +55,16 @@ class ResponseSurface:
     _mean: FloatArray
     _components: FloatArray
     _interpolator: RBFInterpolator
+    _objective: LeastSquares
 
     def residuals(self, unit: FloatArray) -> FloatArray:
-        """Weighted residuals, shape (k, n), at points (k, d) in parts of the range; their squares sum up to f."""
+        """Weighted residuals without losses, shape (k, n), at points (k, d) in parts of the range."""
         scores = self._interpolator(unit)
         return np.asarray(self._mean + scores @ self._components)
 
     def objective(self, unit: FloatArray) -> FloatArray:
         """f, shape (k,), at points (k, d) in parts of the range."""
-        return np.asarray(np.sum(self.residuals(unit) ** 2, axis=1))
+        return np.asarray(np.sum(self._objective.with_losses(self.residuals(unit)) ** 2, axis=1))
 
     def inside(self, unit: FloatArray) -> FloatArray:
         """Whether points (k, d) lie in the fitted region, shape (k,)."""
@@ -84,18 +86,22 @@ def fit_surface(calibration: Calibration, samples: Samples, *, seed: int = 0) ->
     if len(order) < needed:
         raise StatisticsError(f"a response surface needs {needed} different evaluations, there are {len(order)}")
     unit = samples.unit[order]
-    residuals = np.concatenate(
-        [
-            np.sqrt(o.weight * o.point_weights / o.y.size) * (samples.responses[o.series][order] - o.y)
-            for o in calibration.objective.observed
-        ],
-        axis=1,
-    )
+    objective = calibration.objective
+    residuals = objective.plain_residuals({o.series: samples.responses[o.series][order] for o in objective.observed})
     objectives = samples.objectives[order]
-    error, checked = _hold_out(unit, residuals, objectives, seed)
+    error, checked = _hold_out(unit, residuals, objectives, objective, seed)
     mean, components, interpolator = _fit(unit, residuals)
     return ResponseSurface(
-        samples.names, unit.min(axis=0), unit.max(axis=0), len(unit), error, checked, mean, components, interpolator
+        samples.names,
+        unit.min(axis=0),
+        unit.max(axis=0),
+        len(unit),
+        error,
+        checked,
+        mean,
+        components,
+        interpolator,
+        objective,
     )
 
 
@@ -130,13 +136,15 @@ def _fit(unit: FloatArray, residuals: FloatArray) -> tuple[FloatArray, FloatArra
     return mean, right[:count], RBFInterpolator(unit, scores, kernel="cubic", degree=1)
 
 
-def _hold_out(unit: FloatArray, residuals: FloatArray, objectives: FloatArray, seed: int) -> tuple[float, int]:
+def _hold_out(
+    unit: FloatArray, residuals: FloatArray, objectives: FloatArray, objective: LeastSquares, seed: int
+) -> tuple[float, int]:
     fold = np.random.default_rng(seed).permutation(len(unit)) % _FOLDS
     predicted = np.empty(len(unit))
     for number in range(_FOLDS):
         held = fold == number
         mean, components, interpolator = _fit(unit[~held], residuals[~held])
-        predicted[held] = np.sum((mean + interpolator(unit[held]) @ components) ** 2, axis=1)
+        predicted[held] = np.sum(objective.with_losses(mean + interpolator(unit[held]) @ components) ** 2, axis=1)
     good = objectives <= max(4.0 * float(objectives.min()), float(np.sort(objectives)[min(19, len(objectives) - 1)]))
     relative = predicted[good] / np.maximum(objectives[good], 1e-300) - 1.0
     return float(np.sqrt(np.mean(relative**2))), int(good.sum())

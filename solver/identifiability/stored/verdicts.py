@@ -12,8 +12,8 @@ Rules, in this order (docs/statistics.md explains them):
    ``bounded_on_one_side``; all else: ``not_identified``.
 3. *A swarm alone* proves nothing by its width. With a linearisation: ``identified`` when the 95 % interval is at most
    half the range wide and inside the bounds, ``bounded_on_one_side`` when it crosses one bound, else
-   ``not_identified``. Without one: ``undecided``, and so where the model bends within that interval and no profile has
-   been calculated, and with fewer than ten good fits. ``not_identified``, too, where
+   ``not_identified``. Without one: ``undecided``, and so where the model is nonlinear within that interval and no
+   profile has been calculated, and with fewer than ten good fits. ``not_identified``, too, where
    stored runs fit as well as the optimum outside the region that the linearisation allows.
 
 Before all of them stands the fit (``residuals.lack_of_fit``): where the model does not
@@ -23,17 +23,27 @@ describe the data, or a stated error is not met, no parameter is called ``identi
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from math import comb
 from typing import Any, Literal, TypeAlias
 
 from geoswarm.solver.identifiability.optimum.basins import OtherFit
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.stored.correlations import COORDINATES, Correlation, correlate
+from geoswarm.solver.identifiability.stored.basin_words import (
+    NOTHING_BEYOND,
+    SPARSE,
+    Beyond,
+    left_alone,
+    several,
+    untried_exchange,
+    within_basin,
+)
+from geoswarm.solver.identifiability.stored.correlations import COORDINATES, Correlation, correlate_at
 from geoswarm.solver.identifiability.stored.filtering import Filtered
 from geoswarm.solver.identifiability.stored.projections import Projection
 from geoswarm.solver.identifiability.stored.proposals import Proposal, propose
-from geoswarm.solver.words import ends, share
+from geoswarm.solver.words import ends, share, verdict_in_words
 
 __all__ = ["FEWEST_GOOD_FITS", "WIDTH_LIMIT", "Evidence", "Verdict", "VerdictKind", "judge"]
 
@@ -75,6 +85,8 @@ class Evidence:
         Largest share that the parameter has in what the data see (0: none); None without a linearisation.
     sampling_bias
         True when the samples are a swarm's.
+    hidden
+        Share of the searched space in which a basin like this one could still hide, 0 to 1; None where nobody looked.
     """
 
     basis: Literal["sampling", "linearisation", "none"]
@@ -88,6 +100,7 @@ class Evidence:
     partners: tuple[tuple[str, float | None], ...] = ()
     influence: float | None = None
     sampling_bias: bool = False
+    hidden: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +113,19 @@ class Verdict:
     evidence: Evidence
     proposals: tuple[Proposal, ...] = field(default=())
 
+    @property
+    def words(self) -> str:
+        """The kind in words, as every table shows it: "identified", or "identified within one basin"."""
+        hidden = self.evidence.hidden
+        sparse = self.kind == "identified" and hidden is not None and hidden > SPARSE
+        return f"{verdict_in_words(self.kind)} within one basin" if sparse else verdict_in_words(self.kind)
+
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
         from dataclasses import asdict
 
-        return asdict(self) | {"proposals": [proposal.to_json() for proposal in self.proposals]}
+        proposals = [proposal.to_json() for proposal in self.proposals]
+        return asdict(self) | {"words": self.words, "proposals": proposals}
 
 
 def judge(
@@ -114,6 +135,7 @@ def judge(
     linearisation: Linearisation | None = None,
     others: tuple[OtherFit, ...] = (),
     fit: FitVerdict | None = None,
+    beyond: Beyond = NOTHING_BEYOND,
 ) -> tuple[Verdict, ...]:
     """Judge every parameter.
 
@@ -129,6 +151,8 @@ def judge(
         Sets of parameters that fit as well as the optimum, outside the region of its linearisation.
     fit
         Whether the model describes the data; that of the linearisation when None.
+    beyond
+        What the interval at an optimum does not show: where another basin could hide, and whether an error is known.
     """
     fit = fit or (None if linearisation is None else linearisation.fit)
     tied = _tied_pairs(filtered)
@@ -138,7 +162,18 @@ def judge(
         elsewhere = [other for other in others if projection.parameter in other.differs]
         if linearisation is not None and elsewhere and evidence.basis == "linearisation" and evidence.width_ratio:
             kind, evidence = "not_identified", replace(evidence, unimodal=False)
-            sentence = _several(projection.parameter, linearisation, elsewhere[0])
+            sentence = several(projection.parameter, linearisation, elsewhere)
+        elif evidence.basis == "linearisation" and kind in ("identified", "bounded_on_one_side"):
+            evidence = replace(evidence, hidden=beyond.hidden)
+            if beyond.errorless:
+                kind, sentence = "undecided", beyond.undecided(projection.parameter)
+            elif linearisation is not None and (left := beyond.left(projection.parameter)):
+                kind = "undecided"
+                sentence = left_alone(projection.parameter, sentence, linearisation, left)
+            elif (swaps := untried_exchange(projection.parameter, sentence, beyond)) is not None:
+                kind, sentence = "undecided", swaps
+            else:
+                sentence = within_basin(projection.parameter, sentence, beyond)
         kind, sentence = _under_fit(projection.parameter, kind, sentence, fit)
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
@@ -156,7 +191,7 @@ def _under_fit(name: str, kind: VerdictKind, sentence: str, fit: FitVerdict | No
             f"{values}"
         )
     if fit.kind == "error_not_met":
-        return "error_not_met", f"{name} is less sure than this says, as the stated error is not met: {values}"
+        return "error_not_met", f"{name} is less certain than this says, as the stated error is not met: {values}"
     return kind, sentence
 
 
@@ -166,11 +201,11 @@ def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
     A relation that is straight in one of them may be too bent in the other to show among few samples.
     """
     found: list[Correlation] = []
-    usual = [correlate(filtered.samples, coordinates=coordinates) for coordinates in COORDINATES]
-    level = 1.0 - _FALSE_PAIRS / max(len(COORDINATES) * len(usual[0].pairs), 1)
-    strict = [correlate(filtered.samples, coordinates=coordinates, level=level) for coordinates in COORDINATES]
-    for index in range(len(usual[0].pairs)):
-        tied = [u.pairs[index] for u, s in zip(usual, strict, strict=True) if s.pairs[index].correlated]
+    pairs = comb(filtered.samples.dimension, 2)
+    levels = (0.95, 1.0 - _FALSE_PAIRS / max(len(COORDINATES) * pairs, 1))
+    both = [correlate_at(filtered.samples, levels, coordinates=coordinates) for coordinates in COORDINATES]
+    for index in range(pairs):
+        tied = [usual.pairs[index] for usual, strict in both if strict.pairs[index].correlated]
         found += sorted(tied, key=lambda pair: -abs(pair.coefficient or 0.0))[:1]
     return tuple(found)
 
@@ -191,7 +226,7 @@ def _judge(
         return (
             "not_identified",
             evidence,
-            f"{name} has no influence on the measured series at the optimum: there, the data say nothing of it.",
+            f"{name} has no influence on the measured series at the optimum: there, the data say nothing about it.",
         )
     if linearisation is not None and linearisation.unclear:
         evidence = Evidence("linearisation", good_fits, influence=influence, sampling_bias=swarm)
@@ -301,8 +336,8 @@ def _judge_linearisation(
         return "undecided", evidence, sentence
     if linearisation.bent(name):
         sentence = (
-            f"{name} is undecided: {values}, but the model bends there, and the interval by likelihood differs by "
-            f"about {share(linearisation.bending_of(name))} on one side; 'geoswarm profile' calculates it."
+            f"{name} is undecided: {values}, but the model is nonlinear there, and the interval by likelihood differs "
+            f"by about {share(linearisation.bending_of(name))} on one side; 'geoswarm profile' calculates it."
         )
         return "undecided", evidence, sentence
     if width <= WIDTH_LIMIT and not (open_below or open_above):
@@ -315,15 +350,6 @@ def _judge_linearisation(
             f"{name} is only bounded from {side}: {values}, up to the {bound} bound or beyond.",
         )
     return "not_identified", evidence, f"{name} is not identified: {values}, {share(width)} of the searched range."
-
-
-def _several(name: str, linearisation: Linearisation, other: OtherFit) -> str:
-    index = linearisation.names.index(name)
-    here, there = float(linearisation.optimum[index]), float(other.parameters[index])
-    return (
-        f"{name} has more than one solution: {here:.4g}, and {there:.4g} with other values of the parameters, fit the "
-        "measurements equally well; the interval at the optimum holds around the first alone."
-    )
 
 
 def _other(pair: Correlation, name: str) -> str:

@@ -49,9 +49,7 @@ class ConsolidationSpec(FlowSpec):
     stages: tuple[ConsolidationStage, ...] = Field(
         min_length=1, max_length=MAX_STAGES, description="Loads in the order of their application."
     )
-    zero_at_stage: int = Field(
-        1, ge=1, description="Stage before whose application time, settlement and strain are zero."
-    )
+    zero_at_stage: int = Field(1, ge=1, description="Stage just before which time, settlement and strain are zero.")
     cells: int = Field(
         30,
         ge=4,

@@ -35,14 +35,14 @@ class CrsMovement(Part):
     rate: float | None = Field(
         None,
         gt=0.0,
-        description="Change of the axial strain in a day (1 %/h is 0.24); or give duration.",
+        description="Axial strain rate, 1/day (1 %/h is 0.24); or give duration.",
         json_schema_extra=in_unit("1/day", 0.01, 2, shown=True),
     )
     duration: float | None = Field(
         None,
         gt=0.0,
         le=MAX_DURATION,
-        description="Duration, day; exactly one of both is given.",
+        description="Duration, day; give exactly one of the two.",
         json_schema_extra=in_unit("day", shown=True),
     )
 

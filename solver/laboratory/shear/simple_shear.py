@@ -49,7 +49,7 @@ class _Ends(Part):
         None,
         ge=-MAX_STRESS,
         le=MAX_STRESS,
-        description="Shear stress at the end, kPa. Exactly one of both is given.",
+        description="Shear stress at the end, kPa. Give exactly one of the two.",
         json_schema_extra=in_unit("kPa", shown=True),
     )
 
@@ -66,14 +66,14 @@ class _Amplitudes(Part):
         None,
         gt=0.0,
         le=MAX_STRESS,
-        description="Half the range of the shear stress, kPa. Exactly one of both is given.",
+        description="Half the range of the shear stress, kPa. Give exactly one of the two.",
         json_schema_extra=in_unit("kPa", 5, 200, shown=True),
     )
 
 
 class _Kept(Part):
     constant: Constant | None = Field(
-        None, description="What stays as it is in this stage: volume or normal_stress; as in the test unless given."
+        None, description="What is held constant in this stage: volume or normal_stress; as in the test unless given."
     )
 
 
@@ -124,7 +124,7 @@ class DirectSimpleShearSpec(LaboratorySpec):
     )
     constant: Constant = Field(
         "volume",
-        description="What stays as it is during shearing: volume, or normal_stress, the vertical effective one.",
+        description="What is held constant during shearing: volume, or normal_stress, the vertical effective one.",
         json_schema_extra={"x-shown": True},
     )
     shearing: tuple[SimpleShearStage, ...] = Field(

@@ -38,7 +38,7 @@ class _Stresses(Part):
     @model_validator(mode="after")
     def _radial_stress(self) -> _Stresses:
         if isinstance(self.radial, float) and not 0.0 < self.radial <= MAX_STRESS:
-            raise ValueError(f"radial = {self.radial:g} kPa: above 0 and at most {MAX_STRESS:g} is accepted, or K0")
+            raise ValueError(f"radial must be above 0 and at most {MAX_STRESS:g} kPa, or K0; got {self.radial:g} kPa")
         return self
 
 
@@ -58,7 +58,7 @@ class _Ends(Part):
         None,
         ge=-MAX_STRESS,
         le=MAX_STRESS,
-        description="Deviator stress at the end, kPa; negative: extension. Exactly one of both is given.",
+        description="Deviator stress at the end, kPa; negative: extension. Give exactly one of the two.",
         json_schema_extra=in_unit("kPa", shown=True),
     )
 
@@ -75,7 +75,7 @@ class _Amplitudes(Part):
         None,
         gt=0.0,
         le=MAX_STRESS,
-        description="Half the range of the deviator stress, kPa. Exactly one of both is given.",
+        description="Half the range of the deviator stress, kPa. Give exactly one of the two.",
         json_schema_extra=in_unit("kPa", 5, 200, shown=True),
     )
 
@@ -85,7 +85,7 @@ class _Water(Part):
         None, description="Drainage of this stage; that of the test unless given."
     )
     constant: Literal["radial_stress", "mean_stress", "axial_stress"] = Field(
-        "radial_stress", description="Stress that stays as it is: effective with drainage, total without."
+        "radial_stress", description="Stress that is held constant: effective with drainage, total without."
     )
 
 
@@ -148,7 +148,7 @@ class TriaxialSpec(LaboratorySpec):
         0.0,
         ge=0.0,
         le=MAX_STRESS,
-        description="Pore pressure before shearing, kPa; it is added to the pore pressure, nothing else.",
+        description="Pore pressure before shearing, kPa; it is only added to the pore pressure.",
         json_schema_extra=in_unit("kPa", 0, 600),
     )
     water_bulk_modulus: float | None = Field(
@@ -190,6 +190,16 @@ class TriaxialSpec(LaboratorySpec):
             )
         require_pace(self.law, self.shearing)
         return self
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Rigid water, where nothing is said of it."""
+        if self.water_bulk_modulus is not None or not any(self.is_undrained(stage) for stage in self.shearing):
+            return ()
+        return (
+            "water_bulk_modulus is not given, so the pore water is rigid and undrained shearing keeps the volume, as "
+            "in a saturated specimen; give it, above 0 kPa, with initial_void_ratio where B was clearly below 1.",
+        )
 
     def sketch(self) -> Sketch:
         """A cylinder in its cell, consolidated and sheared."""

@@ -12,10 +12,11 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hypoplasticity.clay import SHAPE
 from geoswarm.solver.constitutive.hypoplasticity.step import CLAY, FIRST
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laws.base import Law, StateVariable
+from geoswarm.solver.laws.base import Law, StateTensor, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
 from geoswarm.solver.laws.hypoplasticity.shared import (
     HYPOPLASTIC_STATE,
+    HYPOPLASTIC_TENSORS,
     INTERGRANULAR,
     LEAST_PRESSURE,
     SHIFT,
@@ -136,6 +137,7 @@ class HypoplasticClay(Law):
     terms: ClassVar[tuple[Term, ...]] = (_CC, CRITICAL_FRICTION)
     derived: ClassVar[frozenset[str]] = frozenset({"e0"})
     state: ClassVar[tuple[StateVariable, ...]] = HYPOPLASTIC_STATE
+    tensors: ClassVar[tuple[StateTensor, ...]] = HYPOPLASTIC_TENSORS
     update: ClassVar[NumbaUpdate] = hypoplastic_step
 
     def contradiction(self, values: Mapping[str, float]) -> str | None:
@@ -143,14 +145,14 @@ class HypoplasticClay(Law):
         soft, stiff, phi = values.get("lambda_star"), values.get("kappa_star"), values.get("phi_c")
         if soft is not None and stiff is not None:
             if not stiff < soft:
-                return f"kappa_star = {stiff:g} with lambda_star = {soft:g}: kappa_star below lambda_star is accepted"
+                return f"kappa_star must be below lambda_star = {soft:g}, got {stiff:g}"
             if phi is not None and not stiff < (most := _largest_kappa(soft, phi)):
                 return (
-                    f"kappa_star = {stiff:g} with lambda_star = {soft:g} and phi_c = {phi:g} degree: "
-                    f"kappa_star below {most:.6g} is accepted"
+                    f"kappa_star must be below {most:.6g} with lambda_star = {soft:g} and "
+                    f"phi_c = {phi:g} degree, got {stiff:g}"
                 )
         if values.get("e0", 0.0) > 0.0 and values.get("OCR", 1.0) != 1.0:
-            return f"e0 = {values['e0']:g} and OCR = {values['OCR']:g} are both given; one of them is accepted"
+            return f"e0 = {values['e0']:g} and OCR = {values['OCR']:g} are both given; give only one of them"
         return intergranular_contradiction(values)
 
     def constants(self, given: Mapping[str, Any]) -> FloatArray:
@@ -212,8 +214,8 @@ class HypoplasticClay(Law):
         if wrong.any():
             at = first_of(wrong)
             raise InfeasibleError(
-                f"{name} = {e[at]:g} under a mean stress of {p[at] - shift:g} kPa: above 0 and at most {most[at]:.6g}, "
-                "that of normal consolidation, is accepted"
+                f"{name} = {e[at]:g} under a mean stress of {p[at] - shift:g} kPa; it must be above 0 and at most "
+                f"{most[at]:.6g}, that of normal consolidation"
             )
         return placed(stress, e, shift)
 

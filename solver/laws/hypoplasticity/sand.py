@@ -11,10 +11,11 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hypoplasticity.step import FIRST, SAND
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laws.base import Law, StateVariable
+from geoswarm.solver.laws.base import Law, StateTensor, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
 from geoswarm.solver.laws.hypoplasticity.shared import (
     HYPOPLASTIC_STATE,
+    HYPOPLASTIC_TENSORS,
     INTERGRANULAR,
     LEAST_PRESSURE,
     SHIFT,
@@ -149,6 +150,7 @@ class HypoplasticSand(Law):
     terms: ClassVar[tuple[Term, ...]] = (CRITICAL_FRICTION,)
     derived: ClassVar[frozenset[str]] = frozenset({"e0", "e00"})
     state: ClassVar[tuple[StateVariable, ...]] = HYPOPLASTIC_STATE
+    tensors: ClassVar[tuple[StateTensor, ...]] = HYPOPLASTIC_TENSORS
     update: ClassVar[NumbaUpdate] = hypoplastic_step
 
     def contradiction(self, values: Mapping[str, float]) -> str | None:
@@ -156,27 +158,27 @@ class HypoplasticSand(Law):
         for lower, upper in (("e_d0", "e_c0"), ("e_c0", "e_i0"), ("e_d0", "e_i0")):
             low, high = values.get(lower), values.get(upper)
             if low is not None and high is not None and not low < high:
-                return f"{lower} = {low:g} with {upper} = {high:g}: {lower} below {upper} is accepted"
+                return f"{lower} must be below {upper} = {high:g}, got {low:g}"
         e0, e00 = values.get("e0", 0.0), values.get("e00", 0.0)
         if e0 > 0.0 and e00 > 0.0:
-            return f"e0 = {e0:g} and e00 = {e00:g} are both given; exactly one of e0 and e00 is accepted"
+            return f"e0 = {e0:g} and e00 = {e00:g} are both given; give only one of them"
         for name, e in (("e0", e0), ("e00", e00)):
             most = values.get("e_i0", math.inf)
             if e > most:
-                return f"{name} = {e:g} with e_i0 = {most:g}: {name} at most e_i0 is accepted"
+                return f"{name} must be at most e_i0 = {most:g}, got {e:g}"
         least = values.get("e_d0", 0.0)
         if 0.0 < e00 <= least:
-            return f"e00 = {e00:g} with e_d0 = {least:g}: e00 above e_d0 is accepted"
+            return f"e00 must be above e_d0 = {least:g}, got {e00:g}"
         return intergranular_contradiction(values)
 
     def incomplete(self, given: frozenset[str]) -> str | None:
         """The initial void ratio."""
-        return None if len(given & {"e0", "e00"}) == 1 else "exactly one of e0 and e00 is accepted"
+        return None if len(given & {"e0", "e00"}) == 1 else "give exactly one of e0 and e00"
 
     def constants(self, given: Mapping[str, Any]) -> FloatArray:
         """Those that the class names."""
         if not given["e0"] and not given["e00"]:
-            raise InfeasibleError("e0 and e00: exactly one of e0 and e00 is accepted, a value above 0")
+            raise InfeasibleError("give exactly one of e0 and e00, a value above 0")
         sine = math.sin(math.radians(given["phi_c"]))
         a = critical_slope(sine)
         density = (given["e_i0"] - given["e_d0"]) / (given["e_c0"] - given["e_d0"])
@@ -210,8 +212,8 @@ class HypoplasticSand(Law):
         if wrong.any():
             at = first_of(wrong)
             raise InfeasibleError(
-                f"e0 = {e[at]:g} under a mean stress of {trace[at] / 3.0:g} kPa: above e_d = {e_d0 * shrunk[at]:.6g} "
-                f"and at most e_i = {e_i0 * shrunk[at]:.6g} is accepted"
+                f"e0 must be above e_d = {e_d0 * shrunk[at]:.6g} and at most e_i = {e_i0 * shrunk[at]:.6g} "
+                f"under a mean stress of {trace[at] / 3.0:g} kPa, got {e[at]:g}"
             )
         return placed(stress, e, float(constants[1]))
 

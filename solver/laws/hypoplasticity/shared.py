@@ -10,13 +10,14 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.constitutive.hypoplasticity.step import CONSTANTS, STATE, hypoplastic_update
-from geoswarm.solver.laws.base import StateVariable
+from geoswarm.solver.laws.base import StateTensor, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.sources import NIEMUNIS
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = [
     "HYPOPLASTIC_STATE",
+    "HYPOPLASTIC_TENSORS",
     "INTERGRANULAR",
     "LEAST_PRESSURE",
     "SHIFT",
@@ -117,6 +118,8 @@ HYPOPLASTIC_STATE: Final = (
         "of the stress shifted by p_t.",
     ),
 )
+HYPOPLASTIC_TENSORS: Final = (StateTensor(1, 2.0),)
+"""The intergranular strain among them."""
 
 
 @NumbaUpdate
@@ -166,7 +169,7 @@ def intergranular_contradiction(values: Mapping[str, float]) -> str | None:
                 )
     m_R, m_T = values.get("m_R"), values.get("m_T")
     if values.get("R", 0.0) > 0.0 and m_R is not None and m_T is not None and m_T > m_R:
-        return f"m_T = {m_T:g} with m_R = {m_R:g}: m_T at most m_R is accepted"
+        return f"m_T must be at most m_R = {m_R:g}, got {m_T:g}"
     return None
 
 

@@ -70,9 +70,7 @@ class SmoothCone(MohrCoulomb):
             size = abs(values[0]) + abs(values[2]) + cone[1]
             if cone_excess(values, cone) > _NOTICED * size or -values[2] > tension + _NOTICED * size:
                 found = ", ".join(f"{value:g}" for value in values.tolist())
-                raise InfeasibleError(
-                    f"initial principal stresses {found} kPa violate the strength; stresses within it are accepted"
-                )
+                raise InfeasibleError(f"initial principal stresses {found} kPa violate the strength; give others")
         return super().initial_state(stress, constants)
 
 

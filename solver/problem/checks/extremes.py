@@ -37,7 +37,7 @@ def _judged(path: str, observation: Observation) -> list[Issue]:
     graded = observation.point_weights[observation.point_weights > 0.0]
     wrong = graded[(graded < SMALLEST) | (graded > LARGEST)]
     if wrong.size:
-        message = f"weights of points are 0 or {_RANGE}, not {number(float(wrong[0]), plain=True)}"
+        message = f"weights of points must be 0 or {_RANGE}, got {number(float(wrong[0]), plain=True)}"
         issues.append(Issue(path, message))
     if observation.error is None:
         return issues

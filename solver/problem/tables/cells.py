@@ -90,7 +90,7 @@ def read_cells(content: bytes, name: str, sheet: str | None = None, *, numbers: 
     if "\0" in text:
         raise TableError(f"{name} is neither text (CSV) nor a workbook (XLSX, ODS)")
     if sheet is not None:
-        raise TableError(f"{name} is no workbook, so it has no sheet '{sheet}'")
+        raise TableError(f"{name} is not a workbook, so it has no sheet '{sheet}'")
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
     rows = [(line, list[Cell](cells)) for line, cells in table_rows(text, name)]
     return _below_header((), None, comments, rows, rows)

@@ -296,11 +296,11 @@ class _Reader:
         for i, (_, cell) in enumerate(x.cells):
             moment = moment_in(cell, form)
             if moment is None:
-                self._bad(i, x, f"no date, such as {expected}")
+                self._bad(i, x, f"not a date, such as {expected}")
             elif clock is not None:
                 since = time_of_day(clock.cells[i][1])
                 if since is None:
-                    self._bad(i, clock, "no time of day, such as 08:30 or 08:30:15")
+                    self._bad(i, clock, "not a time of day, such as 08:30 or 08:30:15")
                 else:
                     moment = day_of(moment) + since
             moments.append(moment or datetime.min)  # those without one are not used
@@ -314,7 +314,7 @@ class _Reader:
         for i, (_, cell) in enumerate(column.cells):
             value = number_in(cell) if sign is None else number_of(cell, sign)
             if value is None:
-                self._bad(i, column, "no finite number")
+                self._bad(i, column, "not a finite number")
             values.append(0.0 if value is None else value)
         return values
 
@@ -337,7 +337,7 @@ class _Reader:
         problem = f"'{str(cell)[:50]}' is {what}" if cell != "" else "the cell is empty"
         if formula:
             problem = f"{str(cell)[:50]} has no stored value; let a spreadsheet program calculate and save the workbook"
-        elif what == "no finite number" and (moment_in(cell, "day_first") or moment_in(cell, "month_first")):
+        elif what == "not a finite number" and (moment_in(cell, "day_first") or moment_in(cell, "month_first")):
             problem += "; x_dates: day_first or month_first says how a date is written"
         self._messages.append((line, f"{self._name} line {line}, column {column.name}: {problem}"))
 

@@ -69,8 +69,7 @@ def evidence(cells: Iterable[Cell]) -> Evidence:
 
 def _signs(cell: str) -> list[DecimalSign]:
     found: list[DecimalSign] = []
-    for sign, mark in _SIGNS.items():
-        known: DecimalSign = "comma" if sign == "comma" else "point"
+    for known, mark in _SIGNS.items():
         if mark not in cell:
             continue
         plain = _DECIMALS[known].fullmatch(cell) and not _GROUPS[known].fullmatch(cell)

@@ -83,7 +83,7 @@ def _range(sheet: Sheet, wanted: str, file: str) -> list[tuple[int, Cell]]:
     first, last = column_number(address[1]), column_number(address[3] or address[1])
     top, bottom = int(address[2]), int(address[4] or address[2])
     if (first != last and top != bottom) or first > last or top > bottom:
-        raise TableError(f"{file}: cells {wanted} are no column such as B5:B30 and no row such as B5:M5")
+        raise TableError(f"{file}: cells {wanted} are neither a column such as B5:B30 nor a row such as B5:M5")
     known = max(sheet.grid, default=0)
     if bottom > known or last >= MAX_COLUMNS:
         raise TableError(f"{file}: cells {wanted} reach beyond the sheet, whose last row is {known}")

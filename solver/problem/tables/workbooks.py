@@ -87,7 +87,7 @@ def _explained(name: str) -> Iterator[None]:
         # RuntimeError: a part is encrypted; NotImplementedError: packed in a way that Python does not know
         raise TableError(f"{name} cannot be read as an XLSX or ODS workbook: {error}") from None
     except (KeyError, ValueError, IndexError, EOFError, OSError) as error:
-        raise TableError(f"{name} is no complete XLSX or ODS workbook: {error}") from None
+        raise TableError(f"{name} is not a complete XLSX or ODS workbook: {error}") from None
 
 
 def _opened(content: bytes, name: str) -> zipfile.ZipFile:

@@ -91,7 +91,7 @@ def _from_json(text: str) -> Any:
     try:
         return json.loads(text, object_pairs_hook=_without_duplicates)
     except _DuplicateError as error:
-        raise _error(f"key '{_short(error.key)}' is given twice, again{duplicate_place(text)}") from None
+        raise _error(f"key '{_short(error.key)}' is given twice, the second time{duplicate_place(text)}") from None
     except json.JSONDecodeError as error:
         raise _error(f"JSON syntax error in line {error.lineno}, column {error.colno}: {error.msg}") from None
     except ValueError:
@@ -122,7 +122,7 @@ def _from_yaml(text: str) -> Any:
         return reader().load(text)
     except DuplicateKeyError as error:
         key = str(error.problem).partition('"')[2].partition('"')[0]
-        raise _error(f"key '{_short(key)}' is given twice, again{_place(error.problem_mark)}") from None
+        raise _error(f"key '{_short(key)}' is given twice, the second time{_place(error.problem_mark)}") from None
     except MarkedYAMLError as error:
         place = _place(error.problem_mark or error.context_mark)
         raise _error(

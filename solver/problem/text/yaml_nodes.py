@@ -56,7 +56,7 @@ def _refuse_repetition(root: Any) -> None:
             known = sizes[id(node)]
             if known is None:
                 place = f"line {node.start_mark.line + 1}, column {node.start_mark.column + 1}"
-                raise ProblemError([Issue("", f"what begins in {place} contains itself by an alias (*)")])
+                raise ProblemError([Issue("", f"what starts in {place} contains itself by an alias (*)")])
             return known
         sizes[id(node)] = None
         total = 1
@@ -68,5 +68,5 @@ def _refuse_repetition(root: Any) -> None:
         return total
 
     if size(root) - len(sizes) > MAX_REPEATED:
-        message = f"aliases and merge keys (*name, <<) repeat more than {MAX_REPEATED} values, which is the most"
-        raise ProblemError([Issue("", f"{message} that is accepted")])
+        message = f"aliases and merge keys (*name, <<) repeat more than {MAX_REPEATED} values, the maximum"
+        raise ProblemError([Issue("", f"{message}")])

@@ -1,4 +1,4 @@
-"""The report: what stands in it, as HTML and PDF.
+"""The report: its contents, as HTML and PDF.
 
 ==================  =======================================================
 ``build``           :class:`Report`: statistics, figures, HTML and PDF

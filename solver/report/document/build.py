@@ -7,6 +7,9 @@ from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability import (
@@ -18,10 +21,12 @@ from geoswarm.solver.identifiability import (
     linearise,
 )
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
-from geoswarm.solver.identifiability.optimum.basins import equivalent_objective, heads_elsewhere
+from geoswarm.solver.identifiability.optimum.basins import equivalent_objective, exchangeable, heads_elsewhere
 from geoswarm.solver.identifiability.optimum.bending import likelihood_intervals
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
+from geoswarm.solver.identifiability.optimum.hidden import Unseen
 from geoswarm.solver.identifiability.optimum.polish import Polished, polish
+from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.document.content import Content, report_content
@@ -37,8 +42,11 @@ __all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
 
 
 _MOST_RUNS = 2000  # of one polish
-_MOST_BASINS = 2  # beside that of the best sample
+_MOST_DESCENTS = 12  # beside that from the best sample
+_MOST_SWAPS = 10  # pairs of parameters
+_HEIGHT = 2.0  # times as high as a basin reaches: descents cost little
 _BETTER = 1e-9  # relative decrease of the objective
+_SAME = 1e-9  # relative difference of parameters
 
 
 class Report:
@@ -79,6 +87,9 @@ class Report:
         noise: Mapping[str, float] | float | None = None,
         uncertainty: Uncertainty = NOTHING_FURTHER,
     ) -> None:
+        follow_up = follow_up_of(problem)
+        if follow_up is not None and not follow_up.compares:  # its objectives compare with no reading
+            record, samples = replace(record, best=None), samples.select(np.empty(0, dtype=np.int64))
         self.problem = problem
         self.record = record
         self.samples = samples
@@ -96,7 +107,8 @@ class Report:
                 noise=noise,
                 linearisation=found if optimum is None else optimum.linearisation,
                 at_optimum=uncertainty.findings.responses if optimum is None else optimum.polished.evaluation.responses,
-                elsewhere=() if optimum is None else optimum.elsewhere,
+                elsewhere=(*(() if optimum is None else optimum.elsewhere), *uncertainty.findings.explored),
+                looked=() if optimum is None else optimum.looked,
             )
 
     def with_threshold(self, threshold: float) -> Report:
@@ -117,6 +129,16 @@ class Report:
             noise=self._noise,
             uncertainty=self.uncertainty,
         )
+
+    @property
+    def lowest_objective(self) -> float:
+        """At the optimum that is reported: polished where somebody went there, of the best evaluation otherwise."""
+        findings = self.uncertainty.findings
+        if self.optimum is not None:
+            return float(self.optimum.polished.objective)
+        if findings.linearisation is not None and findings.objective is not None:
+            return findings.objective
+        return float(self.samples.objectives[self.samples.best])
 
     @cached_property
     def figures(self) -> FigureSet:
@@ -170,6 +192,7 @@ def report_of_result(
     *,
     threshold: float | None = None,
     linearise: bool | None = None,
+    noise: Mapping[str, float] | float | None = None,
 ) -> Report:
     """Make the report of a run in this process.
 
@@ -177,14 +200,16 @@ def report_of_result(
     ----------
     linearise
         Whether to polish the optimum and calculate the sensitivities there, with some hundred further forward runs of a
-        quick model, from stored runs otherwise. By default after a swarm only: the best of a sampling is no optimum.
+        quick model, from stored runs otherwise. By default after a swarm only: the best of a sampling is not an
+    optimum. noise
+        Known standard deviation of a reading, base units; that of the problem file when absent.
     """
     samples = Samples.from_result(problem, result)
     wanted = problem.method.role == "search" if linearise is None else linearise
-    found = linearise_here(problem, samples, result.seed) if wanted and samples.size else None
-    stored = linearise_stored(problem, samples, result.seed) if wanted and found is None else None
+    found = linearise_here(problem, samples, result.seed, noise=noise) if wanted and samples.size else None
+    stored = linearise_stored(problem, samples, result.seed, noise=noise) if wanted and found is None else None
     record = record_of_result(problem, result)
-    return Report(problem, record, samples, threshold=threshold, optimum=found, linearisation=stored)
+    return Report(problem, record, samples, threshold=threshold, optimum=found, linearisation=stored, noise=noise)
 
 
 def linearise_stored(
@@ -211,27 +236,77 @@ def linearise_here(
     if not problem.forward_model.quick:
         return None
     calibration = Calibration(problem, seed)
-    known = problem_noise(problem) if noise is None else known_noise(problem, noise)
     try:
-        best = polish(calibration, samples.parameters[samples.best], max_evaluations=_MOST_RUNS)
-        found = _linearise(calibration, best, noise)
-        limit = equivalent_objective(calibration, best.objective, known)
-        heads = heads_elsewhere(samples, found, limit, best.objective)[:_MOST_BASINS]
-        further = [polish(calibration, samples.parameters[head], max_evaluations=_MOST_RUNS) for head in heads]
-        for other in sorted(further, key=lambda polished: polished.objective)[:1]:
-            if other.objective < best.objective * (1.0 - _BETTER):
-                others = [best, *(polished for polished in further if polished is not other)]
-                # what is told is the way from the best evaluation, wherever the best descent began
-                runs = best.evaluations + sum(polished.evaluations for polished in further)
-                found = _linearise(calibration, other, noise)
-                best, further = replace(other, start_objective=best.start_objective, evaluations=runs), others
+        descents = _Descents(calibration, samples, noise)
+        descents.settle()
+        descents.swap()
+        if descents.settle():
+            descents.swap()
+        found = likelihood_intervals(calibration, descents.found)
     except SolverError:
         return None
-    return Optimum(best, found, tuple((polished.parameters, polished.objective) for polished in further))
+    return Optimum(descents.told, found, tuple(descents.further), tuple(descents.looked))
 
 
-def _linearise(
-    calibration: Calibration, polished: Polished, noise: Mapping[str, float] | float | None
-) -> Linearisation:
-    found = from_evaluations(calibration, *evaluate_differences(calibration, polished.parameters), noise=noise)
-    return likelihood_intervals(calibration, found)
+class _Descents:
+    """Descents from the best sample, and from runs that point to other basins, until none is left.
+
+    Parameters
+    ----------
+    calibration, samples
+        The problem and its runs.
+    noise
+        Known standard deviation of a reading, base units; that of the problem file when None.
+    """
+
+    def __init__(self, calibration: Calibration, samples: Samples, noise: Mapping[str, float] | float | None) -> None:
+        problem = calibration.problem
+        self._calibration, self._samples, self._noise = calibration, samples, noise
+        self._known = problem_noise(problem) if noise is None else known_noise(problem, noise)
+        self.best = self._first = polish(calibration, samples.parameters[samples.best], max_evaluations=_MOST_RUNS)
+        self.found = self._linearise()
+        self._runs, self._left = self.best.evaluations, _MOST_DESCENTS
+        self.further: list[tuple[FloatArray, float]] = []
+        """Minima beside the best, and other runs that were made."""
+        self.looked: list[FloatArray] = []
+        """Where descents have begun or ended."""
+
+    @property
+    def told(self) -> Polished:
+        """The best minimum; what is told is the way from the best sample, wherever its descent began."""
+        return replace(self.best, start_objective=self._first.start_objective, evaluations=self._runs)
+
+    def settle(self) -> bool:
+        """Descend wherever another basin shows; return whether the best minimum changed."""
+        before = self.best
+        while self._left and (start := self._next()) is not None:
+            other = polish(self._calibration, start, max_evaluations=_MOST_RUNS)
+            self._left, self._runs = self._left - 1, self._runs + other.evaluations
+            self.looked += [start, other.parameters]
+            if other.objective < self.best.objective * (1.0 - _BETTER):
+                self.best, other = other, self.best
+                self.found = self._linearise()
+            self.further.append((other.parameters, other.objective))
+        return self.best is not before
+
+    def swap(self) -> None:
+        """Run the best minimum with the values of exchangeable parameters swapped."""
+        pairs = exchangeable(self._calibration, self.best.parameters)[:_MOST_SWAPS]
+        runs = [self._calibration.evaluate(place) for _, _, place in pairs]
+        self.further += [(run.parameters, run.objective) for run in runs if run.objective is not None]
+
+    def _linearise(self) -> Linearisation:
+        differences = evaluate_differences(self._calibration, self.best.parameters)
+        return from_evaluations(self._calibration, *differences, noise=self._noise)
+
+    def _next(self) -> FloatArray | None:
+        """Where to go down next: the best run that points to another basin, or a good one that was left."""
+        samples, found, best = self._samples, self.found, self.best.objective
+        limit = equivalent_objective(self._calibration, best, self._known)
+        unseen = Unseen.of(samples, found, best, self.further)
+        rows = unseen.unfinished(0.0, [samples.to_unit(place) for place in self.looked], height=_HEIGHT, made=True)
+        starts = [place for place, _ in unseen.places_of(self._calibration.space, rows)]
+        starts += [samples.parameters[head] for head in heads_elsewhere(samples, found, limit, best)]
+        done = np.array([*self.looked, self.best.parameters])
+        new = (place for place in starts if not np.isclose(done, place, rtol=_SAME, atol=0.0).all(axis=1).any())
+        return next(new, None)

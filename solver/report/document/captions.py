@@ -20,8 +20,8 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
     ),
     "profiles": (
         "Profile objectives",
-        "The lowest objective for every value of one parameter, the others fitted anew. The interval ends where the "
-        "profile crosses the dashed line; where it stays below up to the bound, the data leave the parameter open.",
+        "The lowest objective for every value of one parameter, the others refitted. The interval ends where the "
+        "profile crosses the dashed line; where it stays below up to the bound, the data do not limit the parameter.",
         True,
     ),
     "posterior": (
@@ -36,6 +36,20 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
         "absolute elementary effect, and its spread. Whiskers: 95 % intervals.",
         True,
     ),
+    "prediction": (
+        "Prediction",
+        "Effect of the uncertainty of the identified parameters on another forward model: median, and the band that "
+        "holds the stated share at each x. Dotted: the same for future readings, which have an error of their own. "
+        "Dashed: the curve at the optimum, of several basins at each with its share.",
+        True,
+    ),
+    "design": (
+        "Which test next",
+        "Candidate tests or measuring points by how much they would narrow the intervals: the bar by the "
+        "criterion of the order, a mark for each parameter. Expected from the sensitivities at the optimum, of all "
+        "basins and of draws around them.",
+        True,
+    ),
     "sketch": ("The test", "The specimen or the ground, and the loading programme.", True),
     "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
     "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
@@ -48,7 +62,7 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
     ),
     "classical": (
         "Classical evaluation",
-        "What a ruler finds on the readings, without the model: its lines and points. Root and logarithm of time "
+        "Classical evaluation of the readings, without the model: lines and points. Root and logarithm of time "
         "belong to the largest load that allows them; strains are those of the initial height.",
         True,
     ),

@@ -1,4 +1,4 @@
-"""What stands in a report, in order: verdicts, pictures, tables, provenance. HTML and PDF only differ in form."""
+"""Contents of a report, in order: verdicts, pictures, tables, provenance. HTML and PDF differ only in form."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 from geoswarm.solver.identifiability import Statistics
 from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.stored.basin_words import where_intervals_hold
 from geoswarm.solver.identifiability.stored.findings import follow_up_of
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
 from geoswarm.solver.report.curves import objective_unit, series_shares
@@ -17,13 +18,14 @@ from geoswarm.solver.report.document.captions import CAPTIONS
 from geoswarm.solver.report.document.laboratory import laboratory_tables
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
+from geoswarm.solver.report.document.residual_table import residual_table
 from geoswarm.solver.report.document.scope import not_modelled
 from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
 from geoswarm.solver.report.record import BestFit, Optimum, RunRecord, method_in_words
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
-from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset, verdict_in_words
+from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset
 
 __all__ = ["Content", "report_content"]
 
@@ -47,7 +49,7 @@ class Content:
 
     @property
     def classical(self) -> tuple[Table, ...]:
-        """Tables that stand beside the constructions of the classical evaluation."""
+        """Tables next to the constructions of the classical evaluation."""
         return tuple(table for table in self.tables if table.classical)
 
     @property
@@ -109,6 +111,7 @@ def report_content(
                 typeset,
                 (
                     *reading_notes(problem),
+                    *(f"Assumed: {sentence}" for sentence in problem.forward_model.assumptions),
                     *(_notes(problem, statistics) if judged and statistics is not None else ()),
                     *uncertainty.notes,
                 ),
@@ -125,7 +128,8 @@ def report_content(
 def _picture(figures: FigureSet, name: str) -> Picture:
     heading, caption, wide = CAPTIONS.get(name.partition(".")[0], (name, "", False))
     wide = wide or (name == "fit" and figures.fit_is_wide)
-    return Picture(name, *(figures.told(name) or (heading, caption)), wide)
+    told = figures.told(name) or (heading, caption)
+    return Picture(name, told[0], told[1] or caption, wide)
 
 
 _HEADINGS = {
@@ -140,6 +144,11 @@ def _alarm(fit: FitVerdict | None, uncertainty: Uncertainty) -> Alarm | None:
         if found is not None and found.wrong:
             remedies = tuple(map(typeset, found.remedies))
             return Alarm(found.kind, _HEADINGS[found.kind], typeset(found.sentence), remedies)
+    findings = uncertainty.findings
+    alarms = [one.alarm for one in findings.predictions] + [one.alarm for one in findings.designs]
+    for told in alarms:
+        if told is not None:
+            return Alarm("lack_of_fit", _HEADINGS["lack_of_fit"], typeset(told), ())
     return None
 
 
@@ -166,7 +175,7 @@ def _card(
         _quantity(value, label.unit),
         remark,
         verdict.kind,
-        verdict_in_words(verdict.kind),
+        verdict.words,
         typeset(verdict.sentence),
         proposals,
     )
@@ -219,7 +228,9 @@ def _tables(
         ]
         misfit = f"misfit f′ [{unit}]" if unit else "misfit f′ [(unit of the series)²]"
         columns = ("series", "weight w", misfit, "share of the objective", "root mean square")
-        tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3, 4)))
+        losses = ", ".join(f"{o.series} ({o.loss.kind})" for o in problem.observations if o.loss is not None)
+        note = f"Of series with a loss, the root of the mean loss: {losses}." if losses else ""
+        tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3, 4), note))
     if statistics is not None and len(statistics.pearson.names) > 1 and follow_up_of(problem) is None:
         tables.append(_correlation_table(statistics, labels))
     if statistics is not None:
@@ -259,7 +270,9 @@ def _parameter_table(
         rows.append(tuple(cells))
     more = () if polished is None else ("polished",)
     columns = ("parameter", "best value", *more, "unit", "search range", "scale", "95 % interval")
-    note = "A dash: no interval can be given, because the data do not determine the parameter or nobody asked for it."
+    note = "A dash: no interval can be given, because the data do not determine the parameter or it was not requested."
+    if statistics is not None and statistics.linearisation is not None:
+        note += f" {typeset(where_intervals_hold(statistics.basins.hidden))}"
     if polished is not None:
         p = uncertainty.findings if optimum is None else optimum.polished
         unit = objective_unit(problem)
@@ -308,9 +321,11 @@ def _interval(statistics: Statistics | None, name: str, doubt: str) -> str:
     """The interval of a parameter, what it rests on, and why it may not hold; a dash without one."""
     linearisation = None if statistics is None else statistics.linearisation
     interval = None if linearisation is None else linearisation.interval(name)
-    if linearisation is None or interval is None:
+    if statistics is None or linearisation is None or interval is None:
         return "–"
     rests = linearisation.basis_in_words(name)
+    if any(name in other.differs for other in statistics.basins.others):
+        rests += ", in the first of several basins" if rests else "in the first of several basins"
     return f"{' … '.join(ends(*interval))}{rests and f', {rests}'}{doubt}"
 
 
@@ -330,21 +345,7 @@ def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -
         columns = ("singular value", "combination", "the data")
         tables.append(Table("Combinations of parameters at the optimum", columns, tuple(rows), (0,), note))
     if statistics.residuals:
-        examined = [
-            (
-                r.series,
-                str(r.residuals.size),
-                number(r.deviation, 3),
-                number(r.bias, 2),
-                "–" if r.runs is None else f"{r.runs} of {number(r.expected_runs, 3)}",
-                number(r.durbin_watson, 3),
-            )
-            for r in statistics.residuals
-        ]
-        headings = ("series", "points", "deviation", "bias", "runs of expected", "Durbin-Watson")
-        where = "polished optimum" if statistics.residuals_at_optimum else "best evaluation"
-        note = f"Residuals of the {where} in base units; Durbin-Watson is 2 for independent residuals."
-        tables.append(Table("Residuals", headings, tuple(examined), (1, 2, 3, 4, 5), note))
+        tables.append(residual_table(statistics))
     return tables
 
 
@@ -353,9 +354,9 @@ def _notes(problem: Problem, statistics: Statistics) -> tuple[str, ...]:
     how = "given" if threshold.origin == "given" else f"proposed, {threshold.explanation}"
     notes = [f"Good fits: {statistics.filtered.statement}. The threshold was {how}."]
     if statistics.samples.source == "mixed":
-        notes.append("Widths and correlations come from the Monte Carlo samples alone; the swarm's are biased.")
+        notes.append("Widths and correlations come from the Monte Carlo samples only; the swarm's are biased.")
     if statistics.samples.failed:
-        notes.append(f"{statistics.samples.failed} evaluations failed and take no part.")
+        notes.append(f"{statistics.samples.failed} evaluations failed and are left out.")
     fit = statistics.fit  # stands at the head
     told = {" ".join((fit.sentence, *fit.remedies))} if fit.wrong else set()
     notes += not_modelled(problem)

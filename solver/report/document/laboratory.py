@@ -27,7 +27,7 @@ def laboratory_tables(
     responses: Mapping[str, FloatArray] | None,
     doubt: str,
 ) -> list[Table]:
-    """Return the tables, none where there is nothing to tell.
+    """Return the tables, if there are any.
 
     Parameters
     ----------

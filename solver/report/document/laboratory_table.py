@@ -26,19 +26,19 @@ _SWELLING = (
     "for ν = 0.15, 0.5 in common rules. "
 )
 _CLASSICAL = (
-    " What stands under the readings comes from them alone, without the model, and beside it what the same rules give "
+    " Values from the readings rest on these alone, without the model; beside them is what the same rules give "
     "on the calculated curve: Cc from the steepest part of first loading, Cs "
     "from all unloadings, σ′p after Casagrande (1936; one void ratio as long as one decade of stress) and where two "
     "lines meet in ln(1 + e) over log σ′ (Butterfield 1979; Onitsuka et al. 1995), c_v by the root of time (Taylor "
     "1942) and its logarithm (Casagrande & Fadum 1940), Cα from the last half decade of time, strength from Mohr "
-    "circles. Of single stages that of the largest load stands here."
+    "circles. Of single stages, that of the largest load is shown."
 )
 _MISSING = " Give initial_void_ratio in the forward model for Cc, Cs and Cα themselves."
 
 
 @dataclass(frozen=True, slots=True)
 class Beside:
-    """What stands beside identified values.
+    """Values shown next to identified ones.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def stage_table(readings: Sequence[ClassicalValue], calculated: Sequence[Classic
 
 
 def index_table(estimates: Sequence[ParameterEstimate], problem: Problem) -> Table | None:
-    """What each correlation lets expect, beside the bounds; None without index properties."""
+    """Values expected from each correlation, next to the bounds; None without index properties."""
     if not estimates:
         return None
     rows = []
@@ -216,7 +216,7 @@ def index_table(estimates: Sequence[ParameterEstimate], problem: Problem) -> Tab
         "Limits, plasticity and water content are in per cent. In brackets: published scatter. Correlations hold for "
         "the soils of their source; one that is used beyond its range says so."
     )
-    return Table("What the index properties let expect", columns, tuple(rows), (1,), note, classical=True)
+    return Table("What the index properties suggest", columns, tuple(rows), (1,), note, classical=True)
 
 
 def laboratory_document(values: Sequence[LaboratoryValue] | Sequence[ClassicalValue]) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ __all__ = ["Alarm", "Card", "Picture", "Table"]
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """What stands before everything else, where results do not hold: heading, what is wrong, what to do."""
+    """What comes before everything else if results do not hold: heading, what is wrong, what to do."""
 
     kind: str
     heading: str

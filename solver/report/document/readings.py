@@ -15,7 +15,7 @@ _MOST_ROWS = 50
 
 
 def reading_notes(problem: Problem) -> Iterator[str]:
-    """One sentence a series that has anything to tell."""
+    """One sentence for each series with notes."""
     for o in problem.observations:
         if o.notes:
             yield f"Readings of {o.series}: {'; '.join(o.notes)}."
@@ -35,7 +35,7 @@ def gross_error_table(problem: Problem) -> Table | None:
         ]
     if not rows:
         return None
-    note = "They are shown as crosses in the figures and take no part in misfits, statistics and classical values."
+    note = "They are shown as crosses in the figures and left out of misfits, statistics and classical values."
     if len(rows) > _MOST_ROWS:
         note += f" The first {_MOST_ROWS} of {len(rows)} are listed."
     return Table("Readings marked as gross errors", ("series", "x", "measured"), tuple(rows[:_MOST_ROWS]), (1, 2), note)

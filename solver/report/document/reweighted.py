@@ -1,4 +1,4 @@
-"""Stored evaluations under other weights, as the HTTP interface and the command line tell of them."""
+"""Stored evaluations under other weights, as the HTTP interface and the command line show them."""
 
 from __future__ import annotations
 

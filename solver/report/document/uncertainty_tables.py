@@ -8,6 +8,7 @@ from geoswarm.solver.identifiability.optimum.profiles import Profile
 from geoswarm.solver.identifiability.stored.global_sensitivity import GlobalSensitivity
 from geoswarm.solver.identifiability.stored.posterior import Posterior
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.document.outlook_tables import design_table, prediction_table
 from geoswarm.solver.report.document.parts import Table
 from geoswarm.solver.report.figures.labels import ParameterLabel
 from geoswarm.solver.report.uncertainty import Uncertainty
@@ -25,6 +26,8 @@ def uncertainty_tables(problem: Problem, uncertainty: Uncertainty, labels: dict[
     if uncertainty.posterior is not None:
         tables.append(_posterior_table(uncertainty.posterior, labels))
     tables += [_index_table(found, labels) for found in findings.global_sensitivities]
+    tables += [prediction_table(prediction) for prediction in findings.predictions]
+    tables += [design_table(design, labels) for design in findings.designs]
     return tables
 
 
@@ -42,7 +45,10 @@ def _profile_table(problem: Problem, profiles: tuple[Profile, ...], labels: dict
         whole = f"{number(low, 3)} … {number(high, 3)}"
         rows.append((label.symbol, *ends, label.unit, seen, whole, str(len(profile.values))))
     columns = ("parameter", "lower end", "upper end", "unit", "profiled over", "search range", "points")
-    note = "Open: the objective stays below the limit up to the bound, so the data do not limit the parameter there."
+    note = (
+        "Open: the objective stays below the limit up to the bound, so the data do not limit the parameter there. "
+        "A profile starts from its optimum, so the interval holds within its basin."
+    )
     return Table("95 % intervals by profile objectives", columns, tuple(rows), (1, 2, 6), note)
 
 
@@ -57,7 +63,8 @@ def _posterior_table(posterior: Posterior, labels: dict[str, ParameterLabel]) ->
     note = (
         f"{len(posterior.parameters)} samples, worth {posterior.effective} independent ones; acceptance "
         f"{posterior.acceptance:.2f}; error of the log-likelihood by the response surface "
-        f"{number(posterior.surface_error, 2)}: {trusted}. A dash: the sample reaches the edge of the sampled region."
+        f"{number(posterior.surface_error, 2)}: {trusted}. "
+        "It holds within the sampled region only. A dash: the sample reaches the edge of that region."
     )
     interval = f"{posterior.level:.0%} credible interval".replace("%", " %")
     return Table("Posterior sample", ("parameter", "median", interval, "unit"), tuple(rows), (1,), note)

@@ -1,4 +1,4 @@
-"""Figure of the constructions of a classical evaluation: readings, lines, and what they tell, one panel each."""
+"""Figure of the constructions of a classical evaluation: readings, lines and results, one panel each."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def chosen_constructions(found: Sequence[Construction]) -> tuple[Construction, .
 
 
 def construction_figure(title: str, constructions: Sequence[Construction]) -> Figure:
-    """Draw constructions beside each other."""
+    """Draw constructions side by side."""
     from matplotlib.figure import Figure
 
     columns = 2 if len(constructions) > 1 else 1

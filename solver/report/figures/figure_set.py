@@ -12,7 +12,9 @@ from geoswarm.solver.estimates.classical import classical_evaluation
 from geoswarm.solver.estimates.construction import Construction
 from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.identifiability import Samples, Statistics
+from geoswarm.solver.identifiability.prediction.bands import Prediction
 from geoswarm.solver.identifiability.stored.findings import follow_up_of
+from geoswarm.solver.identifiability.worth.outcome import Design
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.compression import CompressionCurve, compression_curves
 from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
@@ -32,8 +34,10 @@ from geoswarm.solver.report.figures.fit_plot import (
     stages_figure,
 )
 from geoswarm.solver.report.figures.intervals_plot import IntervalRow, interval_rows, intervals_figure
-from geoswarm.solver.report.figures.labels import parameter_labels
+from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
 from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure, matrix_rows
+from geoswarm.solver.report.figures.outlook.design_plot import design_figure, design_rows
+from geoswarm.solver.report.figures.outlook.prediction_plot import prediction_figure, prediction_rows
 from geoswarm.solver.report.figures.progress_plots import convergence_figure, convergence_rows, traces_figure
 from geoswarm.solver.report.figures.sketch_plot import sketch_figure, sketch_rows
 from geoswarm.solver.report.figures.uncertainty_plots import (
@@ -45,9 +49,9 @@ from geoswarm.solver.report.figures.uncertainty_plots import (
     profiles_figure,
 )
 from geoswarm.solver.report.record import RunRecord
+from geoswarm.solver.report.slug import slug
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.sketches.drawing import DrawnSketch
-from geoswarm.solver.words import verdict_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,6 +65,7 @@ class FigureSet:
     """All figures of one run.
 
     ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity,
+    prediction.NAME (one each), design,
     sketch (of a test; sketch.PART of each of several), fit, stages.SERIES (one a series that was measured during
     several loads), compression (of a laboratory test; compression.PART of each of several), those that a test
     declares (stress_path, shear_modulus, compression_line), classical (constructions on the readings), convergence,
@@ -200,9 +205,11 @@ class FigureSet:
         return len(self._problem.observations) > MOST_BELOW_EACH_OTHER
 
     def told(self, name: str) -> tuple[str, str] | None:
-        """Heading and caption of a figure that the problem's own test declares."""
+        """Heading and caption of a figure that is named by what it shows; an empty caption: the usual one."""
         if name in self._sketches:
             return self._sketches[name].sketch.test, self._sketches[name].words
+        if name in self._predictions:
+            return f"Prediction: {self._predictions[name].name}", ""
         if name in self._diagrams:
             return self._diagrams[name].diagram.heading, self._diagrams[name].diagram.caption
         return None
@@ -232,7 +239,23 @@ class FigureSet:
                 lambda: indices_figure(f"{title}: influence", findings.global_sensitivities, self._labels, units),
                 lambda: index_rows(findings.global_sensitivities),
             )
+        for name, prediction in self._predictions.items():
+            makers[name] = _prediction(prediction)
+        if self._uncertainty.findings.designs:
+            makers["design"] = _design(self._uncertainty.findings.designs[0], self._labels)
         return makers
+
+    @cached_property
+    def _predictions(self) -> dict[str, Prediction]:
+        """By the name of the figure."""
+        found: dict[str, Prediction] = {}
+        for prediction in self._uncertainty.findings.predictions:
+            plain = f"prediction.{slug(prediction.name)}"
+            name, number = plain, 2
+            while name in found:
+                name, number = f"{plain}-{number}", number + 1
+            found[name] = prediction
+        return found
 
     @cached_property
     def _curves(self) -> list[SeriesCurve]:
@@ -277,10 +300,20 @@ class FigureSet:
                     None if linearisation is None else linearisation.interval(name),
                     0.95 if linearisation is None else linearisation.level,
                     None if linearisation is None else float(linearisation.optimum[index]),
-                    verdict_in_words(verdict.kind),
+                    verdict.words,
                 )
             )
         return rows
+
+
+def _prediction(prediction: Prediction) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    doubt = " (the model does not describe the data)" if prediction.alarm else ""
+    return lambda: prediction_figure(f"{prediction.name}{doubt}", prediction), lambda: prediction_rows(prediction)
+
+
+def _design(design: Design, labels: dict[str, ParameterLabel]) -> tuple[Callable[[], Figure], Callable[[], Rows]]:
+    doubt = " (the model does not describe the data)" if design.alarm else ""
+    return lambda: design_figure(f"{design.name}{doubt}", design, labels), lambda: design_rows(design)
 
 
 def _stages(title: str, curve: SeriesCurve) -> tuple[Callable[[], Figure], Callable[[], Rows]]:

@@ -103,12 +103,18 @@ def stages_figure(title: str, curve: SeriesCurve) -> Figure:
 def fit_rows(curves: Sequence[SeriesCurve]) -> tuple[list[str], list[list[object]]]:
     """Return header and rows of the figure's numbers: one row a measured point, those of gross errors last."""
     header = ["series", "x", "x_unit", "measured", "calculated", "residual", "y_unit"]
+    weighted = any(c.loss_weights is not None for c in curves)
+    header += ["loss_weight"] if weighted else []
     rows: list[list[object]] = []
     for c in curves:
         numbers = zip(c.measured_x.tolist(), c.measured_y.tolist(), c.at_points.tolist(), strict=True)
-        rows += [[c.series, x, c.x_unit, y, f, f - y, c.y_unit] for x, y, f in numbers]
+        own: list[list[object]] = [[c.series, x, c.x_unit, y, f, f - y, c.y_unit] for x, y, f in numbers]
+        if weighted:
+            weights = [""] * len(own) if c.loss_weights is None else c.loss_weights.tolist()
+            own = [[*row, weight] for row, weight in zip(own, weights, strict=True)]
+        rows += own
         gross = zip(c.gross_x.tolist(), c.gross_y.tolist(), strict=True)
-        rows += [[c.series, x, c.x_unit, y, "gross error", "", c.y_unit] for x, y in gross]
+        rows += [[c.series, x, c.x_unit, y, "gross error", "", c.y_unit, *([""] if weighted else [])] for x, y in gross]
     return header, rows
 
 
@@ -132,9 +138,15 @@ def _residuals(axes: Axes, curve: SeriesCurve) -> None:
     axes.plot(
         curve.measured_x, curve.residuals, linestyle="none", marker="o", markersize=2.6, color=BLUE, markeredgewidth=0
     )
+    if curve.outliers.any():
+        far = curve.outliers
+        axes.plot(
+            curve.measured_x[far], curve.residuals[far], linestyle="none", marker="o", markersize=6.0,
+            markerfacecolor="none", markeredgecolor=MUTED, label="outlier",
+        )  # fmt: skip
     axes.set_xlabel(with_unit(curve.x_quantity, curve.x_unit))
     axes.set_ylabel(with_unit("residual", curve.y_unit))
-    finish(axes, legend=False)
+    finish(axes, legend=bool(curve.outliers.any()))
     plain_ticks(axes, "y", log=False, most=4)
 
 

@@ -48,7 +48,7 @@ _COLOURS: dict[Ink, str] = {
 
 
 def sketch_figure(title: str, sketch: DrawnSketch) -> Figure:
-    """Draw the specimen or the ground, and the loading programme beside it."""
+    """Draw the specimen or the ground, with the loading programme next to it."""
     from matplotlib.figure import Figure
 
     told = sketch.drawings

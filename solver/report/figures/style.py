@@ -162,7 +162,7 @@ def plot_measured(axes: Axes, x: FloatArray, y: FloatArray) -> None:
 
 
 def plot_gross_errors(axes: Axes, x: FloatArray, y: FloatArray) -> None:
-    """Draw readings that do not count, shape (q,) each, as crosses, as they are struck out by hand."""
+    """Draw readings that are left out, shape (q,) each, as crosses."""
     if x.size:
         axes.plot(x, y, linestyle="none", marker="x", markersize=5, color=ORANGE, label="gross error", zorder=4)
 

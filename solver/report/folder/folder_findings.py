@@ -63,11 +63,12 @@ def findings_of_folder(folder: Path, problem: Problem, *, noise: Mapping[str, fl
         return _read(folder, problem, noise)
     parts = []
     for kind in kinds_of("follow_up"):
-        file = folder / kind / "problem.json"
-        if file.is_file():
-            follow_up = parse_problem(json.loads(file.read_text(encoding="utf-8")), programs=True)
-            if same_question(problem, follow_up):
-                parts.append(_read(folder / kind, follow_up, noise))
+        # one of a kind, but as many predictions as there are names
+        for file in (folder / kind / "problem.json", *sorted((folder / kind).glob("*/problem.json"))):
+            if file.is_file():
+                follow_up = parse_problem(json.loads(file.read_text(encoding="utf-8")), programs=True)
+                if same_question(problem, follow_up):
+                    parts.append(_read(file.parent, follow_up, noise))
     return join_findings(parts)
 
 

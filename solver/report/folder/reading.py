@@ -59,8 +59,8 @@ def run_of_folder(folder: Path) -> StoredRun:
     """
     if (folder / "run.journal").is_file():
         raise FolderError(
-            f"{folder} holds a run that was cut off, or is still running; 'geoswarm run {folder / 'problem.json'} "
-            f"--output {folder} --resume' goes on with it"
+            f"{folder} holds a run that was interrupted or is still running; 'geoswarm run {folder / 'problem.json'} "
+            f"--output {folder} --resume' continues with it"
         )
     missing = [name for name in _NEEDED if not (folder / name).is_file()]
     if missing:

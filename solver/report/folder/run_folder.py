@@ -1,4 +1,4 @@
-"""The folder of ``geoswarm run --output``: written as the run goes, and what a run that was cut off goes on from."""
+"""The folder of ``geoswarm run --output``: written during the run, so that an interrupted run can continue."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def open_run_folder(
     try:
         stored = read_journal(folder / JOURNAL)
     except (ValueError, KeyError, TypeError) as error:
-        raise OtherRunError(f"{folder / JOURNAL} cannot be read ({error}); delete it to begin anew") from error
+        raise OtherRunError(f"{folder / JOURNAL} cannot be read ({error}); delete it to start over") from error
     except OSError as error:
         raise OutputError(f"{folder / JOURNAL}: {error.strerror}") from error
     if stored is None:
@@ -173,15 +173,15 @@ def open_run_folder(
         return RunFolder(folder, problem, RunIdentity(document, choose_seed(wanted), _digest(offer)), None)
     if not resume:
         raise OtherRunError(
-            f"{folder} holds {len(stored.evaluations)} runs of a calibration that was cut off: --resume goes on with "
-            f"it; to begin anew, delete {folder / JOURNAL} or give another folder"
+            f"{folder} holds {len(stored.evaluations)} runs of an interrupted calibration: --resume continues "
+            f"it; to start over, delete {folder / JOURNAL} or give another folder"
         )
     run = RunIdentity(document, stored.run.seed if wanted is None else wanted, _digest(offer))
     different = stored.run.differences(run)
     if different:
         raise OtherRunError(
-            f"{folder} holds a calibration that was cut off, with another {', '.join(different)}; --resume accepts "
-            f"what it began with: {folder / 'problem.json'}"
+            f"{folder} holds an interrupted calibration with another {', '.join(different)}; --resume needs "
+            f"the problem that it started with: {folder / 'problem.json'}"
         )
     return RunFolder(folder, problem, run, stored)
 

@@ -34,7 +34,10 @@ _PULLED_BACK = (1.0, 0.7, 0.5, 0.3, 0.1)  # parts of a step that are tried where
 
 @dataclass
 class Arms:
-    """Ways to propose; ``take`` gives the next point of one of them, or None. Points taken are remembered."""
+    """Ways to propose; ``take`` gives the next point of one of them, or None. Points taken are remembered.
+
+    The first ``out`` of them were taken for a generation whose results are not known yet.
+    """
 
     knowledge: Knowledge
     random: np.random.Generator
@@ -42,6 +45,7 @@ class Arms:
     region: TrustRegion = field(default_factory=TrustRegion)
     promised: float | None = None
     taken: list[FloatArray] = field(default_factory=list)
+    out: int = 0
     _table: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 1)))
     _minima: dict[float | None, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _surfaces: dict[float | None, ResidualSurface] = field(default_factory=dict)

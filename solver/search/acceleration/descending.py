@@ -40,7 +40,9 @@ def next_of_descent(arms: Arms, count: int) -> Descent:
     known = arms.knowledge
     lacking = known.points.shape[1] + 1 - int((known.numbers >= arms.region.since).sum())
     if lacking > 0:
-        return Descent(arms.region, BEGIN_PATTERN if arms.region.since else ((POISE,) * lacking) + DESCENT_PATTERN)
+        if arms.region.since:
+            return Descent(arms.region, BEGIN_PATTERN)
+        return Descent(arms.region, (POISE,) * max(lacking - arms.out, 0) + DESCENT_PATTERN)
     while arms.region.radius >= SETTLED:
         if arms.centre is None or not known.open[arms.first]:  # come down into a finished basin
             return Descent(TrustRegion(since=count), BEGIN_PATTERN)

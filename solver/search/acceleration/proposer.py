@@ -8,9 +8,8 @@ It is a pure function of the seed, the generation, the history and its own JSON-
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,8 +35,8 @@ from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
 from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
 from geoswarm.solver.search.acceleration.polishing import Polishing
+from geoswarm.solver.search.acceleration.proposer_state import MOST_SHARE, Later, ProposerState
 from geoswarm.solver.search.acceleration.runs import Runs
-from geoswarm.solver.search.acceleration.trust_region import TrustRegion
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import proposer_generator
 from geoswarm.solver.search.space import SearchSpace
@@ -45,57 +44,12 @@ from geoswarm.solver.search.space import SearchSpace
 __all__ = ["Proposer", "ProposerState"]
 
 FIRST_DRAWS = 40
-MOST_SHARE, LEAST_SHARE = 0.9, 0.4
+LEAST_SHARE = 0.4
 PATIENCE, SCALAR_PATIENCE = 3, 6
 LATE = 6  # runs for each slope of a surface from which it is searched around runs, too
 NARROW = 8  # particles up to which a generation has no room for that, and below which patience is counted in these
 CLOSE = 0.02  # half the width of the box around the end of a descent, of which the place is well known
 NEIGHBOURS, MOST_FAILED = 5, 0.7
-
-
-@dataclass(frozen=True, slots=True)
-class ProposerState:
-    """What the proposer remembers between generations, besides the history.
-
-    ``share`` of the generation that it aims; ``aimed``: the arm of each aimed particle of the current one;
-    ``covariance``: state of the covariance-adapting moves; ``polishing``: given when the end has begun; ``hold_out``:
-    share of the residuals that the surface does not predict at runs left out, see :class:`ResidualSurface`.
-    """
-
-    share: float = MOST_SHARE
-    basins: Basins = field(default_factory=Basins)
-    aimed: Mapping[int, str] = field(default_factory=dict)
-    covariance: dict[str, Any] | None = None
-    polishing: Polishing | None = None
-    hold_out: float | None = None
-    region: TrustRegion = field(default_factory=TrustRegion)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return a JSON-able form that :meth:`from_json` restores exactly."""
-        return {
-            "share": self.share,
-            "basins": self.basins.to_json(),
-            "aimed": [[particle, arm] for particle, arm in self.aimed.items()],
-            "covariance": self.covariance,
-            "polishing": None if self.polishing is None else self.polishing.to_json(),
-            "hold_out": self.hold_out,
-            "region": self.region.to_json(),
-        }
-
-    @classmethod
-    def from_json(cls, data: dict[str, Any]) -> ProposerState:
-        """Invert :meth:`to_json`."""
-        aimed = dict(data["aimed"])
-        polishing = data["polishing"]
-        return cls(
-            data["share"],
-            Basins.from_json(data["basins"]),
-            aimed,
-            data["covariance"],
-            None if polishing is None else Polishing(**polishing),
-            data["hold_out"],
-            TrustRegion(**data.get("region", {})),  # absent in what earlier versions stored
-        )
 
 
 class Proposer:
@@ -153,8 +107,44 @@ class Proposer:
             chosen.append(points[int(np.argmax(nearest))])
         return self._search(np.array(chosen))
 
+    def split(self, count: int) -> None:
+        """The first generation was asked together with the next one, which begins at particle ``count``."""
+        state = self.state
+        later = {particle - count: arm for particle, arm in state.aimed.items() if particle >= count}
+        aimed = {particle: arm for particle, arm in state.aimed.items() if particle < count}
+        self.state = replace(state, aimed=aimed, later=Later(later, state.region.promised, count))
+
+    def tell(self, runs: Runs, count: int) -> None:
+        """Learn what became of the generation that was asked first of those that were out.
+
+        Parameters
+        ----------
+        runs
+            All evaluations so far; the last ``count`` of them are that generation, in particle order.
+        """
+        with one_thread():
+            state = self.state
+            moves = self._tell_covariance(runs.positions[-count:], runs.objectives[-count:])
+            steps = [particle for particle, arm in state.aimed.items() if arm.startswith("trust")]
+            every = self._unit(self._space.to_search(runs.positions))
+            region = state.region.after(every, runs.objectives, count, steps, state.unseen)
+            later = state.later or Later({}, None, 0)
+            self.state = replace(
+                state,
+                covariance=None if moves is None else moves.state(),
+                region=replace(region, promised=later.promised),
+                aimed=later.aimed,
+                unseen=later.unseen,
+                later=None,
+            )
+
     def propose(
-        self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, told: int | None = None
+        self,
+        generation: int,
+        moved: FloatArray,
+        worst_first: IntArray,
+        runs: Runs,
+        pending: FloatArray | None = None,
     ) -> dict[int, FloatArray]:
         """Return where particles are aimed instead of where the swarm moved them, search coordinates by particle.
 
@@ -167,26 +157,26 @@ class Proposer:
         worst_first
             Particles in the order in which they are aimed.
         runs
-            All evaluations so far; the last n of them are the generation before, in particle order. Before the first
-            generation: those that earlier jobs offer.
-        told
-            So many of the runs are the generation before; as many as are moved if None.
+            All evaluations so far. Before the first generation: those that earlier jobs offer.
+        pending
+            Search coordinates of the generation before this one where it is out, shape (m, d): it is asked ahead.
         """
         with one_thread():
-            return self._propose(generation, moved, worst_first, runs, len(moved) if told is None else told)
+            return self._propose(generation, moved, worst_first, runs, pending)
 
     def _propose(
-        self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, told: int
+        self, generation: int, moved: FloatArray, worst_first: IntArray, runs: Runs, pending: FloatArray | None
     ) -> dict[int, FloatArray]:
         objectives = runs.objectives
-        covariance = self._tell_covariance(runs.positions[-told:], objectives[-told:])
+        covariance = None if self.state.covariance is None else CovarianceMoves(self.state.covariance)
         every = self._unit(self._space.to_search(runs.positions))
-        steps = [particle for particle, arm in self.state.aimed.items() if arm.startswith("trust")]
-        region = self.state.region.after(every, objectives, told, steps)
+        region = replace(self.state.region, promised=None)
         order = np.argsort(objectives, kind="stable")[: int(runs.succeeded.sum())]
         if order.size < 1:
-            self.state = replace(self.state, aimed={}, region=region)
+            self.state = self._asked(self.state, {}, None, pending)
             return {}
+        out = np.empty((0, moved.shape[1])) if pending is None else self._unit(pending)
+        taken_before = set(map(bytes, self._space.to_natural(pending))) if pending is not None else set[bytes]()
         before = self.state.basins
         chosen = order[selection(before.open_runs(every[order]))]
         known, values, residuals = every[chosen], objectives[chosen], runs.residuals(chosen)
@@ -219,23 +209,25 @@ class Proposer:
                     basins.admits(point, known, open_)
                     and self._feasible(point)
                     and not self._likely_to_fail(point, every, failed)
-                    and not self._repeats(self._search(point), runs)
+                    and not self._repeats(self._search(point), runs, taken_before)
                 )
 
             knowledge = Knowledge(
                 known, values, residuals, open_, every, admissible, self._snapped, self._space.integer, chosen
             )
-            return Arms(knowledge, proposer_generator(self._seed, generation), covariance, region)
+            return Arms(
+                knowledge, proposer_generator(self._seed, generation), covariance, region, taken=[*out], out=len(out)
+            )
 
         arms = arms_with(basins)
         hold_out = None if scalar or polishing else arms.unexplained
         share = 1.0 if polishing or descending else self._share(basins)
         slots = max(1, round(share * len(moved)))
-        repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs)]
+        repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs, taken_before)]
         if polishing:
             pattern = polish_pattern(len(moved))
         elif descending:
-            descent = next_of_descent(arms, len(every))
+            descent = next_of_descent(arms, len(every) + len(out))
             if descent.left is not None:
                 if self._polish:
                     self.leaving = True
@@ -256,16 +248,27 @@ class Proposer:
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
         aimed = dict(zip(particles, proposals, strict=False))
-        self.state = ProposerState(
+        state = replace(
+            self.state,
             share=self.state.share if polishing else share,
             basins=basins,
-            aimed={particle: str(arm) for particle, (arm, _) in aimed.items()},
             covariance=None if arms.covariance is None else arms.covariance.state(),
             polishing=polishing,
             hold_out=hold_out,
-            region=replace(arms.region, promised=arms.promised),
+            region=replace(arms.region, promised=self.state.region.promised),
         )
+        names = {particle: str(arm) for particle, (arm, _) in aimed.items()}
+        self.state = self._asked(state, names, arms.promised, pending)
         return {particle: point for particle, (_, point) in aimed.items()}
+
+    @staticmethod
+    def _asked(
+        state: ProposerState, aimed: Mapping[int, str], promised: float | None, pending: FloatArray | None
+    ) -> ProposerState:
+        """Note what was asked: as the generation under evaluation, or as the one after it."""
+        if pending is None:
+            return replace(state, aimed=aimed, region=replace(state.region, promised=promised), unseen=0)
+        return replace(state, later=Later(aimed, promised, len(pending)))
 
     def _fill(self, arms: Arms, pattern: Pattern, slots: int, generation: int) -> list[tuple[Arm, FloatArray]]:
         # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
@@ -311,8 +314,10 @@ class Proposer:
                 moves.tell(points[particle], float(objectives[particle]))
         return None if moves.exhausted else moves
 
-    def _repeats(self, point: FloatArray, runs: Runs) -> bool:
-        return bool((runs.positions == self._space.to_natural(point)).all(axis=1).any())
+    def _repeats(self, point: FloatArray, runs: Runs, out: Collection[bytes]) -> bool:
+        """Whether a point has been evaluated, or is out."""
+        natural = self._space.to_natural(point)
+        return natural.tobytes() in out or bool((runs.positions == natural).all(axis=1).any())
 
     @staticmethod
     def _likely_to_fail(point: FloatArray, every: FloatArray, failed: FloatArray) -> bool:

@@ -38,7 +38,9 @@ class TrustRegion:
     promised: float | None = None
     missed: bool = False
 
-    def after(self, points: FloatArray, objectives: FloatArray, count: int, steps: list[int]) -> TrustRegion:
+    def after(
+        self, points: FloatArray, objectives: FloatArray, count: int, steps: list[int], unseen: int = 0
+    ) -> TrustRegion:
         """Return the state when a generation is known.
 
         Parameters
@@ -49,9 +51,11 @@ class TrustRegion:
             Runs of the generation.
         steps
             Which of them, counted from 0, were steps of the trust region.
+        unseen
+            So many runs before the generation were not known yet when it was asked.
         """
         first = len(points) - count
-        mine = objectives[self.since : first]
+        mine = objectives[self.since : max(first - unseen, 0)]
         if self.promised is None or not steps or not np.isfinite(mine).any():
             return replace(self, promised=None, missed=False)
         lowest = self.since + int(np.argmin(mine))

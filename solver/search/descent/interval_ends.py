@@ -1,4 +1,4 @@
-"""Places at the ends of linearised intervals, where one run each shows whether the forward model bends on the way."""
+"""Places at the ends of linearised intervals, where one run each shows whether the forward model is nonlinear."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class IntervalEnds:
 
 
 def plan_ends(space: SearchSpace, optimum: FloatArray, inverse: FloatArray, half: FloatArray) -> IntervalEnds:
-    """Two places for each parameter with an interval, the others fitted anew to first order; fewer at bounds.
+    """Two places for each parameter with an interval, the others refitted to first order; fewer at bounds.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ class SensitivitySearch:
     """Differences at the optimum, after the generations of a descent where that is wanted.
 
     One generation with a given step; otherwise further ones, until the step of each parameter is found, and then one at
-    the ends of the linearised intervals, which shows whether the model bends there.
+    the ends of the linearised intervals, which shows whether the model is nonlinear there.
     """
 
     def __init__(self, space: SearchSpace, settings: SensitivitySettings, snapshot: Snapshot | None = None) -> None:

@@ -32,6 +32,7 @@ def verdicts(folder: Path, capsys: pytest.CaptureFixture[str]) -> list[tuple[str
     return [(v["kind"], v["sentence"]) for v in json.loads(capsys.readouterr().out)["verdicts"]]
 
 
+@pytest.mark.slow
 def test_run_statistics_and_report_agree_however_slow_the_machine_is(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -53,6 +54,7 @@ def test_run_statistics_and_report_agree_however_slow_the_machine_is(
     assert "undecided" not in again
 
 
+@pytest.mark.slow
 def test_the_better_set_is_kept_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "problem.json"
     document = noisy() | {"stopping": {"max_evaluations": 20}}

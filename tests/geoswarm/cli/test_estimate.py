@@ -78,5 +78,5 @@ def test_mistakes_are_told_as_ever(bare: Path, capsys: pytest.CaptureFixture[str
 def test_a_formula_has_nothing_to_be_estimated(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["estimate", str(EXAMPLES / "formula" / "problem.yaml")]) == 0
     told = capsys.readouterr()
-    assert "The readings allow no classical evaluation." in told.err
+    assert "No classical evaluation is possible from these readings." in told.err
     assert "as given" in told.out

@@ -55,6 +55,7 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "evaluate": [(["problem.json", "--set", "amplitude=1", "--set", "rate=1"], 0, None)],
     "run": [(["problem.json", "--output", "again", "--json"], 0, "plots"), (["sobol.json"], 2, "statistics")],
     "paper": [(["A", "--output", "paper"], 2, "plots")],
+    "verify": [(["--list"], 0, None), (["strength", "--output", "verified"], 2, "plots")],
     "init": [(["--output", "begun"], 0, None)],
     "inline": [(["problem.json"], 0, None)],
     "examples": [([], 0, None), (["formula", "formula"], 0, None)],
@@ -64,6 +65,7 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "models list": [([], 0, None)],
     "models show": [(["none"], 2, None)],
     "models check": [(["none"], 2, None)],
+    "models sign": [(["none", "--secret-file", "s", "--output", "o"], 2, None)],
     "import ags": [(["data.ags"], 0, None), (["data.ags", "--output", "ags", "--specimen", "BH1/3/1"], 0, None)],
     "import pest": [(["case.pst", "--output", "made"], 2, "pest")],
     "umbridge": [(["none.json"], 2, None)],
@@ -71,6 +73,7 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "serve": [(["--port", "0"], 2, "server"), (["--broker", "redis://127.0.0.1:9/0"], 2, "server")],
     "worker": [(["--broker", "redis://127.0.0.1:9/0"], 2, "server")],
     "sweep": [([], 2, "server")],
+    "agent": [(["--server", "nowhere"], 2, None)],
     "submit": [(["problem.json", *URL], 2, None)],
     **{name: [(["latest", *URL], 2, None)] for name in ("watch", "show", "cancel", "pause", "resume", "retry-failed")},
     **{name: [([*URL], 2, None)] for name in ("list", "workers")},
@@ -79,9 +82,15 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "statistics": [(["run"], 0, None), (["run", "--accept", "fix:rate=1", "--output", "next.json"], 0, None)],
     "sensitivity": [(["run"], 0, None)],
     "profile": [(["run", "--parameter", "rate", "--noise", "0.01"], 0, None)],
+    "explore": [(["run", "--runs", "20"], 0, None)],
+    "predict": [(["run", "--problem", "later.json", "--runs", "40", "--noise", "0.01"], 0, "plots")],
+    "design": [(["run", "--candidates", "candidates.json", "--draws", "1", "--noise", "0.01"], 0, "plots")],
     "influence": [(["run"], 2, "statistics"), (["problem.json", "--kind", "morris"], 2, "statistics")],
     "posterior": [(["run"], 2, "statistics")],
     "reweight": [(["run", "--weight", "y=2"], 0, None)],
+    "hooks add": [(["https://example.org/hook", *URL], 2, None)],
+    "hooks list": [([*URL], 2, None)],
+    **{name: [(["x", *URL], 2, None)] for name in ("hooks test", "hooks remove")},
     "keys create": [(["--owner", "a"], 2, "server")],
     "keys list": [([], 2, "server")],
     "keys revoke": [(["x"], 2, "server")],
@@ -112,6 +121,11 @@ def folder(base: Installation, tmp_path_factory: pytest.TempPathFactory) -> Path
     sobol = decay_document(method={"kind": "sobol", "samples": 8}, stopping={})
     for name, document in {"problem": decay_document(), "sobol": sobol, "meshed": MESHED}.items():
         (made / f"{name}.json").write_text(json.dumps(document), encoding="utf-8")
+    there = [{"series": "y", "points": {"x": [6.0]}}]
+    later = {"forward_model": decay_document()["forward_model"], "observations": there}
+    (made / "later.json").write_text(json.dumps(later), encoding="utf-8")
+    candidates = [{"name": "later", "observations": there}]
+    (made / "candidates.json").write_text(json.dumps({"candidates": candidates}), encoding="utf-8")
     (made / "case.pst").write_text("pcf\n", encoding="utf-8")
     (made / "data.ags").write_bytes(content())
     (made / "slope.msh").write_text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", encoding="utf-8")
@@ -124,6 +138,7 @@ def test_no_command_is_forgotten() -> None:
     assert sorted(CASES) == sorted(commands())
 
 
+@pytest.mark.slow
 def test_each_command_works_in_the_base_installation_or_names_the_extra(base: Installation, folder: Path) -> None:
     calls = [(name, *case) for name, cases in CASES.items() for case in cases]
     lines = json.dumps([[*name.split(), *arguments] for name, arguments, _, _ in calls])

@@ -50,6 +50,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_kernels_are_compiled_once_before_the_search(installation: Installation, folder: Path) -> None:
     first, second = (installation.geoswarm("run", "problem.json", "--json", folder=folder) for _ in range(2))
     assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr

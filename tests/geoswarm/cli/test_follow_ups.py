@@ -63,9 +63,10 @@ def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFix
     shown = capsys.readouterr().out
     assert "95% from" in shown
     assert main(["sensitivity", problem, "--noise", "much"]) == 2
-    assert "--noise much: a number, or SERIES=NUMBER, is accepted" in capsys.readouterr().err
+    assert "--noise must be a number, or SERIES=NUMBER; got much" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_job_gets_follow_up_jobs(client: Client, capsys: pytest.CaptureFixture[str]) -> None:
     job = client.wait(client.submit(noisy()).id, timeout=60.0).id
     url = ["--url", client.base_url]

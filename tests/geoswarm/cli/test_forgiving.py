@@ -49,7 +49,7 @@ def test_a_script_without_a_main_guard_is_told_of_it_elsewhere(tmp_path: Path) -
     (tmp_path / "script.py").write_text(elsewhere + SCRIPT, encoding="utf-8")
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     last = done.stderr.strip().splitlines()[-1]
-    assert "must stand below if __name__ == '__main__':" in last
+    assert "must be below if __name__ == '__main__':" in last
     assert "out of memory" not in done.stderr
 
 

@@ -53,12 +53,12 @@ def test_a_problem_passes_its_check(folder: Path, capsys: pytest.CaptureFixture[
     ("arguments", "message"),
     [
         (["--output", "made"], "holds 5 tests, which need not be of one soil; choose with --specimen ID: BH1/3/1/4.60"),
-        (["--output", "made", "--specimen", "BH9"], "'BH9' is no ID in this file"),
+        (["--output", "made", "--specimen", "BH9"], "'BH9' is not an ID in this file"),
         (["--output", "made", "--specimen", "BH2/7/3"], "no problem can be made of these tests"),
-        (["--stage-duration", "24"], "--stage-duration '24': a number and a unit, such as '24 h', are accepted"),
+        (["--stage-duration", "24"], "--stage-duration must be a number and a unit, such as '24 h', got '24'"),
         (["--stage-duration", "24 kPa"], "--stage-duration '24 kPa': unit 'kPa' cannot be converted to day"),
-        (["--stage-duration", "0 h"], "--stage-duration '0 h': above 0 day is accepted"),
-        (["--initial-stress", "low"], "--initial-stress 'low': a number and a unit, such as '1 kPa', are accepted"),
+        (["--stage-duration", "0 h"], "--stage-duration must be above 0 day, got '0 h'"),
+        (["--initial-stress", "low"], "--initial-stress must be a number and a unit, such as '1 kPa', got 'low'"),
         (["--output", "made", "--specimen", "BH1/3/1", "--material", "x"], "--material: unknown law 'x'"),
     ],
 )

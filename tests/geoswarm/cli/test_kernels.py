@@ -10,7 +10,7 @@ import pytest
 
 from geoswarm.cli.service.submit import follow
 from geoswarm.cli.words import kernels
-from geoswarm.cli.words.kernels import COMPILING, ready
+from geoswarm.cli.words.kernels import COMPILING, all_ready, ready
 from geoswarm.client import Event
 from geoswarm.solver import warm
 from tests.solver.problems import decay_problem
@@ -37,6 +37,20 @@ def test_a_pipe_gets_plain_lines(monkeypatch: pytest.MonkeyPatch, capsys: pytest
         *(f"{compiled} of about 15 kernels are compiled." for compiled in (1, 2, 3)),
         "Kernels compiled in 52.0 s.",
     ]
+
+
+@pytest.mark.parametrize("missing", [(), ("oedometer", "section")])
+def test_all_kernels_are_compiled_at_once_and_only_when_one_is_missing(
+    missing: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    compiled: list[str] = []
+    monkeypatch.setattr(warm, "missing_groups", lambda: missing)
+    monkeypatch.setattr(warm, "warm", lambda: compiled.extend(missing))
+    all_ready()
+    assert compiled == list(missing)
+    told = capsys.readouterr().err.splitlines()
+    assert told[:1] == ([COMPILING] if missing else [])
+    assert len(told) == (2 if missing else 0)
 
 
 def test_lines_are_rare(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

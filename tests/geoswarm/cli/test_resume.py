@@ -73,16 +73,16 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
     cut_off(monkeypatch, problem, output, 21)
     said = capsys.readouterr().err
     assert f"20 finished runs are kept in {output / 'run.journal'}" in said
-    assert f"'geoswarm run {problem} --output {output} --resume' goes on" in said
+    assert f"'geoswarm run {problem} --output {output} --resume' continues" in said
     with (output / "evaluations.csv").open(encoding="utf-8", newline="") as stream:
         assert len(list(csv.DictReader(stream))) == 16  # two whole generations can be looked at meanwhile
     with (output / "generations.csv").open(encoding="utf-8", newline="") as stream:
         assert len(list(csv.DictReader(stream))) == 2
 
     assert main(["statistics", str(output)]) == 2
-    assert "was cut off" in capsys.readouterr().err
+    assert "was interrupted" in capsys.readouterr().err
     assert main(["run", problem, "--output", str(output)]) == 2
-    assert "holds 20 runs of a calibration that was cut off: --resume goes on" in capsys.readouterr().err
+    assert "holds 20 runs of an interrupted calibration: --resume continues" in capsys.readouterr().err
 
     runs: list[int] = []
     evaluate = Calibration.evaluate
@@ -93,7 +93,7 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
 
     monkeypatch.setattr(Calibration, "evaluate", counted)
     assert main(["run", problem, "--output", str(output), "--resume"]) == 0
-    assert "going on after 20 runs" in capsys.readouterr().err
+    assert "continuing after 20 runs" in capsys.readouterr().err
     assert len(runs) == 20  # of 40: no run is done twice
     assert main(["run", problem, "--output", str(tmp_path / "whole")]) == 0
     assert history(output) == history(tmp_path / "whole")

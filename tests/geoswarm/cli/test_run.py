@@ -43,7 +43,7 @@ def test_limits_that_cannot_be_kept_are_not_ignored_silently(
     monkeypatch.setattr(evaluators, "WATCHED", False)
     assert main(["run", write(tmp_path, limits={"seconds_per_evaluation": 5}), "--json"]) == 0
     captured = capsys.readouterr()
-    assert "limits hold in the service only" in captured.err
+    assert "limits apply only in the service" in captured.err
     assert json.loads(captured.out)["state"] == "finished"
 
 

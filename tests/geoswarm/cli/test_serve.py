@@ -62,6 +62,7 @@ sys.exit(main(["serve", "--port", "0", "--workers", "1", "--api-key", "8f3b1d0e5
 """
 
 
+@pytest.mark.slow
 def test_sigterm_ends_a_service_with_a_busy_thread() -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", BUSY],

@@ -66,14 +66,14 @@ def test_accepted_proposals_give_a_problem_that_runs(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["statistics", "{}", "--threshold", "-1"], "--threshold -1: a number above 0"),
+        (["statistics", "{}", "--threshold", "-1"], "--threshold must be above 0, got -1"),
         (["statistics", "{}", "--accept", "fix:k=two"], "'two' is not a number"),
         (["statistics", "{}", "--accept", "link:k=2"], "only fix:NAME=VALUE takes a value"),
         (["statistics", "{}", "--output", "next.json"], "--output is the problem file of --accept"),
         (["statistics", "{}/problem.json"], "is a file; give the id of a job or the folder"),
-        (["report", "{}", "--threshold", "0"], "--threshold 0: a number above 0"),
+        (["report", "{}", "--threshold", "0"], "--threshold must be above 0, got 0"),
         (["reweight", "{}"], "give --weight SERIES=WEIGHT or --weighting SCHEME"),
-        (["reweight", "{}", "--weight", "y"], "--weight y: NAME=NUMBER is accepted"),
+        (["reweight", "{}", "--weight", "y"], "--weight must be NAME=NUMBER, for example --weight settlement=2; got y"),
         (["reweight", "{}", "--weight", "q=1"], "unknown series q"),
     ],
 )

@@ -224,7 +224,7 @@ def test_events_give_up_after_patience(free_port: int) -> None:
         began = time.monotonic()
         with pytest.raises(ConnectionFailedError, match=r"could not be taken up for 0\.5 s"):
             next(client.events("x"))
-        assert time.monotonic() - began < 5
+        assert time.monotonic() - began < 30
 
 
 def test_a_service_without_its_database_is_a_server_error(tmp_path: Path) -> None:

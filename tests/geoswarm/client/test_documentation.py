@@ -34,7 +34,7 @@ def test_examples_of_the_client_run(
     monkeypatch.setenv("GEOSWARM_URL", server.url)
     (tmp_path / "example.py").write_text(BLOCKS[number])
     runpy.run_path(str(tmp_path / "example.py"))
-    expected = ["finished", "60 evaluations, about", "b identified", "good fits", "finished"][number]
+    expected = ["finished", "60 evaluations, about", "b undecided", "good fits", "finished"][number]
     assert expected in capsys.readouterr().out
 
 

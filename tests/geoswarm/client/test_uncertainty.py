@@ -19,6 +19,7 @@ def job(client: Client) -> str:
     return client.wait(client.submit(noisy(), idempotency_key="noisy").id, timeout=60.0).id
 
 
+@pytest.mark.slow
 def test_follow_ups_one_after_the_other(client: Client, job: str) -> None:
     with pytest.raises(ConflictError, match="need the sensitivities"):
         client.profile(job)

@@ -25,7 +25,10 @@ from tests.api.conftest import API, App, live_server, wait_for_end
 from tests.api.test_uncertainty import noisy
 from tests.contracts.repository import ROOT
 
-MODULES = ("job", "generation", "evaluation", "attempt", "event", "fit", "statistics", "uncertainty", "worker", "key")
+MODULES = (
+    *("job", "generation", "evaluation", "attempt", "event", "fit", "statistics"),
+    *("uncertainty", "worker", "key", "hook"),
+)
 
 
 @pytest.fixture(scope="module")

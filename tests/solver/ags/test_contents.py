@@ -78,7 +78,7 @@ def test_the_void_ratio_at_the_beginning_may_follow_from_densities() -> None:
         ([["1", 1.0, 25.0, "-0.1"]], "heading CONS_INCE: '-0.1': a number above 0 is accepted"),
         ([["1", "", 25.0, 0.9]], "a void ratio above 0, there or as CONS_IVR of the first increment"),
         ([["1", 1.0, 25.0, ""]], "heading CONS_INCE: the empty cell: a void ratio above 0"),
-        ([["1", 1.0, 25.0, 0.9], ["1", 0.9, 50.0, 0.8]], "heading CONS_INCN: '1': each increment once is accepted"),
+        ([["1", 1.0, 25.0, 0.9], ["1", 0.9, 50.0, 0.8]], "heading CONS_INCN: '1': give each increment once"),
     ],
 )
 def test_what_is_wrong_with_a_compression_test_is_told(rows: list[list[object]], message: str) -> None:
@@ -98,7 +98,7 @@ def test_hydraulic_cells_are_compression_tests_too() -> None:
     ((_, test),) = contents(CONG="", CONS="", **cells).compression
     assert (test.groups, test.height, test.void_ratio, test.unloading) == ("ESCG/ESCT", 0.1, 0.8, 1)
     cells["ESCG"] = cells["ESCG"].replace("Equal", "Free, triaxial")
-    assert "which is no compression" in contents(CONG="", CONS="", **cells).without[0][1]
+    assert "which is not a compression" in contents(CONG="", CONS="", **cells).without[0][1]
 
 
 def test_details_belong_to_a_test_that_is_there_once() -> None:
@@ -177,7 +177,7 @@ def test_ids_choose_what_they_stand_for_and_what_is_below() -> None:
         "BH2/5/1/6.10",
     ]
     assert len(chosen(found, ["BH3/P1"]).readings) == 2
-    with pytest.raises(AgsError, match=r"'BH' is no ID in this file.*accepted are BH1/3/1/4.60"):
+    with pytest.raises(AgsError, match=r"'BH' is not an ID in this file.*accepted are BH1/3/1/4.60"):
         chosen(found, ["BH"])
 
 

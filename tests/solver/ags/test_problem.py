@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from geoswarm.solver.ags.contents import Contents, chosen, contents_of
-from geoswarm.solver.ags.problem import Imported, Wishes, imported
+from geoswarm.solver.ags.problem import Imported, imported
 from geoswarm.solver.ags.reading import read_ags
 from geoswarm.solver.ags.tables import AgsError
+from geoswarm.solver.ags.wishes import Wishes
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.external.copies import FileInTheWayError
 from geoswarm.solver.forward.combined import CombinedSpec
@@ -69,7 +70,7 @@ def test_what_the_file_does_not_say_can_be_chosen(tmp_path: Path) -> None:
     assert isinstance(problem.parameters["mu_star"], FixedParameter)
     assert "60 h are assumed for each (--stage-duration);" in told
     assert "mu_star is fixed" in told
-    with pytest.raises(AgsError, match="--initial-stress = 12 kPa: above 0 and below 12 kPa"):
+    with pytest.raises(AgsError, match="--initial-stress must be above 0 and below 12 kPa"):
         imported(some("BH1/3/1"), tmp_path / "a", Wishes(initial_stress=12.0))
     with pytest.raises(AgsError, match="--material: unknown law 'clay'"):
         imported(some("BH1/3/1"), tmp_path / "a", Wishes(material="clay"))
@@ -151,13 +152,13 @@ def test_readings_become_files_without_a_problem(tmp_path: Path) -> None:
     assert isinstance(done, Imported)
     assert not done.problem
     assert list(done.copies.contents) == ["BH3_P1_PRES.csv", "BH3_P1_LEV.csv"]
-    assert "readings that are no numbers are left out (1), the first 'DRY'" in "; ".join(done.notes)
+    assert "readings that are not numbers are left out (1), the first 'DRY'" in "; ".join(done.notes)
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
     made(tmp_path, some("BH1/3/1"))
-    with pytest.raises(AgsError, match=r"problem\.yaml is there, and never overwritten"):
+    with pytest.raises(AgsError, match=r"problem\.yaml exists and is never overwritten"):
         imported(some("BH1/3/1"), tmp_path, Wishes())
     (tmp_path / "BH3_P1_PRES.csv").write_text("mine")
-    with pytest.raises(FileInTheWayError, match=r"BH3_P1_PRES\.csv is there with other contents"):
+    with pytest.raises(FileInTheWayError, match=r"BH3_P1_PRES\.csv exists with other contents"):
         imported(some("BH3"), tmp_path, Wishes())

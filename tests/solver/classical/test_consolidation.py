@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
 from geoswarm.solver.classical.consolidation import log_time, root_time
 from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.verification.exact.consolidation import degree as terzaghi
 
 C_V, PATH = 2.0e-3, 0.01  # m²/day, m: t_90 is 61 minutes
 LABORATORY = np.array([0.1, 0.25, 0.5, 1, 2, 4, 8, 15, 30, 60, 120, 240, 480, 720, 1440]) / 1440.0
@@ -17,9 +16,7 @@ DENSE = 10.0 ** np.linspace(-5.0, 1.0, 241)
 
 def degree(time: np.ndarray) -> np.ndarray:
     """Terzaghi's average degree of consolidation, exact to rounding: 4000 terms."""
-    M = 0.5 * math.pi * (2.0 * np.arange(4000) + 1.0)
-    T = C_V * np.asarray(time) / PATH**2
-    return np.asarray(1.0 - (2.0 / M**2 * np.exp(-np.multiply.outer(T, M**2))).sum(axis=-1))
+    return terzaghi(C_V * np.asarray(time) / PATH**2, 4000)
 
 
 def settlement(time: np.ndarray, secondary: float = 0.0) -> np.ndarray:

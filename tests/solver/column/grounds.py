@@ -2,34 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from geoswarm.solver.column.section import ColumnSpec
+from geoswarm.verification.specimens.grounds import WATER, ground
 
 __all__ = ["CLAY", "STIFF", "WATER", "embankment", "ground"]
 
-WATER = 9.81
 STIFF = 2.0e3
 """Young's modulus, kPa; with nu = 0 that of the oedometer."""
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.0}
-
-
-def ground(
-    order: Sequence[tuple[str, float]],
-    soils: dict[str, dict[str, Any]],
-    loads: Sequence[tuple[float, ...]],
-    **changes: Any,
-) -> ColumnSpec:
-    """Layers (soil, thickness); soils as heavy as water unless they say more; loads (stress, duration[, growing])."""
-    section = {
-        "soils": {name: {"unit_weight": WATER, **soil} for name, soil in soils.items()},
-        "layers": [{"soil": soil, "thickness": thickness} for soil, thickness in order],
-        "stages": [dict(zip(("stress", "duration", "loading_time"), stage, strict=False)) for stage in loads],
-        "initial_surcharge": 100.0,
-        **changes,
-    }
-    return ColumnSpec.model_validate(section)
 
 
 def embankment(material: str, **changes: Any) -> ColumnSpec:

@@ -50,6 +50,7 @@ def test_two_unknowns_give_the_general_update(seed: int, n: int, log_time: float
     st.floats(-4.0, -1.7),
 )
 @settings(max_examples=300, deadline=None)
+@pytest.mark.slow
 def test_mohr_coulomb_returns_to_the_limit_with_its_derivative(
     seed: int, phi: float, psi: float, tension: float, size: float
 ) -> None:

@@ -14,7 +14,7 @@ from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, co
 from geoswarm.solver.element_test.controls import Stage
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load as load_stage
-from tests.soils import creep_law, creep_point
+from geoswarm.verification.specimens.soils import creep_law, creep_point
 
 STRESSES = (9.0, 25.0, 100.0, 400.0, 100.0, 20.0, 200.0)
 DURATIONS = (2.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.5)

@@ -9,6 +9,8 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.estimates.index import estimates_of
+from geoswarm.solver.estimates.proposal import proposed, with_parameters
+from geoswarm.solver.estimates.usual import ordered
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import Problem, parse_problem
 
@@ -91,10 +93,13 @@ def test_the_section_is_part_of_the_document_where_it_is_given() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"liquid_limit": 0.65}, "liquid_limit = 0.65 %: 2 to 3000 % is accepted; in per cent this would be 65"),
-        ({"liquid_limit": 30.0, "plastic_limit": 35.0}, "liquid_limit = 30 % with plastic_limit = 35 %"),
-        ({"liquid_limit": 65.0, "plastic_limit": 30.0, "plasticity_index": 20.0}, "35 % is accepted"),
-        ({"plasticity_index": 70.0, "liquid_limit": 65.0}, "below liquid_limit = 65 % is accepted"),
+        ({"liquid_limit": 0.65}, "liquid_limit must be from 2 to 3000 %, got 0.65 %; in per cent this would be 65"),
+        ({"liquid_limit": 30.0, "plastic_limit": 35.0}, "liquid_limit must be above plastic_limit = 35 %, got 30 %"),
+        (
+            {"liquid_limit": 65.0, "plastic_limit": 30.0, "plasticity_index": 20.0},
+            "liquid_limit - plastic_limit = 35 %, got 20 %",
+        ),
+        ({"plasticity_index": 70.0, "liquid_limit": 65.0}, "must be below liquid_limit = 65 %, got 70 %"),
         ({"relative_density": 120.0}, "index_properties.relative_density"),
     ],
 )
@@ -102,3 +107,68 @@ def test_index_properties_that_cannot_be_are_refused(given: dict[str, Any], mess
     with pytest.raises(ProblemError) as caught:
         problem("soft_soil_creep", SOFT, given)
     assert message in str(caught.value)
+
+
+def layered(**properties: Any) -> dict[str, Any]:
+    """A crust on clay whose index properties are known, without parameters."""
+    clay = {"material": "modified_cam_clay", "unit_weight": 15.5, "initial_void_ratio": 1.6}
+    return {
+        "forward_model": {
+            "kind": "column",
+            "soils": {
+                "crust": {"material": "elastic", "unit_weight": 18.0, "initial_ratio": 0.6},
+                "clay": {**clay, "index_properties": properties},
+            },
+            "layers": [{"soil": "crust", "thickness": 1.5}, {"soil": "clay", "thickness": 6.0}],
+            "water_table": 1.5,
+            "stages": [{"stress": 20.0, "duration": 60.0}],
+        },
+        "observations": [{"series": "settlement", "points": {"x": [10.0, 60.0], "y": [0.1, 0.2]}}],
+    }
+
+
+def test_a_layer_takes_parameters_from_its_own_index_properties() -> None:
+    """Nakase et al. (1988) for I_P = 40 %: Cc = 0.462; Tavenas et al. (1983): C_k = 0.5 e_0, e_0 of the section."""
+    document = with_parameters(layered(plasticity_index=40.0))
+    given = document["parameters"]
+    assert {"clay.lambda", "clay.kappa", "clay.M", "clay.k", "crust.E", "crust.k"} <= given.keys()
+    one = parse_problem({**document, "parameters": {**given, "clay.C_k": {"lower": 0.1, "upper": 3.0}}})
+    found = by_equation(one)
+    assert found["clay.lambda", "0.046 + 0.0104 I_P"] == pytest.approx(0.462 / math.log(10.0))
+    assert found["clay.C_k", "0.5 e_0"] == pytest.approx(0.8)
+    assert not any(name.startswith("crust.") for name, _ in found)
+    sections = {each.name: each.section for each in proposed(one)}
+    assert sections["clay.lambda"]["lower"] < 0.462 / math.log(10.0) < sections["clay.lambda"]["upper"]
+    assert sections["crust.E"] == given["crust.E"]
+    assert ordered(sections) == ["clay.lambda > clay.kappa"]
+    wrong = {**document, "parameters": {**given, "clay.lambda": {"lower": 1.0, "upper": 2.0}}}
+    assert any(
+        "parameters.clay.lambda.lower = 1: by the index properties" in text
+        for text in implausible(parse_problem(wrong))
+    )
+
+
+def test_layers_of_a_part_have_its_name_where_the_problem_gives_it() -> None:
+    document = layered(plasticity_index=40.0)
+    ground = document["forward_model"]
+    combined = {
+        **document,
+        "forward_model": {"kind": "combined", "parts": {"ground": ground}},
+        "parameters": {
+            "ground.clay.lambda": {"lower": 0.05, "upper": 0.5},
+            **{
+                f"clay.{name}": {"value": value}
+                for name, value in (("kappa", 0.03), ("M", 1.0), ("nu", 0.3), ("k", 1e-4))
+            },
+            **{f"crust.{name}": {"value": value} for name, value in (("E", 5.0e3), ("nu", 0.3), ("k", 1e-3))},
+        },
+        "observations": [{"series": "ground.settlement", "points": {"x": [10.0, 60.0], "y": [0.1, 0.2]}}],
+        "stopping": {"max_evaluations": 10},
+    }
+    found = by_equation(parse_problem(combined))
+    assert found["ground.clay.lambda", "0.046 + 0.0104 I_P"] == pytest.approx(0.462 / math.log(10.0))
+
+
+def test_a_mistake_in_the_index_properties_of_a_layer_is_told() -> None:
+    with pytest.raises(ProblemError, match=r"plasticity_index must be from 2 to 3000 %, got 0\.4 %"):
+        parse_problem(with_parameters(layered(plasticity_index=0.4)) | {"parameters": {"clay.k": {"value": 1.0}}})

@@ -104,7 +104,7 @@ def test_undrained_tests_are_evaluated_by_effective_stresses(by: str) -> None:
 def test_what_a_triaxial_test_does_not_tell_is_said() -> None:
     q = hyperbola(100.0)
     for section, readings, why in (
-        (part(100.0, "undrained"), {"a.q": q}, "an undrained test without p or pore_pressure tells no effective"),
+        (part(100.0, "undrained"), {"a.q": q}, "an undrained test without p or pore_pressure gives no effective"),
         (part(100.0), {"a.q": -q}, "compression is evaluated"),
         (part(100.0), {"a.volumetric_strain": 0.1 * STRAIN}, "q over the axial strain was not read"),
         (part(100.0) | {"consolidation": [{"axial": 100.0, "radial": "K0"}]}, {"a.q": q}, "K0 consolidation was not"),

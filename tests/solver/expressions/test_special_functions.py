@@ -64,7 +64,7 @@ def test_where_over_something_undefined_is_undefined() -> None:
         ("where(x > 1, x > 2, 3)", "'where' needs numbers, but got a comparison"),
         ("if(x > 1, 2, 3)", r"write where\(a > b, c, d\)"),
         ("E1(x)", "write exp1"),
-        ("erf(x, 2)", "takes one argument, not 2"),
+        ("erf(x, 2)", "takes one argument, got 2"),
     ],
 )
 def test_refused(text: str, message: str) -> None:

@@ -9,7 +9,7 @@ import pytest
 from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.fem.materials import InterfaceMaterial
-from tests.soils import creeping, elastic, mohr_coulomb
+from geoswarm.verification.specimens.soils import creeping, elastic, mohr_coulomb
 
 SOIL = soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0)
 
@@ -17,8 +17,8 @@ SOIL = soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0)
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: elastic(1.0e4, 0.3, -1.0), "unit_weight = -1"),
-        (lambda: InterfaceMaterial(0.0, 1.0, 0.0, 30.0), "normal_stiffness = 0"),
+        (lambda: elastic(1.0e4, 0.3, -1.0), "unit_weight must be 0 kN/m3 or more, got -1"),
+        (lambda: InterfaceMaterial(0.0, 1.0, 0.0, 30.0), "normal_stiffness must be a value above 0 kPa/m, got 0"),
     ],
 )
 def test_a_constant_outside_its_range_is_named(make: Callable[[], object], message: str) -> None:

@@ -9,7 +9,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.multifrontal import equations_of, factorise, solve_factorised
 from geoswarm.solver.fem.setup import elements_of, fronts_of
-from tests.verification.fem.bodies import block, graded, moved, stacked
+from geoswarm.verification.specimens.bodies import block, graded, moved, stacked
 
 
 def _assembled(mesh: Mesh) -> tuple[FloatArray, FloatArray]:

@@ -15,8 +15,8 @@ from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import Calculation, solve_phases
 from geoswarm.solver.laws.soft_soil_creep import equivalent_pressures
-from tests.soils import creeping, elastic, mohr_coulomb
-from tests.verification.fem.bodies import block, embankment, graded, moved, node_at, stacked
+from geoswarm.verification.specimens.bodies import block, embankment, graded, moved, node_at, stacked
+from geoswarm.verification.specimens.soils import creeping, elastic, mohr_coulomb
 
 SOIL = elastic(1.0e4, 0.3, 20.0)
 BOX = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))
@@ -208,7 +208,7 @@ def test_a_body_that_is_not_held_is_singular() -> None:
 @pytest.mark.parametrize(
     ("phase", "message"),
     [
-        (Phase("p", materials={"clay": SOIL}), "phase 'p': 'clay' is no region or interface; known: soil"),
+        (Phase("p", materials={"clay": SOIL}), "phase 'p': 'clay' is not a region or interface; known: soil"),
         (Phase("p"), "region 'soil' has no soil material"),
         (Phase("p", materials={"soil": SOIL}, fixities=(Fixity("base", x=0.0),)), "'base' is neither a boundary"),
         (Phase("p", materials={"soil": SOIL}, tractions=(Traction("roof"),)), "traction on 'roof'"),

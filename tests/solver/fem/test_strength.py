@@ -10,7 +10,7 @@ import pytest
 from geoswarm.solver.fem.body import Body, State
 from geoswarm.solver.fem.materials import InterfaceMaterial, Material
 from geoswarm.solver.fem.strength import associated, missing_strength, strengthened
-from tests.soils import elastic, mohr_coulomb, soil_arrays
+from geoswarm.verification.specimens.soils import elastic, mohr_coulomb, soil_arrays
 
 
 def _body(soil: Material, joint: InterfaceMaterial) -> Body:

@@ -14,8 +14,8 @@ from geoswarm.solver.fem.materials import INTERFACE_CONSTANTS, InterfaceMaterial
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.newton import assemble
 from geoswarm.solver.fem.setup import edge_owners, elements_of
-from tests.soils import creeping, elastic, mohr_coulomb, soil_arrays
-from tests.verification.fem.bodies import block, graded, moved, stacked
+from geoswarm.verification.specimens.bodies import block, graded, moved, stacked
+from geoswarm.verification.specimens.soils import creeping, elastic, mohr_coulomb, soil_arrays
 
 CREEP = creeping(soft_soil_creep(0.1, 0.02, 0.005, 5.0, 25.0, 3.0))
 LOAD = np.array([-30.0, 4.0, 7.0, 3.0, 2.0, 5.0, 0.3])

@@ -155,5 +155,5 @@ def test_what_a_law_does_not_have_is_told(material: str, changes: dict[str, obje
 def test_a_stress_at_rest_beyond_the_strength_is_inadmissible() -> None:
     run = oedometer("mohr_coulomb", K0=0.2).build().prepare({"settlement": np.array([0.5])})
     least = (1.0 - math.sin(math.radians(30.0))) / (1.0 + math.sin(math.radians(30.0)))
-    with pytest.raises(InfeasibleError, match=f"K0 from {least:g}"):
+    with pytest.raises(InfeasibleError, match=f"K0 must be from {least:g}"):
         run({"E": YOUNG, "nu": POISSON, "c": 0.0, "phi": 30.0})

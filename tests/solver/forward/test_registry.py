@@ -88,7 +88,9 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         EntryPoint("nameless", "some_package:NoSuchSpec", GROUP),
         EntryPoint("wrong", "some_package:BUILT_IN", GROUP),
     ]
-    monkeypatch.setattr("geoswarm.solver.installed.entry_points", lambda group: entries if group == GROUP else [])
+    monkeypatch.setattr(
+        "geoswarm.solver.system.installed.entry_points", lambda group: entries if group == GROUP else []
+    )
     registry.forget()
     yield
     monkeypatch.undo()

@@ -1,4 +1,4 @@
-"""Intervals where the model bends: by likelihood where it can be evaluated, and no plain word otherwise."""
+"""Intervals where the model is nonlinear: by likelihood where it can be evaluated, and no plain word otherwise."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_the_interval_by_likelihood_is_that_of_the_sum_of_squares() -> None:
     np.testing.assert_array_equal(by_likelihood.standard_errors, found.standard_errors)
     # the part of the range that it spans follows the ends
     assert by_likelihood.unit_width("k") == pytest.approx(np.ptp(expected) / 19.99, rel=0.02)
-    # how much the model bends was told from one run at each end
+    # how much the model is nonlinear was told from one run at each end
     assert by_likelihood.bending_of("k") == pytest.approx(apart, rel=0.5)
 
 
@@ -89,7 +89,7 @@ def test_without_a_profile_a_bent_interval_is_no_plain_one() -> None:
     samples = Samples.from_arrays(problem, found.linearisation.optimum[None], np.array([found.objective]))
     verdict = analyse(Calibration(problem, 1), samples, linearisation=found.linearisation).verdict("k")
     assert verdict.kind == "undecided"
-    assert "the model bends there" in verdict.sentence
+    assert "the model is nonlinear there" in verdict.sentence
     assert "geoswarm profile" in verdict.sentence
     # a profile of the same job takes its place
     asked = profile_problem(problem, found.linearisation, seed=1)

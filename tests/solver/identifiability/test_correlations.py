@@ -13,6 +13,8 @@ from geoswarm.solver.identifiability import (
     filter_samples,
     propose_threshold,
 )
+from geoswarm.solver.identifiability.stored.correlations import correlate_at
+from geoswarm.solver.problem import Problem
 from tests.solver.identifiability.cases import X, free, problem_of
 
 PROBLEM = problem_of(
@@ -21,7 +23,19 @@ PROBLEM = problem_of(
 
 
 def samples_of(values: FloatArray) -> Samples:
-    return Samples.from_arrays(PROBLEM, values, np.arange(1.0, len(values) + 1))
+    names = "abcdef"[: values.shape[1]]
+    problem = PROBLEM if len(names) == 2 else wide(names)
+    return Samples.from_arrays(problem, values, np.arange(1.0, len(values) + 1))
+
+
+def wide(names: str) -> Problem:
+    return problem_of(
+        " + ".join(f"{name} * x ** {i}" for i, name in enumerate(names)),
+        {name: free(-50, 50) for name in names},
+        X,
+        method={"kind": "monte_carlo", "samples": 2},
+        stopping={},
+    )
 
 
 def normal(r: float, count: int, random: np.random.Generator) -> FloatArray:
@@ -64,6 +78,35 @@ def test_heavy_tails_and_exact_lines_are_resampled() -> None:
     pair = correlate(samples_of(line)).pairs[0]
     assert pair.interval == "bootstrap"
     np.testing.assert_allclose([pair.coefficient, pair.lower, pair.upper], 1.0, rtol=1e-12)
+
+
+def test_resampled_intervals_are_those_of_resampling_each_pair_alone() -> None:
+    """Against a plain bootstrap of its own draws: the shared resamples have the same distribution."""
+    random = np.random.default_rng(4)
+    heavy = np.exp(
+        random.multivariate_normal([0, 0, 0], [[1, 0.6, 0], [0.6, 1, 0.3], [0, 0.3, 1]], 300).clip(-3.5, 3.5)
+    )
+    for pair in correlate(samples_of(heavy)).pairs:
+        x, y = (heavy[:, "abc".index(name)] for name in (pair.first, pair.second))
+        draws = [random.integers(0, 300, 300) for _ in range(4000)]
+        plain = np.quantile([np.corrcoef(x[one], y[one])[0, 1] for one in draws], [0.025, 0.975])
+        assert pair.interval == "bootstrap"
+        np.testing.assert_allclose([pair.lower, pair.upper], plain, atol=0.035)
+
+
+def test_many_good_fits_are_resampled_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[int] = []
+
+    class Counting(np.random.Generator):
+        def integers(self, low: int, high: int, size: int) -> np.ndarray:  # type: ignore[override]
+            drawn.append(size)
+            return super().integers(low, high, size)
+
+    monkeypatch.setattr(np.random, "default_rng", lambda seed: Counting(np.random.PCG64(seed)))
+    lots = np.random.Generator(np.random.PCG64(5)).standard_t(2, size=(20_000, 6)).clip(-49, 49)
+    pairs = correlate_at(samples_of(lots), (0.95, 0.999))
+    assert all(pair.interval == "bootstrap" for level in pairs for pair in level)
+    assert sum(drawn) == 200 * 20_000  # once for all pairs and both levels
 
 
 def test_nothing_is_made_up_from_too_few_or_constant_values() -> None:

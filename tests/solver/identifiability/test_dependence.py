@@ -35,12 +35,12 @@ def correlated_residuals(rho: float) -> FloatArray:
 def half_widths(residuals: FloatArray, found: Dependence) -> FloatArray:
     deviations = np.full(COUNT, np.sqrt(residuals @ residuals / (COUNT - 2)))
     places = np.arange(COUNT)
-    return QUANTILE * allowed_deviations(INVERSE, deviations, residuals, BASIS, [(found, places)], 0.95, QUANTILE)
+    return QUANTILE * allowed_deviations(INVERSE, deviations, residuals, BASIS, [(found, places)], X, 0.95, QUANTILE)
 
 
 def test_the_interval_of_correlated_noise_is_the_mixture_over_rho() -> None:
     residuals = correlated_residuals(0.7)
-    found = dependence_of("y", residuals, BASIS, correlated=True)
+    found = dependence_of("y", residuals, BASIS, X, correlated=True)
     assert found is not None
     outside = null_space(JACOBIAN.T)  # the residuals' own coordinates
     own = outside.T @ residuals
@@ -52,7 +52,7 @@ def test_the_interval_of_correlated_noise_is_the_mixture_over_rho() -> None:
         squares = float(own @ np.linalg.solve(inside, own))
         logarithms.append(-0.5 * np.linalg.slogdet(inside)[1] - 0.5 * (COUNT - 2) * np.log(squares))
         spreads.append(np.sqrt(squares / (COUNT - 2) * np.diag(INVERSE @ matrix @ INVERSE.T)))
-    shares = np.exp(np.array(logarithms) - max(logarithms))
+    shares = np.exp(np.array(logarithms) - max(logarithms)) / (1.0 - grid**2) ** 0.25
     shares /= shares.sum()
     assert found.rho == pytest.approx(grid[np.argmax(logarithms)])
 
@@ -66,7 +66,7 @@ def test_the_interval_of_correlated_noise_is_the_mixture_over_rho() -> None:
 def test_the_interval_of_uneven_noise_is_that_of_hc3() -> None:
     noise = np.random.default_rng(2).normal(0.0, 1.0, COUNT) * X**2
     residuals = noise - BASIS @ (BASIS.T @ noise)
-    found = dependence_of("y", residuals, BASIS, correlated=False)
+    found = dependence_of("y", residuals, BASIS, X, correlated=False)
     assert found is not None
     assert found.kind == "uneven"
     leverage = np.diag(BASIS @ BASIS.T)
@@ -78,7 +78,7 @@ def test_the_interval_of_uneven_noise_is_that_of_hc3() -> None:
 
 def test_even_and_independent_residuals_depend_on_nothing() -> None:
     noise = np.random.default_rng(8).normal(0.0, 1.0, COUNT)
-    assert dependence_of("y", noise - BASIS @ (BASIS.T @ noise), BASIS, correlated=False) is None
+    assert dependence_of("y", noise - BASIS @ (BASIS.T @ noise), BASIS, X, correlated=False) is None
 
 
 def test_standard_errors_do_not_allow_for_dependence_and_intervals_are_never_narrower() -> None:
@@ -97,3 +97,43 @@ def test_standard_errors_do_not_allow_for_dependence_and_intervals_are_never_nar
     stated = from_evaluations(calibration, *evaluate_differences(calibration, best.parameters), noise=5.0)
     usual = 1.959964 * 5.0 * np.sqrt(np.diag(np.linalg.inv(JACOBIAN.T @ JACOBIAN)))
     np.testing.assert_allclose(np.diff(stated.intervals, axis=1)[:, 0], 2.0 * usual, rtol=1e-5)
+
+
+def test_the_interval_of_uneven_readings_weighs_order_against_distance() -> None:
+    """The mixture over both ways, written out with full matrices."""
+    x = np.sort(np.random.default_rng(3).uniform(0.0, 2.0, COUNT))
+    jacobian = np.stack([np.ones(COUNT), x], axis=1)
+    basis, inverse = np.linalg.qr(jacobian)[0], np.linalg.pinv(jacobian)
+    steps = np.clip(np.diff(x) / np.median(np.diff(x)), 0.05, 1e3)
+    places = np.append(0.0, np.cumsum(steps))
+    random = np.random.default_rng(9)
+    noise = np.linalg.cholesky(0.7 ** np.abs(places[:, None] - places)) @ random.normal(size=COUNT)
+    residuals = noise - basis @ (basis.T @ noise)
+    found = dependence_of("y", residuals, basis, x, correlated=True)
+    assert found is not None
+    outside = null_space(jacobian.T)
+    own = outside.T @ residuals
+    logarithms, spreads, worth = [], [], []
+    for way in (np.arange(COUNT, dtype=np.float64), places):
+        for rho in np.linspace(0.0, 0.98, 50):
+            matrix = rho ** np.abs(way[:, None] - way)
+            inside = outside.T @ matrix @ outside
+            squares = float(own @ np.linalg.solve(inside, own))
+            logarithms.append(-0.5 * np.linalg.slogdet(inside)[1] - 0.5 * (COUNT - 2) * np.log(squares))
+            spreads.append(np.sqrt(squares / (COUNT - 2) * np.diag(inverse @ matrix @ inverse.T)))
+            worth.append(COUNT**2 / matrix.sum())
+    best = int(np.argmax(logarithms))
+    assert found.by_x == (best >= 50)
+    assert found.effective == pytest.approx(max(worth[best], 1.0))
+    shares = (
+        np.exp(np.array(logarithms) - max(logarithms)) / (1.0 - np.tile(np.linspace(0.0, 0.98, 50), 2) ** 2) ** 0.25
+    )
+    shares /= shares.sum()
+
+    def missing(half: float, index: int) -> float:
+        return float(shares @ [2.0 * t.sf(half / s[index], COUNT - 2) for s in spreads]) - 0.05
+
+    expected = [brentq(missing, 1e-6, 100.0, args=(index,)) for index in range(2)]
+    deviations = np.full(COUNT, np.sqrt(residuals @ residuals / (COUNT - 2)))
+    allowed = allowed_deviations(inverse, deviations, residuals, basis, [(found, np.arange(COUNT))], x, 0.95, QUANTILE)
+    np.testing.assert_allclose(QUANTILE * allowed, expected, rtol=1e-4)

@@ -138,18 +138,18 @@ def test_follow_ups_ask_the_same_question() -> None:
     follow_up = sensitivity_problem(LINE, np.array([SLOPE, INTERCEPT]), seed=3)
     assert same_question(LINE, follow_up)
     assert not same_question(LINE, problem_of("a * x + b", {"a": free(), "b": free()}, Y + 1.0))
-    with pytest.raises(StatisticsError, match="particle_swarm is no follow-up"):
+    with pytest.raises(StatisticsError, match="particle_swarm is not a follow-up"):
         findings_of(LINE, 3, [])
 
 
 @pytest.mark.parametrize(
     ("method", "path", "message"),
     [
-        ({"kind": "sensitivity", "at": {"a": 1.0}}, "method.at", "must name the free parameters a, b, not a"),
+        ({"kind": "sensitivity", "at": {"a": 1.0}}, "method.at", "must name the free parameters a, b, got a"),
         ({"kind": "sensitivity", "at": {"a": 1.0, "b": 99.0}}, "method.at.b", "between the bounds 0.1 and 10"),
-        ({"kind": "profile", "at": {"a": 1.0, "b": 1.0}, "rise": {"c": 1.0}}, "method.rise", "c: no free parameter"),
+        ({"kind": "profile", "at": {"a": 1.0, "b": 1.0}, "rise": {"c": 1.0}}, "method.rise", "c: not a free parameter"),
         ({"kind": "profile", "at": {"a": 1.0, "b": 1.0}, "rise": {"a": 0.0}}, "method.rise.a", "above 0"),
-        ({"kind": "sobol", "samples": 100}, "method.samples", "must be a power of two, not 100"),
+        ({"kind": "sobol", "samples": 100}, "method.samples", "must be a power of two, got 100"),
         ({"kind": "sensitivity", "at": {"a": 9.0, "b": 1.0}}, "method.at", "does not satisfy the constraints"),
     ],
 )

@@ -89,7 +89,7 @@ def test_steps_go_on_from_their_state_and_the_follow_up_reads_them() -> None:
     found = findings_of(problem, 1, evaluations).linearisation
     assert found is not None
     np.testing.assert_allclose(found.standard_errors, exact_errors(0.1, 6.0), rtol=1e-3)
-    # without the last generation, the ends of the intervals, nobody has looked whether the model bends
+    # without the last generation, the ends of the intervals, nobody has looked whether the model is nonlinear
     unseen = findings_of(problem, 1, evaluations[:-1]).linearisation
     assert unseen is not None
     np.testing.assert_array_equal(unseen.standard_errors, found.standard_errors)

@@ -178,7 +178,7 @@ def test_without_any_folder_it_goes_on_without(places: dict[str, Path], caplog: 
     for folder in (places["solver"] / "__pycache__", places["cache"], places["temporary"]):
         lock_up(folder)
     assert settle() is None
-    assert "every process compiles the kernels anew" in caplog.text
+    assert "every process recompiles the kernels" in caplog.text
 
 
 def test_what_was_compiled_in_a_package_that_is_now_read_only_is_taken_over(

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from geoswarm.solver.errors import ForwardError, InfeasibleError
-from tests.solver.laboratory.tests_of import CREEP, ELASTIC, MOHR_COULOMB, run, triaxial
+from geoswarm.solver.errors import ForwardError, InfeasibleError, ProblemError
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.runs.check import check_problem
+from geoswarm.verification.specimens.laboratory import CREEP, ELASTIC, MOHR_COULOMB, run, triaxial
 
 STRAIN = [{"axial_strain": 0.01}]
 
@@ -18,17 +20,22 @@ STRAIN = [{"axial_strain": 0.01}]
     ("material", "shearing", "changes", "message"),
     [
         ("elastik", STRAIN, {}, "unknown law 'elastik'"),
-        ("elastic", [{}], {}, "exactly one of axial_strain, deviator_stress is accepted; none is given"),
+        ("elastic", [{}], {}, "give exactly one of axial_strain, deviator_stress; none is given"),
         (
             "elastic",
             [{"axial_strain": 0.01, "deviator_stress": 5.0}],
             {},
-            "exactly one of axial_strain, deviator_stress is accepted; axial_strain and deviator_stress are given",
+            "give exactly one of axial_strain, deviator_stress; axial_strain and deviator_stress are given",
         ),
         ("elastic", [{"axial_strain": 0.01, "rate": 1.0, "duration": 1.0}], {}, "rate and duration are both given"),
         ("elastic", [{"kind": "cyclic", "cycles": 2}], {}, "exactly one of axial_strain_amplitude"),
-        ("elastic", STRAIN, {"initial_ratio": -0.5}, r"initial_ratio = -0.5: above 0 and at most 100 is accepted"),
-        ("no_plane", STRAIN, {"initial_ratio": "K0"}, "initial_ratio = K0: material no_plane knows none"),
+        ("elastic", STRAIN, {"initial_ratio": -0.5}, r"initial_ratio must be above 0 and at most 100, or K0; got -0.5"),
+        (
+            "no_plane",
+            STRAIN,
+            {"initial_ratio": "K0"},
+            "initial_ratio must be a number, got K0: material no_plane has no K0",
+        ),
         ("soft_soil_creep", STRAIN, {}, r"shearing\[0\]: rate or duration is missing: time has an effect on material"),
         (
             "soft_soil_creep",
@@ -44,21 +51,21 @@ STRAIN = [{"axial_strain": 0.01}]
             "initial_void_ratio is missing: with water_bulk_modulus",
         ),
         ("elastic", STRAIN, {"initial_void_ratio": -0.4}, "greater than 0"),
-        ("elastic", STRAIN, {"consolidation": [{"axial": 100.0, "radial": -5.0}]}, "radial = -5 kPa: above 0"),
+        ("elastic", STRAIN, {"consolidation": [{"axial": 100.0, "radial": -5.0}]}, "radial must be above 0"),
         (
             "elastic",
             STRAIN,
             {"consolidation": [{"axial": 100.0, "duration": 1.0, "loading_time": 2.0}]},
-            "loading_time = 2 day: at most the duration, 1, is accepted",
+            "loading_time must be at most the duration, 1 day, got 2 day",
         ),
         ("elastic", STRAIN, {"settings": {"formulation": "translated"}}, "settings.formulation: material elastic has"),
-        ("mohr_coulomb", STRAIN, {"settings": {"tension_cutoff": -1.0}}, "tension_cutoff = -1 kPa: at least 0"),
-        ("mohr_coulomb", STRAIN, {"settings": {"tension_cutoff": "no"}}, "a number of at least 0 is accepted"),
+        ("mohr_coulomb", STRAIN, {"settings": {"tension_cutoff": -1.0}}, "tension_cutoff must be at least 0"),
+        ("mohr_coulomb", STRAIN, {"settings": {"tension_cutoff": "no"}}, "must be a number of at least 0, got 'no'"),
         (
             "soft_soil_creep",
             [{"axial_strain": 0.01, "rate": 1.0}],
             {"settings": {"formulation": "other"}},
-            "one of translated, untranslated is accepted",
+            "must be one of translated, untranslated, got ",
         ),
         (
             "elastic",
@@ -74,6 +81,28 @@ def test_sections_that_cannot_be_are_refused(
 ) -> None:
     with pytest.raises(ValidationError, match=message):
         triaxial(material, shearing, **changes)
+
+
+@pytest.mark.parametrize("combined", [False, True])
+def test_series_of_the_void_ratio_say_what_they_need(combined: bool) -> None:
+    section = triaxial("elastic", STRAIN).model_dump(mode="json", exclude_none=True)
+    name, model = (
+        ("soft.void_ratio", {"kind": "combined", "parts": {"soft": section}})
+        if combined
+        else (
+            "void_ratio",
+            section,
+        )
+    )
+    problem = {
+        "name": "voids",
+        "forward_model": model,
+        "parameters": {"E": {"lower": 1.0e3, "upper": 1.0e4}, "nu": {"value": 0.3}},
+        "observations": [{"series": name, "points": {"x": [0.01], "y": [0.8]}}],
+        "stopping": {"max_evaluations": 10},
+    }
+    with pytest.raises(ProblemError, match=rf"unknown series '{name}' of .*; it needs initial_void_ratio; known"):
+        parse_problem(problem)
 
 
 def test_a_void_ratio_that_falls_to_zero_is_a_failed_evaluation() -> None:
@@ -98,7 +127,7 @@ def test_consolidation_beyond_the_strength_names_its_stage() -> None:
 
 def test_parameters_that_a_law_refuses_are_told_before_a_run() -> None:
     model = triaxial("mohr_coulomb", STRAIN).build()
-    assert model.check({"phi": 95.0}) == "phi = 95 degree: at least 0 and below 90 is accepted"
+    assert model.check({"phi": 95.0}) == "phi must be at least 0 and below 90, got 95 degree"
     with pytest.raises(InfeasibleError, match="E and G"):
         model.prepare({"q": np.array([0.01])})({"nu": 0.3, "c": 1.0, "phi": 30.0})
 
@@ -109,3 +138,27 @@ def test_drained_and_undrained_creep_run_to_their_strength() -> None:
         ratio, q = run(spec, CREEP, [0.1, 0.2], "stress_ratio", "q")
         assert np.isfinite(q).all()
         assert (ratio < 6.0 * np.sin(np.radians(28.0)) / (3.0 - np.sin(np.radians(28.0))) * (1.0 + 0.2)).all()
+
+
+def test_rigid_water_is_an_assumption_that_is_told() -> None:
+    silent = triaxial("elastic", STRAIN, drainage="undrained")
+    (sentence,) = silent.assumptions
+    assert sentence.startswith("water_bulk_modulus is not given, so the pore water is rigid")
+    assert "above 0 kPa, with initial_void_ratio" in sentence
+    told = triaxial("elastic", STRAIN, drainage="undrained", water_bulk_modulus=2.2e6, initial_void_ratio=0.8)
+    drained = triaxial("elastic", STRAIN)
+    assert told.assumptions == drained.assumptions == ()
+    parts = {
+        name: spec.model_dump(mode="json", exclude_none=True)
+        for name, spec in zip("abc", (silent,) * 2 + (told,), strict=True)
+    }
+    problem = parse_problem(
+        {
+            "name": "water",
+            "forward_model": {"kind": "combined", "parts": parts},
+            "parameters": {"E": {"lower": 1.0e3, "upper": 1.0e4}, "nu": {"value": 0.3}},
+            "observations": [{"series": "a.q", "points": {"x": [0.01], "y": [40.0]}}],
+            "stopping": {"max_evaluations": 10},
+        }
+    )
+    assert check_problem(problem).assumptions == (f"a and b: {sentence}",)

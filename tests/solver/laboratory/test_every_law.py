@@ -11,7 +11,7 @@ import pytest
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import drained_triaxial, undrained_triaxial
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
-from tests.solver.laboratory.tests_of import run, triaxial
+from geoswarm.verification.specimens.laboratory import run, triaxial
 from tests.solver.laws.checks import usual_values
 
 PACE = {"rate": 0.5}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.errors import ProblemError
-from tests.solver.laboratory.tests_of import CREEP, ELASTIC, MOHR_COULOMB, run, triaxial
+from geoswarm.verification.specimens.laboratory import CREEP, ELASTIC, MOHR_COULOMB, run, triaxial
 
 YOUNG = ELASTIC["E"]
 LOOP = [{"axial_strain": 0.012}, {"deviator_stress": 40.0}, {"axial_strain": 0.03}]
@@ -101,8 +101,8 @@ def test_drained_shearing_after_undrained_shearing_keeps_the_pore_pressure() -> 
 def test_only_points_that_the_test_has_are_accepted() -> None:
     model = triaxial("elastic", [{"axial_strain": 0.01}], consolidation=[{"axial": 100.0}]).build()
     for name, x, words in (
-        ("q", 0.02, r"x = 0.02: from 0 to 0.01 are accepted"),
-        ("time_q", 1.5, r"x = 1.5 day: from 0 to 1 day are accepted"),
+        ("q", 0.02, r"x must be from 0 to 0.01, got 0.02"),
+        ("time_q", 1.5, r"x must be from 0 to 1 day, got 1.5 day"),
         ("stage_q", 1.5, r"whole numbers from 1 to 1"),
         ("tau", 1.0, "'tau' is unknown; known are q, p"),
     ):

@@ -13,7 +13,7 @@ from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import simple_shear as general_simple_shear
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
-from tests.solver.laboratory.tests_of import CREEP, ELASTIC, MOHR_COULOMB, run, simple_shear
+from geoswarm.verification.specimens.laboratory import CREEP, ELASTIC, MOHR_COULOMB, run, simple_shear
 from tests.solver.laws.checks import usual_values
 
 YOUNG, POISSON = ELASTIC["E"], ELASTIC["nu"]
@@ -157,18 +157,23 @@ def test_what_a_path_never_reaches_counts_as_its_closest_approach() -> None:
 @pytest.mark.parametrize(
     ("material", "shearing", "changes", "message"),
     [
-        ("elastic", [{}], {}, "exactly one of shear_strain, shear_stress is accepted; none is given"),
+        ("elastic", [{}], {}, "give exactly one of shear_strain, shear_stress; none is given"),
         ("elastic", [{"shear_strain": 1.5}], {}, "less than or equal to 0.9"),
         ("elastic", [{"shear_strain": 0.1}], {"constant": "height"}, "volume"),
-        ("elastic", [{"shear_strain": 0.1}], {"initial_ratio": 0.0}, "initial_ratio = 0: above 0 and at most 100"),
-        ("no_plane", [{"shear_strain": 0.1}], {}, "initial_ratio = K0: material no_plane knows none"),
+        ("elastic", [{"shear_strain": 0.1}], {"initial_ratio": 0.0}, "initial_ratio must be above 0 and at most 100"),
+        (
+            "no_plane",
+            [{"shear_strain": 0.1}],
+            {},
+            "initial_ratio must be a number, got K0: material no_plane has no K0",
+        ),
         ("soft_soil_creep", [{"shear_strain": 0.1}], {}, r"shearing\[0\]: rate or duration is missing"),
         ("elastic", [{"kind": "cyclic", "cycles": 2}], {}, "exactly one of shear_strain_amplitude"),
         (
             "elastic",
             [{"shear_strain": 0.1}],
             {"consolidation": [{"normal_stress": 50.0, "loading_time": 3.0}]},
-            "loading_time = 3 day: at most the duration, 1, is accepted",
+            "loading_time must be at most the duration, 1 day, got 3 day",
         ),
     ],
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.errors import DivergedError
-from tests.solver.laboratory.tests_of import ELASTIC, MOHR_COULOMB, run, triaxial
+from geoswarm.verification.specimens.laboratory import ELASTIC, MOHR_COULOMB, run, triaxial
 
 YOUNG, POISSON = ELASTIC["E"], ELASTIC["nu"]
 BULK = YOUNG / (3.0 * (1.0 - 2.0 * POISSON))

@@ -25,7 +25,7 @@ from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.laws.base import Law, Soil
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from geoswarm.solver.parameter_info import ParameterInfo
-from tests.verification.fem.bodies import block
+from geoswarm.verification.specimens.bodies import block
 
 __all__ = [
     "LARGE",
@@ -38,12 +38,15 @@ __all__ = [
     "by_element_test",
     "by_finite_element",
     "cases",
+    "cycle_work",
     "elastic_loop_work",
     "follow_strain",
     "followed_back",
+    "loop_energy",
     "shear_depends_on_pressure",
     "taylor_rests",
     "turned",
+    "turned_state",
     "usual_values",
 ]
 
@@ -149,9 +152,9 @@ def turned(case: Case, axes: FloatArray, *, stress: FloatArray, strain: FloatArr
     back = np.linalg.inv(Q).T  # strain turns as the inverse transposed: work is the same
     state = case.state(stress)
     here = case.update(strain, stress, state)
-    there = case.update(back @ strain, Q @ stress, _turned_state(case.law, state, back))
+    there = case.update(back @ strain, Q @ stress, turned_state(case.law, state, back))
     assert here[3] == there[3] >= 0
-    wanted = _turned_state(case.law, here[1], back)
+    wanted = turned_state(case.law, here[1], back)
     return (
         _difference(there[0], Q @ here[0]),
         _difference(there[1], wanted),
@@ -159,7 +162,7 @@ def turned(case: Case, axes: FloatArray, *, stress: FloatArray, strain: FloatArr
     )
 
 
-def _turned_state(law: Law, state: FloatArray, back: FloatArray) -> FloatArray:
+def turned_state(law: Law, state: FloatArray, back: FloatArray) -> FloatArray:
     names = [one.name for one in law.state]
     new = state.copy()
     for first in range(len(names) - 5):
@@ -195,25 +198,56 @@ def follow_strain(case: Case, strain: FloatArray, count: int, log_time: float = 
 
 def followed_back(case: Case, strain: FloatArray, count: int) -> tuple[FloatArray, float]:
     """Stress after a strain and back again, and the work of it over that of half the way."""
-    return _worked(case, [strain / count] * count + [-strain / count] * count)
+    stress, works, _ = _worked(case, [strain / count] * count + [-strain / count] * count)
+    return stress, float(works[-1] / np.abs(works).max())
+
+
+def cycle_work(case: Case, strain: FloatArray, count: int = 40) -> tuple[float, float]:
+    """What a cycle of strain, there, to the other side and back, leaves of stress and takes of work.
+
+    The stress over the largest change on the way, and the work beyond that of the initial stress, over its largest.
+    """
+    step = strain / count
+    steps = [step] * count + [-step] * (2 * count) + [step] * count
+    end, works, _ = _worked(case, steps)
+    turned = _worked(case, steps[:count])[0]
+    beyond = works - np.concatenate([[0.0], np.cumsum([float(STRESS @ one) for one in steps])])
+    return float(np.abs(end - STRESS).max() / np.abs(turned - STRESS).max()), float(beyond[-1] / np.abs(beyond).max())
 
 
 def elastic_loop_work(case: Case, size: float, count: int) -> tuple[FloatArray, float]:
-    """Stress after a loop of volume and shear, and its work over that of its first side."""
-    volume, shear = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]), np.array([-0.5, 1.0, -0.5, 0.6, 0.0, 0.3])
-    sides = [size * volume, size * shear, -size * volume, -size * shear]
-    return _worked(case, [side / count for side in sides for _ in range(count)])
+    """Stress after a loop of volume and shear, and its work over the largest on the way."""
+    stress, works, _ = _worked(case, _loop(size, count))
+    return stress, float(works[-1] / np.abs(works).max())
 
 
-def _worked(case: Case, steps: list[FloatArray]) -> tuple[FloatArray, float]:
-    stress, state, work, most = STRESS, case.state(), 0.0, 0.0
+def loop_energy(case: Case, size: float, count: int) -> tuple[float, float, float]:
+    """Work of the same loop, kPa; the shear modulus between its first two sides less that before; e:e of its shear."""
+    _, works, _ = _worked(case, _loop(size, count))
+    stress, _, state = _worked(case, _loop(size, count)[:count])
+    moduli = [case.update(np.zeros(6), *one)[2][3, 3] for one in ((STRESS, case.state()), (stress, state))]
+    square = size**2 * float((_SHEAR[:3] ** 2).sum() + 0.5 * (_SHEAR[3:] ** 2).sum())
+    return float(works[-1]), float(moduli[1] - moduli[0]), square
+
+
+_SHEAR: Final = np.array([-0.5, 1.0, -0.5, 0.6, 0.0, 0.3])
+
+
+def _loop(size: float, count: int) -> list[FloatArray]:
+    volume = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    sides = [size * volume, size * _SHEAR, -size * volume, -size * _SHEAR]
+    return [side / count for side in sides for _ in range(count)]
+
+
+def _worked(case: Case, steps: list[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Stress after steps of strain, the work after each, kPa, and the state in the end."""
+    stress, state, works = STRESS, case.state(), [0.0]
     for strain in steps:
         new, state, _, status = case.update(strain, stress, state)
         assert status >= 0
-        work += float(0.5 * (stress + new) @ strain)
-        most = max(most, abs(work))
+        works.append(works[-1] + float(0.5 * (stress + new) @ strain))
         stress = new
-    return stress, work / most
+    return stress, np.array(works), state
 
 
 def shear_depends_on_pressure(case: Case) -> bool:

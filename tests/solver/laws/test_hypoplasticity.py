@@ -200,23 +200,27 @@ def test_the_mobilised_friction_angle_is_that_of_mohrs_circles_in_triaxial_state
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"e0": 0.6}, "e0 = 0.6 under a mean stress of 71.6667 kPa: above e_d = 0.5"),
-        ({"e0": 1.09}, "e0 = 1.09 under a mean stress of 71.6667 kPa: .* and at most e_i = 1.0"),
+        ({"e0": 0.5}, "e0 must be above e_d = 0.5.* under a mean stress of 71.6667 kPa, got 0.5"),
+        ({"e0": 1.09}, "e0 must be above .* and at most e_i = 1.0.* under a mean stress of 71.6667 kPa, got 1.09"),
     ],
 )
 def test_a_void_ratio_outside_the_limits_of_the_stress_is_told(changes: dict[str, float], message: str) -> None:
-    of = soil("hypoplastic_sand", **{**changes, "e0": 0.5 if changes["e0"] == 0.6 else changes["e0"]})
-    with pytest.raises(InfeasibleError, match=message.replace("e0 = 0.6 ", "e0 = 0.5 ")):
+    of = soil("hypoplastic_sand", **changes)
+    with pytest.raises(InfeasibleError, match=message):
         of.law.initial_state(STRESS, of.constants)
-    with pytest.raises(InfeasibleError, match=message.replace("e0 = 0.6 ", "e0 = 0.5 ")):
+    with pytest.raises(InfeasibleError, match=message):
         of.law.initial_state(np.stack([STRESS, STRESS]), of.constants)
 
 
 @pytest.mark.parametrize(
     ("changes", "stress", "message"),
     [
-        ({"OCR": 1.0, "e0": 0.9}, STRESS, "e0 = 0.9 under a mean stress of 71.6667 kPa: above 0 and at most 0.6"),
-        ({"OCR": 1.0e9}, STRESS, "OCR = 1e.09 gives a void ratio = -0.4.* is accepted"),
+        (
+            {"OCR": 1.0, "e0": 0.9},
+            STRESS,
+            "e0 = 0.9 under a mean stress of 71.6667 kPa; it must be above 0 and at most 0.6",
+        ),
+        ({"OCR": 1.0e9}, STRESS, "OCR = 1e.09 gives a void ratio = -0.4.*; it must be above 0 and at most "),
         ({}, -STRESS, "compression only"),
         ({}, np.array([0.0, 50.0, 50.0, 0.0, 0.0, 0.0]), "friction angle of 90 degree: .* compression only"),
     ],

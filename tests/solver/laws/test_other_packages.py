@@ -107,7 +107,7 @@ def test_a_section_settles_by_the_closed_form() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"material": "no_plane"}, "K0 is missing: material no_plane knows none"),
+        ({"material": "no_plane"}, "K0 is missing: material no_plane has none"),
         ({"material": "no_plane", "K0": 0.5, "discretization": "finite_element"}, "no stress update"),
         ({"OCR": 2.0}, "OCR is given, which material standard_solid does not have"),
         ({"material": "standard_liquid"}, "unknown law 'standard_liquid'"),

@@ -193,7 +193,9 @@ stopping: {{max_evaluations: 10}}
     found = [one for one in implausible(load_problem(tmp_path / "problem.yaml")) if "heading" in one]
     assert bool(found) == warned
     if warned:
-        assert found[0].startswith(f"observations[0].y_unit = {unit}, but by its heading column '{heading}' is in ")
+        assert found[0].startswith(
+            f"observations[0].y_unit = {unit}, but according to its heading column '{heading}' is in "
+        )
 
 
 def test_the_wrong_unit_of_time() -> None:
@@ -206,7 +208,7 @@ def test_stages_that_were_not_read() -> None:
     read = TIMES < 4.0
     (found,) = warnings(points(1440.0 * TIMES[read], settlement()[read]))
     assert "in stage 4 of 6" in found
-    assert "or leave out the stages that were not read" in found
+    assert "or leave out the stages without readings" in found
     gap = (TIMES < 2.0) | (TIMES > 3.0)
     (found,) = warnings(points(1440.0 * TIMES[gap], settlement()[gap]))
     assert "there is no reading in stage 3 of 6; check forward_model.stages against the record" in found

@@ -84,8 +84,8 @@ def test_a_sheet_of_a_workbook(tmp_path: Path) -> None:
         tmp_path, "a.xlsx", content, **{**keys, "sheet": "Other"}
     )
     bad = mistakes(tmp_path, "a.xlsx", workbook(("s", ROWS), strings=STRINGS), x_column="time", y_column="settlement")
-    assert bad == "observations[0].file: a.xlsx line 5, column settlement (mm): '#N/A' is no finite number"
-    assert "no workbook, so it has no sheet 's'" in mistakes(tmp_path, "a.csv", "x,y\n1,2\n", sheet="s")
+    assert bad == "observations[0].file: a.xlsx line 5, column settlement (mm): '#N/A' is not a finite number"
+    assert "not a workbook, so it has no sheet 's'" in mistakes(tmp_path, "a.csv", "x,y\n1,2\n", sheet="s")
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,9 @@ def test_dates_are_days(dates: tuple[str, ...], keys: dict[str, str], days: list
 def test_dates_that_cannot_be(tmp_path: Path) -> None:
     names = {"x_column": "date", "y_column": "y"}
     text = "date,y\n2021-06-01,1\n2021-06-02,2\n2021-06-31,3\n"
-    assert "a.csv line 4, column date: '2021-06-31' is no date, such as" in mistakes(tmp_path, "a.csv", text, **names)
+    assert "a.csv line 4, column date: '2021-06-31' is not a date, such as" in mistakes(
+        tmp_path, "a.csv", text, **names
+    )
     good = "date,y\n2021-06-01,1\n2021-06-02,2\n"
     assert "leave x_unit out, not h" in mistakes(tmp_path, "a.csv", good, x_unit="h", **names)
     assert "must be a date" in mistakes(tmp_path, "a.csv", good, x_origin="Tuesday", **names)

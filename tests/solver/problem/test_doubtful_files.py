@@ -134,7 +134,7 @@ def test_formulas_alone_are_named_in_both_kinds_of_workbook() -> None:
 
 def test_rows_without_a_number_are_left_out_when_that_is_wished(tmp_path: Path) -> None:
     text = "x,y\n2024-03-01,n/a\n2024-03-02,1\n2024-03-03,\n2024-03-05,2\n"
-    assert "'n/a' is no finite number" in mistakes(tmp_path, "a.csv", text.encode(), y_unit="mm")
+    assert "'n/a' is not a finite number" in mistakes(tmp_path, "a.csv", text.encode(), y_unit="mm")
     found = observed(tmp_path, "a.csv", text.encode(), y_unit="mm", incomplete_rows="leave_out")
     assert (found.points.x, found.points.y) == ([0, 3], [1, 2])
     assert found.notes[-1] == "2 rows of a.csv without a number in every column were left out"

@@ -72,9 +72,9 @@ def test_columns_by_their_cells(keys: dict[str, str], x: list[float], y: list[fl
     [
         ({"x_column": "t", "y_column": "s"}, "there are several columns 't'"),
         ({"x_column": "A3:A4", "y_column": "B3:B5"}, "B3:B5 has 3 cells, A3:A4 has 2; where one column is a range"),
-        ({"x_column": "A3:B4", "y_column": "B3:B4"}, "cells A3:B4 are no column such as B5:B30 and no row"),
+        ({"x_column": "A3:B4", "y_column": "B3:B4"}, "cells A3:B4 are neither a column such as B5:B30 nor a row"),
         ({"x_column": "A3:A9", "y_column": "B3:B9"}, "cells A3:A9 reach beyond the sheet, whose last row is 5"),
-        ({"x_column": "A2:A4", "y_column": "B2:B4"}, "line 2, column A2:A4: 't' is no finite number"),
+        ({"x_column": "A2:A4", "y_column": "B2:B4"}, "line 2, column A2:A4: 't' is not a finite number"),
     ],
 )
 def test_cells_that_cannot_be(keys: dict[str, str], message: str, tmp_path: Path) -> None:
@@ -181,14 +181,14 @@ def test_dates_as_they_are_written(form: str | None, first: str, second: str, tm
 def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path) -> None:
     keys = {"x_column": "date", "y_column": "y"}
     text = "date;y\n03/04/2024;1\n05/04/2024;2\n"
-    assert "'03/04/2024' is no finite number; x_dates: day_first or month_first says" in mistakes(
+    assert "'03/04/2024' is not a finite number; x_dates: day_first or month_first says" in mistakes(
         tmp_path, "a.csv", text, **keys
     )
     assert observed(tmp_path, "a.csv", text, x_dates="day_first", **keys).points.x == [0, 2]
     # March 4 to May 4 is longer than the test
     assert "x = 61 day (point 2) is outside" in mistakes(tmp_path, "a.csv", text, x_dates="month_first", **keys)
     wrong = mistakes(tmp_path, "a.csv", "date;y\n3/4/2024;1\n13/13/2024;2\n", x_dates="day_first", **keys)
-    assert "line 3, column date: '13/13/2024' is no date, such as 31/12/2024 08:30 or 2024-03-01 08:30" in wrong
+    assert "line 3, column date: '13/13/2024' is not a date, such as 31/12/2024 08:30 or 2024-03-01 08:30" in wrong
 
 
 def test_time_of_day_in_a_column_of_its_own(tmp_path: Path) -> None:
@@ -196,7 +196,7 @@ def test_time_of_day_in_a_column_of_its_own(tmp_path: Path) -> None:
     found = observed(tmp_path, "a.csv", "Datum;Uhrzeit;y\n01.03.2024;22:00;1\n02.03.2024;4:00:00;2\n", **keys)
     assert found.points.x == [0.0, 0.25]
     bad = mistakes(tmp_path, "a.csv", "Datum;Uhrzeit;y\n01.03.2024;25:00;1\n", **keys)
-    assert "line 2, column Uhrzeit: '25:00' is no time of day" in bad
+    assert "line 2, column Uhrzeit: '25:00' is not a time of day" in bad
     assert (time_of_day(0.25), time_of_day("12:00 AM")) == (time_of_day("6:00"), time_of_day("0:00"))
     assert moment_in("31.02.2024") is None
 

@@ -154,7 +154,7 @@ def test_dates_of_a_sheet_follow_its_styles() -> None:
             workbook(("s", ""), **{SHEET.format(1): '<!DOCTYPE a [<!ENTITY b "c">]><worksheet/>'}),
             "has a document type",
         ),
-        (workbook(("s", '<row><c t="s"><v>7</v></c></row>')), "no complete XLSX or ODS workbook"),
+        (workbook(("s", '<row><c t="s"><v>7</v></c></row>')), "not a complete XLSX or ODS workbook"),
         (workbook(("s", ""), **{"content.xml": "<a/>"}), "a.file has no sheets with cells"),
     ],
 )

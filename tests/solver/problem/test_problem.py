@@ -98,7 +98,7 @@ def test_arrays_and_tuples_are_accepted_for_lists() -> None:
 def test_defaults_are_written_out() -> None:
     document = parse_problem(_document()).document()
     assert document["method"]["kind"] == "particle_swarm"
-    assert document["method"]["particles"] == 10
+    assert document["method"]["particles"] == "auto"
     assert document["parameters"]["a"] == {"lower": 0.1, "upper": 10.0, "scale": "linear"}
     assert document["observations"][0] == {"series": "y", "points": {"x": [0.0, 1.0], "y": [0.1, 1.2]}, "weight": 1.0}
     assert parse_problem(_document()) != parse_problem(_document(seed=1))
@@ -146,17 +146,17 @@ def test_very_many_mistakes_are_counted_not_listed() -> None:
 @pytest.mark.parametrize(
     ("section", "value", "message"),
     [
-        ("parameters", {}, "parameters: must be a mapping of names, not an empty mapping"),
+        ("parameters", {}, "parameters: must be a mapping of names, got an empty mapping"),
         ("parameters", {f"p{i}": {"value": 1} for i in range(101)}, "parameters: has 101 entries; at most 100"),
-        ("observations", [], "observations: must be a list of 1 to 1000 observations, not an empty list"),
-        ("observations", [3], "observations[0]: must be a mapping, not 3"),
+        ("observations", [], "observations: must be a list of 1 to 1000 observations, got an empty list"),
+        ("observations", [3], "observations[0]: must be a mapping, got 3"),
         ("method", None, "method: must be a mapping with a kind of particle_swarm, differential_evolution"),
         ("method", {"particles": 5}, "method.kind: is missing; known: particle_swarm, differential_evolution"),
-        ("stopping", [], "stopping: must be a mapping, not an empty list"),
+        ("stopping", [], "stopping: must be a mapping, got an empty list"),
         ("name", "", "name: must not be empty"),
         ("name", "x" * 201, "name: may have at most 200 characters"),
         ("seed", 2**53, f"seed: must be at most {2**53 - 1}"),
-        ("seed", True, "seed: must be a whole number, not true"),
+        ("seed", True, "seed: must be a whole number, got true"),
     ],
 )
 def test_sections_of_the_wrong_shape(section: str, value: Any, message: str) -> None:

@@ -36,7 +36,7 @@ def test_anchors_are_resolved() -> None:
     ("text", "message"),
     [
         ("a: 1\nb:\n\tc: 1\n", "YAML syntax error in line 3, column 1: a tab; YAML is indented with spaces"),
-        ("a: 1\nb:\n  c: 1\n  c: 2\n", "key 'c' is given twice, again in line 4, column 3"),
+        ("a: 1\nb:\n  c: 1\n  c: 2\n", "key 'c' is given twice, the second time in line 4, column 3"),
         ("a: [1\nb: 2\n", "YAML syntax error in line 2, column 2: expected ',' or ']', but got ':'"),
         ("\ta: 1", r"YAML syntax error in line 1, column 1: a tab; YAML is indented with spaces"),
         ("a: \x00", "YAML syntax error: unacceptable character"),
@@ -47,8 +47,8 @@ def test_anchors_are_resolved() -> None:
         ("a: {b: {3: 1}}", "a.b: key 3 is a number"),
         ("- 1", "a problem is a mapping .*, but this is a list"),
         ("", "a problem is a mapping .*, but this is empty"),
-        ("a: &x [*x]", r"what begins in line 1, column 4 contains itself by an alias \(\*\)"),
-        ("a: &x {b: {<<: *x}}", "what begins in line 1, column 4 contains itself"),
+        ("a: &x [*x]", r"what starts in line 1, column 4 contains itself by an alias \(\*\)"),
+        ("a: &x {b: {<<: *x}}", "what starts in line 1, column 4 contains itself"),
         ("a: " + ("[" * 200 + "]" * 200 + "\n") * 500, "nested more than 30 levels deep"),
         ("[" * 5000, "nested more than 30 levels deep"),
         ("a: 1" + "0" * 400, "a: number is too large"),
@@ -65,10 +65,10 @@ def test_yaml_that_cannot_be_used(text: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"a": {"b": 1, "c": 2, "b": 3}}', "key 'b' is given twice, again in line 1, column 24"),
+        ('{"a": {"b": 1, "c": 2, "b": 3}}', "key 'b' is given twice, the second time in line 1, column 24"),
         (
             '{"a": [{"b": 1},\n {"b": "}", "c": "b"}],\n "\\u0061": 2}',
-            "key 'a' is given twice, again in line 3, column 2",
+            "key 'a' is given twice, the second time in line 3, column 2",
         ),
         ('{"a": 1,\n}', "JSON syntax error in line 1, column 8|JSON syntax error in line 2, column 1"),
         ("[1]", "a problem is a mapping"),

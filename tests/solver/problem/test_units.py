@@ -76,7 +76,7 @@ def test_refused(unit: str) -> None:
 
 
 def test_units_with_an_offset_are_refused() -> None:
-    with pytest.raises(UnitError, match="'degC' is no plain multiple of kelvin"):
+    with pytest.raises(UnitError, match="'degC' is not a plain multiple of kelvin"):
         convert([1.0], "degC", "kelvin")
 
 

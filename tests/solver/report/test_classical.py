@@ -63,7 +63,7 @@ def test_void_ratios_at_the_ends_of_stages() -> None:
     assert table.rows[0][4:6] == ("0.5 (steepest part)", "–")
     assert "Casagrande" in table.rows[2][4]
     assert "log-log" in table.rows[2][4]
-    assert "What stands under the readings comes from them alone" in table.note
+    assert "Values from the readings rest on these alone" in table.note
     assert laboratory_document(classical_values(one))[0]["value"] == pytest.approx(CC, rel=1e-9)
 
 
@@ -81,7 +81,7 @@ def test_what_the_readings_do_not_allow_is_told() -> None:
     assert values["Cc", "steepest part"].why == "2 points of first loading; at least 3 are needed"
     table = laboratory_table(laboratory_values(one, one.values([0.0]), None), "", Beside(classical_values(one)))
     assert "from the readings" not in table.columns  # nothing stands beside
-    assert "under the readings" not in table.note
+    assert "from the readings rest" not in table.note
 
 
 def test_secondary_compression_is_read_from_a_stage() -> None:

@@ -107,6 +107,7 @@ def test_a_swarm_is_polished_and_its_parameters_are_identified(swarm: Run) -> No
     assert any("Samples are particles of a swarm" in note or "swarm" in note for note in content.notes)
 
 
+@pytest.mark.slow
 def test_report_of_2000_runs_is_small(sampling: Run) -> None:
     assert len(sampling.report.html()) < 3e6
     assert len(sampling.report.pdf()) < 3e6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.build import report_of_result
@@ -31,6 +32,7 @@ def test_extremes_and_ends_are_kept() -> None:
     np.testing.assert_array_equal(shown(first[:4000]), np.arange(4000))
 
 
+@pytest.mark.slow
 def test_a_report_of_very_many_points_is_small() -> None:
     problem = many(200_000)
     report = report_of_result(problem, calibrate(problem), linearise=False)

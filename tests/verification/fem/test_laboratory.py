@@ -17,8 +17,8 @@ from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.laws.soft_soil_creep import creep_constants
-from tests.soils import creep_law, creep_point, creeping
-from tests.verification.fem.bodies import block, graded, node_at
+from geoswarm.verification.specimens.bodies import block, graded, node_at
+from geoswarm.verification.specimens.soils import creep_law, creep_point, creeping
 
 STAGES = ((100.0, 1.0), (200.0, 1.0), (400.0, 1.0), (400.0, 99.0))
 TWO = block(np.array([0.0, 1.0]), np.array([0.0, 1.0]))

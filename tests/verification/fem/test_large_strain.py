@@ -11,8 +11,8 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import Calculation, solve_phases
-from tests.soils import elastic
-from tests.verification.fem.bodies import block, graded
+from geoswarm.verification.specimens.bodies import block, graded
+from geoswarm.verification.specimens.soils import elastic
 
 CLOSE = Control(tolerance=1.0e-9)
 ALONG, UP = np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0])

@@ -1,4 +1,4 @@
-"""Loads that a body can just carry: footing, slopes, a block on an interface."""
+"""Loads that a body can just carry: slopes, a block that is lifted off its interface."""
 
 from __future__ import annotations
 
@@ -10,55 +10,12 @@ import pytest
 
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.fem.materials import InterfaceMaterial
-from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
-from tests.soils import elastic, mohr_coulomb
-from tests.verification.fem.bodies import block, embankment, graded, moved, slope, stacked
+from geoswarm.verification.specimens.bodies import block, graded, moved, slope, stacked
+from geoswarm.verification.specimens.soils import elastic, mohr_coulomb
 
 SIDES = (Fixity("left", x=0.0), Fixity("right", x=0.0), Fixity("bottom", x=0.0, y=0.0))
-
-
-def _footing(cells: int) -> float:
-    """Bearing capacity over cohesion of a smooth strip footing, half width 1, on weightless soil."""
-    x = np.concatenate([graded(0.0, 1.0, cells), graded(1.0, 5.0, 2 * cells, 1.25 ** (4 / cells))[1:]])
-    y = graded(-4.0, 0.0, 3 * cells, 0.8 ** (4 / cells))
-    mesh = block(x, y)
-    under = tuple(int(node) for node in np.unique(mesh.boundaries["top"]) if mesh.nodes[node, 0] < 1.0 + 1.0e-9)
-    phase = Phase(
-        "footing",
-        materials={"soil": mohr_coulomb(1.0e5, 0.49, 100.0, 0.0, tension_cutoff=None)},
-        fixities=(*SIDES, Fixity(under, y=-0.03)),
-        load_step=0.05,
-        largest_load_step=0.1,
-    )
-    result = solve_phases(mesh, [phase], control=Control(tolerance=1.0e-4))[0]
-    return float(-result.reactions[list(under), 1].sum()) / 100.0
-
-
-def test_prandtl_footing_within_three_percent_and_converging() -> None:
-    coarse, fine = _footing(4), _footing(8)
-    exact = 2.0 + math.pi
-    assert fine == pytest.approx(exact, rel=0.03)
-    assert abs(fine - exact) < 0.75 * abs(coarse - exact)
-
-
-def _stands(mesh: Mesh, factor: float) -> bool:
-    """Whether the slope of Griffiths & Lane (1999), example 1, carries its weight with its strength reduced."""
-    c, phi = 10.0 / factor, math.degrees(math.atan(math.tan(math.radians(20.0)) / factor))
-    soil = mohr_coulomb(1.0e5, 0.3, c, phi, tension_cutoff=None, unit_weight=20.0)
-    phase = Phase("weight", "gravity", materials={"soil": soil}, fixities=SIDES[::2], load_step=0.2)
-    try:
-        solve_phases(mesh, [phase], control=Control(tolerance=1.0e-4, smallest_step=0.01))
-    except DivergedError:
-        return False
-    return True
-
-
-def test_griffiths_and_lane_slope_fails_at_a_strength_reduction_of_about_1_4() -> None:
-    mesh = embankment(12.0, 20, 10)
-    assert _stands(mesh, 1.37)
-    assert not _stands(mesh, 1.43)
 
 
 def _infinite_slope(factor: float) -> bool:
@@ -103,27 +60,6 @@ def test_an_infinite_slope_fails_at_its_factor_of_safety() -> None:
     safety = resisting / (weight * math.sin(angle) * math.cos(angle))
     assert _infinite_slope(0.98 * safety)
     assert not _infinite_slope(1.02 * safety)
-
-
-def test_a_block_slides_on_its_interface_at_60_kn_per_metre() -> None:
-    lower = block(graded(-1.0, 5.0, 6), graded(-1.0, 0.0, 1), name="base")
-    upper = block(graded(0.0, 4.0, 4), graded(0.0, 1.0, 1), name="block")
-    mesh = stacked(lower, upper)
-    joint = InterfaceMaterial(1.0e5, 1.0e5, 2.5, math.degrees(math.atan(0.5)))
-    press = Phase(
-        "weight",
-        materials={"base": elastic(1.0e6, 0.0), "block": elastic(1.0e6, 0.0), "joint": joint},
-        fixities=(Fixity("lower bottom", x=0.0, y=0.0), Fixity("left", x=0.0)),
-        tractions=(Traction("top", y=-25.0),),
-    )
-    push = Phase(
-        "push",
-        fixities=(Fixity("lower bottom", x=0.0, y=0.0), Fixity("left", x=0.01)),
-        load_step=0.05,
-    )
-    result = solve_phases(mesh, [press, push])[-1]
-    pushed = float(result.reactions[np.unique(mesh.boundaries["left"]), 0].sum())
-    assert pushed == pytest.approx(4.0 * 2.5 + 100.0 * 0.5, rel=0.01)
 
 
 def test_a_lifted_block_leaves_its_interface_without_tension() -> None:

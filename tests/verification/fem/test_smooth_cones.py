@@ -12,7 +12,7 @@ from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.phases import Control, Fixity, Phase
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.laws.registry import find_law
-from tests.verification.fem.bodies import block, graded
+from geoswarm.verification.specimens.bodies import block, graded
 
 C, PHI = 50.0, 30.0
 TAN = math.tan(math.radians(PHI))

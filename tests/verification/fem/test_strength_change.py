@@ -10,7 +10,7 @@ import pytest
 
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.forward.cross_section import SectionModel, SectionSpec
-from tests.verification.fem.infinite_slopes import LENGTH, WEIGHT, InfiniteSlope
+from geoswarm.verification.specimens.infinite_slopes import LENGTH, WEIGHT, InfiniteSlope
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,8 @@ from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
-from tests.soils import elastic, mohr_coulomb
-from tests.verification.fem.bodies import block, graded, moved
+from geoswarm.verification.specimens.bodies import block, graded, moved
+from geoswarm.verification.specimens.soils import elastic, mohr_coulomb
 
 CLOSE = Control(tolerance=1.0e-9)
 

@@ -7,7 +7,7 @@ from decimal import Decimal, localcontext
 
 import pytest
 
-from tests.verification.nist.data import PROBLEMS, Certified
+from geoswarm.verification.exact.nist import PROBLEMS, Certified
 
 
 def evaluate(case: Certified, x: Decimal, b: dict[str, Decimal]) -> Decimal:

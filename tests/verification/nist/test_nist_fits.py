@@ -10,7 +10,7 @@ from geoswarm.solver.identifiability import Linearisation, design, from_evaluati
 from geoswarm.solver.identifiability.optimum.polish import Polished, polish
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
-from tests.verification.nist.data import BOXBOD, MGH09, PROBLEMS, THURBER, Certified
+from geoswarm.verification.exact.nist import BOXBOD, MGH09, PROBLEMS, THURBER, Certified
 
 pytestmark = pytest.mark.usefixtures("independent_noise")
 

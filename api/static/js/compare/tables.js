@@ -1,6 +1,6 @@
 // Tables with one column a job.
 import { element } from "../dom.js";
-import { age, count, duration, number, symbol, withUnit } from "../format.js";
+import { age, amount, count, duration, number, plain, symbol, withUnit } from "../format.js";
 
 function table(caption, loaded, rows) {
   const head = element("tr", {}, element("td", {}), loaded.map(({ job }) => element("th", { scope: "col", class: "n" }, job.name)));
@@ -11,24 +11,29 @@ function table(caption, loaded, rows) {
     element("table", { class: "side" }, element("caption", {}, caption), element("thead", {}, head), element("tbody", {}, body)));
 }
 
-const words = (name) => name.replaceAll("_", " ");
-
 /** What was asked, how far it is, what it cost. */
-export function factsTable(loaded) {
-  const lowest = Math.min(...loaded.map(({ job }) => job.objective ?? Infinity));
+export function factsTable(loaded, { objectives, reweighted }) {
+  const lowest = Math.min(...(objectives ?? []).map((objective) => objective ?? Infinity));
   const unit = common(loaded.map(({ fit }) => fit.objective_unit)) ?? "";
   const row = (label, value) => [label, loaded.map(({ job }) => value(job))];
-  const alike = common(loaded.map(({ fit }) => JSON.stringify(fit.series.map(({ series, x, measured, weight }) => [series, x, measured, weight])))) !== null;
-  const best = loaded.map(({ job }) => (alike && job.objective === lowest ? element("strong", {}, number(job.objective), " (lowest)") : number(job.objective)));
+  const ranked = (objective) => (objective !== null && objective === lowest ? [element("strong", {}, number(objective)), " (lowest)"] : number(objective));
+  const anew = objectives && reweighted.some(Boolean);
+  const names = [...new Set(loaded.flatMap(({ fit }) => fit.series.map(({ series }) => series)))];
+  const left = names.map((name) => [names.length > 1 ? `Root mean square of ${plain(name)}` : "Root mean square", loaded.map(({ fit }) => {
+    const share = fit.curves.find(({ role }) => role === "best")?.shares.find(({ series }) => series === name);
+    return share ? amount(share.root_mean_square, share.unit) : "–";
+  })]);
   return table("Jobs", loaded, [
-    [withUnit("Best objective", unit), best],
+    ...left,
+    [withUnit(anew ? "Best objective under its own weights" : "Best objective", unit), loaded.map(({ job }, i) => (anew || !objectives ? number(job.objective) : ranked(objectives[i])))],
+    ...(anew ? [[withUnit(`Best objective under the weights of ${loaded[0].job.name}`, unit), objectives.map(ranked)]] : []),
     row("Evaluations", (job) => count(job.evaluations) + (job.max_evaluations ? ` / ${count(job.max_evaluations)}` : "")),
     row("Failed evaluations", (job) => count(job.failed_evaluations)),
     row("Generations", (job) => count(job.generations)),
     row("Running time", (job) => duration(job.seconds)),
-    row("Ended by", (job) => job.stop_reasons.map(words).join(", ") || "–"),
-    row("Forward model", (job) => words(job.forward_model)),
-    row("Method", (job) => words(job.method)),
+    row("Ended by", (job) => job.stop_reasons.map(plain).join(", ") || "–"),
+    row("Forward model", (job) => plain(job.forward_model)),
+    row("Method", (job) => plain(job.method)),
     row("Seed", (job) => String(job.seed)),
     row("Submitted", (job) => age(job.created_at)),
   ]);

@@ -32,14 +32,14 @@ export function actions(view) {
     if ((state === "queued" || state === "running") && !retrying) list.push(button("Pause", "quiet", () => post(`/jobs/${id}/pause`), "Paused."));
     if (state === "paused") list.push(button("Resume", "", () => post(`/jobs/${id}/resume`), "Resumed."));
     if (state === "finished" || state === "cancelled" || OPEN.has(state)) {
-      list.push(element("button", { type: "button", class: "quiet", onclick: () => extend(view) }, ENDED.has(state) ? "Go on …" : "Change the end …"));
+      list.push(element("button", { type: "button", class: "quiet", onclick: () => extend(view) }, ENDED.has(state) ? "Continue …" : "Change stop criteria …"));
     }
     if (failed && (state === "paused" || ENDED.has(state))) {
-      list.push(button("Run failed evaluations again", "quiet", () => post(`/jobs/${id}/retry-failed`), "The failed evaluations run again."));
+      list.push(button("Rerun failed evaluations", "quiet", () => post(`/jobs/${id}/retry-failed`), "The failed evaluations are rerun."));
     }
     list.push(element("a", { class: "button quiet", href: `/new?from=${id}` }, "Clone"));
     if (OPEN.has(state)) {
-      list.push(button("Cancel", "danger", () => post(`/jobs/${id}/cancel`), "", [`End “${name}” now? What it has found stays.`, "End it"]));
+      list.push(button("Cancel", "danger", () => post(`/jobs/${id}/cancel`), "", [`Cancel “${name}” now? Results so far are kept.`, "Cancel the job"]));
     } else {
       list.push(button("Delete", "danger", async () => {
         leave(true);
@@ -51,7 +51,7 @@ export function actions(view) {
         }
         location.assign("/");
         await new Promise(() => {}); // the page goes
-      }, "", [`Delete “${name}” with all its evaluations for good?`, "Delete it"]));
+      }, "", [`Delete “${name}” and all its evaluations permanently?`, "Delete the job"]));
     }
     return list;
   }

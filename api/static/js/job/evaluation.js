@@ -2,7 +2,9 @@
 import { announce, dialog, element } from "../dom.js";
 import { amount, duration, moment, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
+import { tellAddress, told } from "../place.js";
 import { plot } from "../plot.js";
+import { converted } from "../units.js";
 import { fitPlot } from "./fit_plot.js";
 
 const words = (name) => name.replaceAll("_", " ");
@@ -18,6 +20,7 @@ export async function openEvaluation(view, generation, particle) {
   } catch (error) {
     return announce(error.message);
   }
+  fit = converted(fit);
   const chosen = fit.curves.find(({ role }) => role === "chosen");
   const drawn = fit.series.filter(({ series }) => chosen.values[series]);
   const frames = drawn.map(() => element("div", {}));
@@ -31,9 +34,17 @@ export async function openEvaluation(view, generation, particle) {
     attempts(tries),
     evaluation.log ? [element("h3", {}, "End of what the forward model wrote"), element("pre", { tabindex: "0" }, evaluation.log)] : null);
   made.classList.add("evaluation");
+  tellAddress({ evaluation: `${generation}-${particle}` });
+  made.addEventListener("close", () => tellAddress({ evaluation: null }));
   const plots = drawn.map((series, i) => plot(frames[i], () => fitPlot(fit, series.series, { initial: false })));
   made.addEventListener("close", () => plots.forEach(({ remove }) => remove()));
   await Promise.all(plots.map((one) => one.draw()));
+}
+
+/** The evaluation that the address names, if it does: ?evaluation=GENERATION-PARTICLE. */
+export function openNamed(view) {
+  const named = told().get("evaluation")?.match(/^(\d{1,9})-(\d{1,9})$/);
+  if (named) openEvaluation(view, Number(named[1]), Number(named[2]));
 }
 
 const heading = (name) => words(name).replace(/^./, (first) => first.toUpperCase());
@@ -47,7 +58,7 @@ function rows(title, heads, body) {
 }
 
 function parameters(fit, chosen) {
-  return rows("Parameters", ["Parameter", "Value", "How"], fit.parameters.map(({ name, unit, form }) => [withUnit(symbol(name), unit), number(chosen.parameters[name], 8), form]));
+  return rows("Parameters", ["Parameter", "Value", "Kind"], fit.parameters.map(({ name, unit, form }) => [withUnit(symbol(name), unit), number(chosen.parameters[name], 8), form]));
 }
 
 function shares(chosen) {
@@ -57,7 +68,7 @@ function shares(chosen) {
 
 function attempts(tries) {
   if (!tries.length) return null;
-  return rows("Tries", ["Try", "Outcome", "Worker", "Begun", "What happened"], tries.map((one) => [
+  return rows("Attempts", ["Attempt", "Outcome", "Worker", "Started", "What happened"], tries.map((one) => [
     String(one.number), words(one.outcome) + (one.counted ? " (counts)" : ""), one.worker ?? "–", moment(one.started_at),
     [one.message ?? "", one.log ? element("details", {}, element("summary", {}, "Log"), element("pre", {}, one.log)) : null]]));
 }

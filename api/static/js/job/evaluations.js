@@ -20,9 +20,9 @@ export function evaluations(view) {
   const filters = element("form", { class: "controls", "aria-label": "Filter the evaluations" }, control("State", state), control("Generation", generation), control("Objective up to", most));
   const table = element("div", {});
   const first = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.splice(1)) }, "First page");
-  const back = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.pop()) }, "Back");
-  const on = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.push(next)) }, "Further");
-  const csv = element("a", { class: "button quiet" }, "These as CSV");
+  const back = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.pop()) }, "Previous");
+  const on = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.push(next)) }, "Next");
+  const csv = element("a", { class: "button quiet" }, "Download as CSV");
   place.replaceChildren(filters, table, element("div", { class: "buttons" }, first, back, on, csv));
 
   function leaf(turn) {
@@ -38,7 +38,7 @@ export function evaluations(view) {
       const page = await get(`/jobs/${view.id}/evaluations`, { ...query(), limit: PAGE, cursor: cursors.at(-1) });
       if (turn !== asked) return;
       next = page.next_cursor;
-      exchange(table, page.items.length ? filled(page.items) : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has begun yet."));
+      exchange(table, page.items.length ? filled(page.items) : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has started yet."));
     } catch (error) {
       if (turn === asked) exchange(table, failure(error));
     }

@@ -23,11 +23,11 @@ export async function extend(view) {
   const error = element("p", { class: "error", role: "alert" });
   const form = element("form", { novalidate: true },
     element("p", { class: "help" }, ended
-      ? "The search goes on exactly where it ended, as if these criteria had been given from the start. Evaluations so far count."
+      ? "The search continues exactly where it ended, as if these criteria had been given from the start. Evaluations so far count."
       : "The job ends as soon as one of these is satisfied."),
     fields.map(([, label]) => label), error,
-    element("div", { class: "buttons" }, element("button", { type: "submit" }, ended ? "Go on" : "Change")));
-  const made = dialog(ended ? "Go on with this job" : "When this job ends", form);
+    element("div", { class: "buttons" }, element("button", { type: "submit" }, ended ? "Continue" : "Change")));
+  const made = dialog(ended ? "Continue this job" : "Stop criteria of this job", form);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     const wanted = Object.fromEntries(fields.map(([name, label]) => {
@@ -37,10 +37,16 @@ export async function extend(view) {
     try {
       await send("PATCH", `/jobs/${view.id}`, { stopping: wanted });
       made.close();
-      announce(ended ? "The job goes on." : "Changed.");
+      announce(ended ? "The job continues." : "Changed.");
       await view.refresh();
     } catch (refused) {
-      error.textContent = refused.message;
+      error.textContent = refused.issues.length ? refused.issues.map(inWords).join("\n") : refused.message;
     }
   });
+}
+
+/** A mistake with the label of its field in place of its path. */
+function inWords({ path, message }) {
+  const found = CRITERIA.find(([name]) => path.split(".").includes(name));
+  return found ? `${found[1]}: ${message}` : message;
 }

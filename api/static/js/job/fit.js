@@ -3,25 +3,32 @@ import { element, empty, failure } from "../dom.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
 import { plot } from "../plot.js";
-import { fitPlot } from "./fit_plot.js";
+import { choices, choose as chooseUnit, converted } from "../units.js";
+import { fitPlot, stagesOf } from "./fit_plot.js";
 
 const INTERVAL = 2500, PANELS = 4;
 
 export function fit(view) {
   const place = document.getElementById("fit");
-  const options = { log: false, series: null, initial: true };
-  let plots = [], shape = "", objective;
+  const options = { time: null, series: null, initial: true };
+  let plots = [], shape = "", objective, raw = null;
 
   function controls(series) {
     const many = series.length > PANELS;
     options.series ??= many ? series[0].series : null;
-    const log = element("input", { type: "checkbox", onchange: ({ target }) => { options.log = target.checked; draw(); } });
+    const staged = series.some((one) => one.breaks.length > 1);
+    options.time ??= series.some((one) => stagesOf(one).long) ? "stages" : "linear";
+    const kinds = [["linear", "as measured"], ["log", "logarithmic"], ...(staged ? [["stages", "each stage, logarithmic"]] : [])];
+    const time = element("select", { onchange: ({ target }) => { options.time = target.value; draw(); } }, kinds.map(([value, words]) => element("option", { value, selected: value === options.time }, words)));
     const initial = element("input", { type: "checkbox", checked: true, onchange: ({ target }) => { options.initial = target.checked; draw(); } });
     const choose = element("select", { onchange: ({ target }) => { options.series = target.value; build(); draw(); } }, series.map((one) => element("option", {}, one.series)));
     return element("div", { class: "controls" },
       many ? element("label", {}, "Series", choose) : null,
       element("label", { class: "beside" }, initial, "first evaluation"),
-      element("label", { class: "beside" }, log, "logarithmic x"));
+      element("label", { class: "beside" }, "Across", time),
+      choices(raw).map(({ family, name, units, chosen }) => element("label", { class: "beside" }, name,
+        element("select", { onchange: ({ target }) => { chooseUnit(family, target.value || null); view.fit = converted(raw); view.changed(); draw(); } },
+          element("option", { value: "" }, "as given"), units.map((unit) => element("option", { selected: unit === chosen }, unit))))));
   }
 
   function build() {
@@ -29,8 +36,8 @@ export function fit(view) {
     const chosen = options.series ? series.filter((one) => one.series === options.series) : series;
     plots.forEach(({ remove }) => remove());
     const panels = chosen.map((one) => [one, element("div", {})]);
-    plots = panels.map(([one, frame]) => plot(frame, () => fitPlot(view.fit, one.series, options)));
-    place.querySelector(".panels").replaceChildren(...panels.map(([one, frame]) => element("div", { class: "panel" }, series.length > 1 ? element("h3", {}, one.series) : null, frame)));
+    plots = panels.map(([one, frame]) => plot(frame, () => fitPlot(view.fit, one.series, { ...options, time: options.time === "stages" && one.breaks.length < 2 ? "linear" : options.time })));
+    place.querySelector(".panels").replaceChildren(...panels.map(([one, frame]) => element("div", {}, series.length > 1 ? element("h3", {}, one.series) : null, frame)));
   }
 
   const draw = () => Promise.all(plots.map((one) => one.draw()));
@@ -39,7 +46,8 @@ export function fit(view) {
     try {
       if (view.fit === null || objective !== view.job.objective) {
         const wanted = view.job.objective;
-        view.fit = await get(`/jobs/${view.id}/fit`);
+        raw = await get(`/jobs/${view.id}/fit`);
+        view.fit = converted(raw);
         objective = wanted;
         view.changed();
       }

@@ -1,10 +1,9 @@
 // Jobs that follow from this one, the shares of the series, and the figures of the report.
+import { FOLLOW_UPS } from "../costs.js";
 import { element, empty, exchange, failure } from "../dom.js";
 import { number } from "../format.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
-
-const NAMES = { sensitivity: "Sensitivities at the optimum", profile: "Profile objectives", sobol: "Global sensitivity (Sobol)", morris: "Global sensitivity (Morris)" };
 
 export function followUps(view) {
   const place = document.getElementById("follow-ups"), pictures = document.getElementById("figures"), shares = document.getElementById("shares");
@@ -14,14 +13,14 @@ export function followUps(view) {
     lacking = view.job.objective === null;
     for (const item of document.querySelectorAll("[data-needs-best]")) item.hidden = lacking;
     if (lacking) {
-      place.replaceChildren(empty("They begin at the best evaluation; there is none yet."));
+      place.replaceChildren(empty("They start from the best evaluation; there is none yet."));
       return;
     }
     try {
       const [{ follow_ups: found }, { items }] = await Promise.all([get(`/jobs/${view.id}/uncertainty`), get(`/jobs/${view.id}/figures`)]);
       exchange(place,
         found.length
-          ? element("ul", {}, found.map((one) => element("li", {}, element("a", { href: `/jobs/${one.id}` }, NAMES[one.kind] ?? one.kind), ` · ${one.evaluations} evaluations `, element("span", { class: `state ${one.state}` }, one.state))))
+          ? element("ul", {}, found.map((one) => element("li", {}, element("a", { href: `/jobs/${one.id}` }, FOLLOW_UPS[one.kind] ?? one.kind), ` · ${one.evaluations} evaluations `, element("span", { class: `state ${one.state}` }, one.state))))
           : empty("None yet. ", element("a", { href: `/jobs/${view.id}/statistics` }, "The statistics"), " propose what to do next."));
       exchange(pictures, items.length ? figures(items) : "");
     } catch (error) {
@@ -44,6 +43,6 @@ export function followUps(view) {
         element("td", {}, one.series), element("td", { class: "n" }, number(one.weight)), element("td", { class: "n" }, number(one.misfit)),
         element("td", { class: "bar-cell" }, element("meter", { min: 0, max: 1, value: one.share, "aria-label": `share of ${one.series}` }), ` ${(100 * one.share).toFixed(0)} %`)))))));
   }
-  place.replaceChildren(element("p", { class: "help" }, "Reading …"));
-  return { job: list, generation: () => { if (lacking) list(); }, fit: share };
+  // the fit comes first: these are asked for when it is there
+  return { job: () => { if (view.fit) list(); }, generation: () => { if (lacking) list(); }, fit() { share(); list(); } };
 }

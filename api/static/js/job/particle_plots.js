@@ -26,7 +26,8 @@ export function pairPlot(view, rows, before, { x, y, number: generation }) {
   const earlier = new Map(before.map((row) => [row.particle, row]));
   const good = rows.filter(succeeded), bad = rows.filter((row) => row.state === "failed");
   const levels = good.map(({ objective }) => Math.log10(Math.max(objective, 1e-300)));
-  const moves = good.filter(({ particle }) => earlier.has(particle)).flatMap((row) => [earlier.get(row.particle), row, null]);
+  const wanders = document.querySelector("main").dataset.role === "search"; // the runs of a sampling come from nowhere
+  const moves = !wanders ? [] : good.filter(({ particle }) => earlier.has(particle)).flatMap((row) => [earlier.get(row.particle), row, null]);
   const best = view.job.parameters;
   const at = (name) => (name === OBJECTIVE ? view.job.objective : best?.[name]);
   return {

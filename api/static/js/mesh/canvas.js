@@ -3,6 +3,7 @@ import { element } from "../dom.js";
 import { paint } from "./drawing.js";
 import { box } from "./geometry.js";
 
+const CHROME = 420; // px of the window for what stands above the body: what is shown, its legend, its readings
 const MARGIN = 0.06, STEP = 1.4, MOVE = 60, RING = 7;
 const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
@@ -13,9 +14,9 @@ export class BodyCanvas {
     this.marked = null; // the node that the keyboard has reached
     this.canvas = element("canvas", { role: "img", "aria-label": "Body" });
     const button = (text, name, act) => element("button", { type: "button", class: "quiet", "aria-label": name, title: name, onclick: act }, text);
-    const buttons = element("div", { class: "zoom" }, button("+", "Closer", () => this.zoom(STEP)), button("−", "Further away", () => this.zoom(1 / STEP)), button("Whole", "The whole body", () => this.whole()));
-    this.frame = element("div", { class: "body", tabindex: "0", role: "region", "aria-label": "Body: arrow keys move, + and - change the size, 0 shows all, shift with arrow keys goes from node to node" }, this.canvas, buttons);
-    holder.replaceChildren(this.frame);
+    const buttons = element("div", { class: "zoom" }, button("+", "Zoom in", () => this.zoom(STEP)), button("−", "Zoom out", () => this.zoom(1 / STEP)), button("Whole", "The whole body", () => this.whole()));
+    this.frame = element("div", { class: "body", tabindex: "0", role: "region", "aria-label": "Mesh: arrow keys move, + and - zoom, 0 shows all, Shift and arrow keys go from node to node" }, this.canvas, buttons);
+    holder.append(this.frame);
     this.frame.addEventListener("keydown", (event) => this.key(event));
     this.canvas.addEventListener("pointerdown", (event) => this.drag(event));
     this.canvas.addEventListener("pointermove", (event) => this.point(event));
@@ -37,7 +38,7 @@ export class BodyCanvas {
     const [left, bottom, right, top] = box(this.view.mesh.nodes);
     this.width = this.frame.clientWidth;
     const slim = (top - bottom) / (right - left || 1);
-    this.height = Math.round(Math.max(240, Math.min(620, this.width * (slim + 2 * MARGIN) + 70)));
+    this.height = Math.round(Math.max(240, Math.min(620, innerHeight - CHROME, this.width * (slim + 2 * MARGIN) + 70)));
     this.ratio = Math.min(2, devicePixelRatio || 1);
     this.canvas.width = this.width * this.ratio;
     this.canvas.height = this.height * this.ratio;

@@ -17,8 +17,8 @@ export function controls(holder, mesh, { onLook, onPeriod, onEvaluation }) {
   const quantity = choice(QUANTITIES, "regions", onLook);
   const start = choice([[BEGINNING, "the beginning"], ...phases.slice(0, -1)], mesh.start ?? BEGINNING, onPeriod);
   const end = choice(phases, mesh.end, onPeriod);
-  const slider = element("input", { type: "range", min: 0, max: 1000, value: "0", disabled: true, "aria-label": "Deformation, times" });
-  const exact = element("input", { type: "number", min: 0, step: "any", value: "0", disabled: true, "aria-label": "Deformation as a number, times" });
+  const slider = element("input", { type: "range", min: 0, max: 1000, value: "0", disabled: true, "aria-label": "Deformation scale" });
+  const exact = element("input", { type: "number", min: 0, step: "any", value: "0", disabled: true, "aria-label": "Deformation scale as a number" });
   let usual = 1, touched = false;
   slider.addEventListener("input", () => { touched = true; exact.value = String(Number((usual * 3 * Number(slider.value) / 1000).toPrecision(3))); onLook(); });
   exact.addEventListener("change", () => { touched = true; slider.value = String((1000 * Number(exact.value)) / (3 * usual)); onLook(); });
@@ -39,7 +39,7 @@ export function controls(holder, mesh, { onLook, onPeriod, onEvaluation }) {
   holder.replaceChildren(...[
     part ? field("Part", part) : null,
     field("Show", quantity), field("Displacements from", start), field("to", end),
-    element("fieldset", {}, element("legend", {}, "Deformed so many times"), element("span", {}, slider, " ", exact)),
+    element("fieldset", {}, element("legend", {}, "Deformation scale"), element("span", {}, slider, " ", exact)),
     element("fieldset", {}, element("legend", {}, "With"), element("span", {}, lines.line, outline.line, vectors.line, points.line)),
     field("Generation", generation), field("Particle", particle),
     element("button", { type: "button", class: "quiet", onclick: asked }, "Show this evaluation"),

@@ -37,7 +37,7 @@ export function checkSection(context, place, judged) {
     if (keyAt !== draft.changes) [key, keyAt] = [newKey(), draft.changes];
     const job = await post("/jobs", answer.document, { headers: { "Idempotency-Key": key } });
     forget();
-    announce("The job has begun.");
+    announce("The job has started.");
     location.assign(`/jobs/${job.id}`);
   }
 
@@ -62,6 +62,7 @@ export function checkSection(context, place, judged) {
       run_.state === "finished" ? null : element("p", { class: "error", role: "alert" }, `${run_.reason}: ${run_.message}`),
       found.warnings.length ? element("ul", { class: "notes", role: "alert" }, found.warnings.map((text) => element("li", {}, text))) : null,
       Object.entries(found.notes).map(([series, notes]) => element("p", { class: "help" }, `Readings of ${series}: ${notes.join("; ")}.`)),
+      found.assumptions.map((sentence) => element("p", { class: "help" }, `Assumed: ${sentence}`)),
       element("dl", {},
         fact("Estimated cost", cost), fact("One calculation", duration(run_.seconds)), fact("Readings", count(found.data_points)),
         run_.objective === null ? null : fact(withUnit("Objective there", unit), number(run_.objective)),

@@ -58,7 +58,7 @@ export function createDraft() {
       const restore = () => {
         const again = draft.mark();
         draft.replace(before);
-        again("It is as it was before.");
+        again("Restored.");
       };
       return (words) => fire("undo", { words, restore });
     },

@@ -34,8 +34,10 @@ export function errorPlace(path) {
  */
 export function field(draft, path, { label, kind = "text", unit, help, fallback, nullable, options, typical, required, bare, onchange, wide, blank } = {}) {
   const id = idOf(path);
+  const unusual = typical ? element("p", { class: "unusual", role: "status", hidden: true }) : null;
   const write = (value) => {
     draft.write(path, value === undefined ? blank : value);
+    warn(unusual, value, typical, unit);
     onchange?.(value);
   };
   const given = draft.read(path) === blank ? undefined : draft.read(path);
@@ -45,6 +47,7 @@ export function field(draft, path, { label, kind = "text", unit, help, fallback,
   const described = [help || typical ? `${id}-help` : null, `${id}-error`].filter(Boolean).join(" ");
   input.setAttribute("aria-describedby", described);
   if (required) input.setAttribute("aria-required", "true");
+  warn(unusual, given, typical, unit);
   const unitText = unit && unit !== "1" && unit !== "-" && unit !== "dimensionless" ? unit : null;
   return element("div", { class: `field ${wide ? "wide-field" : ""}` },
     element("label", { for: id, class: bare ? "visually-hidden" : null }, label, unitText && bare ? ` [${unitText}]` : null),
@@ -52,7 +55,15 @@ export function field(draft, path, { label, kind = "text", unit, help, fallback,
     help || typical
       ? element("p", { class: bare ? "visually-hidden" : "help", id: `${id}-help` }, help ?? null, typical ? ` Usual: ${number(typical[0])} to ${number(typical[1])}${unitText ? ` ${unitText}` : ""}.` : null)
       : null,
-    errorPlace(path));
+    unusual, errorPlace(path));
+}
+
+/** A word beside a number outside its usual range: no mistake, but often a slip of units. */
+function warn(place, value, typical, unit) {
+  if (!place) return;
+  const [low, high] = typical;
+  place.hidden = typeof value !== "number" || (value >= low && value <= high);
+  if (!place.hidden) place.textContent = `⚠ Outside the usual range, ${number(low)} to ${number(high)}${unit ? ` ${unit}` : ""}: is the unit right?`;
 }
 
 function text(value, kind, nullable, fallback, write) {

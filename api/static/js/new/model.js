@@ -24,7 +24,7 @@ export function modelSection(context, place, kinds) {
     if (old.kind) earlier.set(old.model ?? old.kind, clone(old));
     const back = draft.mark();
     draft.write(["forward_model"], { kind: chosen, ...(registered ? { model: registered } : {}), ...before, ...left });
-    if (lost.length) back(`${words(registered ?? chosen)} in place of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were put away.`);
+    if (lost.length) back(`${words(registered ?? chosen)} in place of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were removed.`);
     draw();
   }
 

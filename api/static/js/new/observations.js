@@ -8,6 +8,7 @@ import { button } from "./schema_form.js";
 import { uploader } from "./upload.js";
 import { unitsOf } from "./units.js";
 
+const LOSSES = [[undefined, "count as every reading"], ["soft_l1", "soft_l1: count less, smoothly"], ["huber", "huber: count by their distance"], ["cauchy", "cauchy: hardly count"]];
 const SCHEMES = [
   [undefined, "as given"], ["by_error", "by error: precision of the readings"],
   ["by_count", "by count: every reading counts alike"], ["by_range", "by range: relative to the range of each series"],
@@ -25,7 +26,18 @@ export function observationsSection(context, place) {
     series,
     readings: (name) => all().find((one) => one.series === name)?.points?.x?.length ?? 0,
     openParameters: () => Boolean(draft.answer?.open_parameters),
-  }, take);
+    begun: context.begun,
+    document: () => draft.document,
+    materials: context.root.$defs.forward_model_oedometer?.properties.material?.enum ?? [],
+  }, { take, replace, replaced: (act) => draft.on("undo", act) });
+
+  /** A problem in place of the one that is here; whether that was told. */
+  function replace(problem, words) {
+    const back = draft.mark(), begun = context.begun();
+    draft.replace(problem);
+    if (begun) back(words);
+    return begun;
+  }
 
   /** New readings in place of old ones keep what does not depend on these: weights and stages, no marks or zero readings. */
   function take(observation, file) {
@@ -58,6 +70,8 @@ export function observationsSection(context, place) {
         field(draft, [...path, "series"], { label: "Series", kind: "select", options: names, onchange: draw, help: about?.description }),
         unit("x"), unit("y"),
         field(draft, [...path, "weight"], { label: "Weight", kind: "number", fallback: 1, onchange: showShares }),
+        field(draft, [...path, "loss"], { label: "Outliers", kind: "select", options: LOSSES, help: "A loss gives readings far from the curve less weight." }),
+        field(draft, [...path, "loss_scale"], { label: "Residual above which they count less", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "With a loss; from the error of a reading if absent." }),
         field(draft, [...path, "error"], { label: "Standard deviation of a reading", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "Where it is known." })),
       leftOut(draft, path, one, about), prepared(draft, path, one, about),
       element("div", { class: "share" }, element("span", { dataset: { share: String(i) } }), element("meter", { min: "0", max: "1", value: "0", id: `share-${i}`, "aria-label": `Share of ${one.series ?? "the series"} in the weights` })),
@@ -91,7 +105,7 @@ export function observationsSection(context, place) {
     for (const label of list.querySelectorAll("[data-share]")) {
       const i = Number(label.dataset.share);
       const share = own ? weights[i] / sum : told?.[i];
-      label.textContent = share === undefined ? "Share of the weights: known when there are no mistakes" : `Share of the weights: ${percent(share, 1)}`;
+      label.textContent = share === undefined ? "Share of the weights: shown once there are no errors" : `Share of the weights: ${percent(share, 1)}`;
       list.querySelector(`#share-${i}`).value = share ?? 0;
     }
   }

@@ -1,5 +1,5 @@
 // Each parameter free, fixed or linked, and the constraints between them.
-import { element, empty, exchange } from "../dom.js";
+import { element, empty, exchange, svg } from "../dom.js";
 import { number, symbol } from "../format.js";
 import { pathText } from "./draft.js";
 import { expectedPlace, indexProperties, showExpected } from "./expected.js";
@@ -50,7 +50,7 @@ export function parametersSection(context, place) {
         element("p", { class: "help" }, `${sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones.")} ${range}`.trim()),
         expectedPlace(name)),
       element("div", { class: "field" }, element("label", { for: id }, "Mode", element("span", { class: "visually-hidden" }, ` of ${name}`)), pick),
-      inputs(path, name, mode, unit),
+      inputs(path, name, mode, unit), mode === "free" && info?.typical ? rangeBar(path, info) : null,
       info ? null : button(`Remove ${name}`, () => { draft.write(path, undefined); draw(); }),
       errorPlace(path));
   }
@@ -65,6 +65,28 @@ export function parametersSection(context, place) {
     if (mode === "fixed") return one("value", "Value", { required: true, blank: null });
     if (mode === "linked") return one("expression", "Expression", { kind: "text", unit: null, required: true, blank: "", wide: true, help: "Of other parameters, such as 0.5 * lambda_star." });
     return null;
+  }
+
+  /** Bounds as a bar over the usual range; amber where they leave it. */
+  function rangeBar(path, { typical: [low, high], unit }) {
+    const place = element("p", { class: "bounds", dataset: { bounds: path.at(-1) } });
+    const show = () => {
+      const { lower, upper, scale } = draft.read(path) ?? {};
+      const known = typeof lower === "number" && typeof upper === "number" && upper > lower;
+      place.hidden = !known;
+      if (!known) return;
+      const log = scale === "log" && lower > 0 && low > 0;
+      const at = (value) => (log ? Math.log(value) : value);
+      const [from, to] = [Math.min(at(lower), at(low)), Math.max(at(upper), at(high))];
+      const share = (value) => `${((100 * (at(value) - from)) / (to - from || 1)).toFixed(2)}%`;
+      const out = lower < low * (1 - 1e-9) || upper > high * (1 + 1e-9);
+      const bar = (kind, a, b) => svg("rect", { class: kind, x: share(a), y: kind === "usual" ? 2 : 5, width: `${(parseFloat(share(b)) - parseFloat(share(a))).toFixed(2)}%`, height: kind === "usual" ? 12 : 6 });
+      const words = out ? `Searched beyond the usual range, ${number(low)} to ${number(high)}${unit ? ` ${unit}` : ""}` : "Searched within the usual range";
+      exchange(place, svg("svg", { class: out ? "bar out" : "bar", role: "img", "aria-label": words }, bar("usual", low, high), bar("searched", lower, upper)), element("small", {}, words));
+    };
+    show();
+    draft.on("change", () => { if (place.isConnected) show(); });
+    return place;
   }
 
   function logScale(path, name) {
@@ -88,7 +110,7 @@ export function parametersSection(context, place) {
     // Who takes one after the other finds the rest still unfolded.
     const open = list.querySelector(":scope > details.more")?.open ?? false;
     exchange(list,
-      known.length || own.length ? element("p", { class: "help" }, `${free} free. Free ones are identified between their bounds, fixed ones are known, linked ones follow from others.`) : empty("Describe the forward model: then its parameters stand here."),
+      known.length || own.length ? element("p", { class: "help" }, `${free} free. Free ones are identified between their bounds, fixed ones are known, linked ones follow from others.`) : empty("Describe the forward model first; its parameters then appear here."),
       first.map((info) => card(info.name, info)), own.map((name) => card(name, null)),
       rest.length ? element("details", { class: "more", open }, element("summary", {}, `Further parameters: ${rest.slice(0, 6).map((info) => symbol(info.name)).join(", ")}${rest.length > 6 ? " …" : ""}`), rest.map((info) => card(info.name, info))) : null,
       known.length ? helper() : null, errorPlace(["parameters"]));

@@ -1,16 +1,23 @@
-// The place for files of measurements: one that is dropped or chosen is looked at, then mapped to a series.
-import { element, failure } from "../dom.js";
+// The place for files: one of measurements is looked at, then mapped to a series; tests in the AGS 4 format become the problem.
+import { announce, element, failure } from "../dom.js";
 import { request } from "../http.js";
+import { button } from "./schema_form.js";
+import { agsChoice, assumed, contentsOf, isAgs } from "./import/ags.js";
 import { mapping } from "./import/mapping.js";
 
-/** The place for files; `context` tells of series and readings (see `mapping`), `take(observation, name)` gets what was mapped; true: it has told. */
-export function uploader(context, take) {
+const NAMED = 4; // specimens that a sentence names
+
+/**
+ * The place for files; `context` tells of series and readings (see `mapping`) and of the problem (see `agsChoice`);
+ * `act`: {take(observation, name): true: it has told, replace(problem, words): true: it has told, replaced(act): calls it when more was replaced}.
+ */
+export function uploader(context, act) {
   const place = element("div", {});
-  const input = element("input", { type: "file", id: "file", class: "visually-hidden", accept: ".csv,.txt,.tsv,.xlsx,.ods", onchange: () => { if (input.files[0]) read(input.files[0]); input.value = ""; } });
+  const input = element("input", { type: "file", id: "file", class: "visually-hidden", accept: ".csv,.txt,.tsv,.xlsx,.ods,.ags", onchange: () => { if (input.files[0]) read(input.files[0]); input.value = ""; } });
   const zone = element("div", { class: "drop" },
-    element("p", {}, "Drop a file of measurements here (CSV, XLSX or ODS)"),
+    element("p", {}, "Drop a file of measurements (CSV, XLSX or ODS) or tests of a laboratory (AGS 4) here"),
     input, element("label", { for: "file", class: "button quiet" }, "Choose a file"),
-    element("p", { class: "help" }, "Headings such as ", element("code", {}, "settlement [mm]"), " or ", element("code", {}, "Zeit [min]"), " say what a column holds. You see and confirm what is taken. The file goes to this service only, and is not stored."));
+    element("p", { class: "help" }, "Headings such as ", element("code", {}, "settlement [mm]"), " or ", element("code", {}, "Zeit [min]"), " say what a column holds. An AGS file makes the whole problem. You see and confirm what is taken. The file goes to this service only, and is not stored."));
   zone.addEventListener("dragover", (event) => { event.preventDefault(); zone.classList.add("over"); });
   zone.addEventListener("dragleave", () => zone.classList.remove("over"));
   zone.addEventListener("drop", (event) => {
@@ -18,26 +25,57 @@ export function uploader(context, take) {
     zone.classList.remove("over");
     if (event.dataTransfer.files[0]) read(event.dataTransfer.files[0]);
   });
+  let latest = 0; // which file was given last: answers about others come too late
 
   async function read(file, sheet) {
+    const mine = ++latest;
     place.replaceChildren(element("p", { class: "help" }, `Reading ${file.name} …`));
     try {
-      const content = new Blob([file]);
-      const answer = await (await request("POST", "/measurements", { query: { name: file.name, sheet }, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();
-      place.replaceChildren(mapping(answer, content, context, {
-        sheet: (other) => read(file, other),
-        take: (observation, name) => {
-          place.replaceChildren();
-          const told = take(observation, name);
-          document.getElementById("file").focus();
-          return told;
-        },
-        cancel: () => place.replaceChildren(),
-      }));
-      place.querySelector("select")?.focus();
+      const made = await isAgs(file) ? await tests(file) : await columns(file, sheet);
+      if (mine !== latest) return;
+      place.replaceChildren(made);
+      place.querySelector("input, select, button")?.focus();
     } catch (error) {
-      place.replaceChildren(failure(error));
+      if (mine === latest) place.replaceChildren(failure(error));
     }
   }
+
+  async function columns(file, sheet) {
+    const content = new Blob([file]);
+    const answer = await (await request("POST", "/measurements", { query: { name: file.name, sheet }, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();
+    return mapping(answer, content, context, {
+      sheet: (other) => read(file, other),
+      take: (observation, name) => {
+        place.replaceChildren();
+        const told = act.take(observation, name);
+        input.focus();
+        return told;
+      },
+      cancel: leave,
+    });
+  }
+
+  async function tests(file) {
+    return agsChoice(file, await contentsOf(file), context, {
+      replace: (problem, specimens, notes) => {
+        const more = specimens.length - NAMED;
+        const from = `${specimens.slice(0, NAMED).join(", ")}${more > 0 ? ` and ${more} more` : ""} of ${file.name}`;
+        if (!act.replace(problem, `${from} ${specimens.length === 1 ? "has" : "have"} replaced what was here.`)) announce(`The problem is made of ${from}.`);
+        place.replaceChildren(element("section", { class: "item made-of", "aria-label": "Made of an AGS file" },
+          element("p", {}, `Made of ${from}.`), assumed(notes), element("div", { class: "buttons" }, button("Close", leave))));
+        input.focus();
+      },
+      readings: (name, csv) => read(new File([csv], name)),
+      cancel: leave,
+    });
+  }
+
+  /** Nothing is shown below the place any more; the keyboard goes on from there. */
+  function leave() {
+    place.replaceChildren();
+    input.focus();
+  }
+
+  act.replaced(() => place.querySelector(".made-of")?.remove()); // it is no longer about what is there
   return element("div", {}, zone, place);
 }

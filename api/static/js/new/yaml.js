@@ -10,6 +10,15 @@ export function yamlPanel(context, place, strict) {
   const note = element("p", { class: "error", role: "alert" });
   let typing = false; // the text is the user's until the form changes something
 
+  const fold = element("details", { id: "yaml-fold", open: kept() !== "folded", ontoggle: () => keep(fold.open ? "" : "folded") },
+    element("summary", { class: "title" }, "YAML"),
+    element("label", { for: "yaml", class: "help" }, "The problem as YAML"),
+    element("p", { class: "help", id: "yaml-help" }, "The same problem as text; edit either one. ", element("code", {}, "geoswarm submit"), " takes the same file."),
+    area,
+    element("div", { class: "buttons" },
+      element("button", { type: "button", class: "quiet", onclick: () => download() }, "Download"),
+      element("button", { type: "button", class: "quiet", onclick: () => copy() }, "Copy")));
+
   area.addEventListener("input", () => {
     typing = true;
     draft.edit(area.value);
@@ -18,7 +27,7 @@ export function yamlPanel(context, place, strict) {
   draft.on("answer", (answer) => {
     note.textContent = "";
     area.disabled = answer.yaml === null;
-    if (answer.yaml === null) note.textContent = "With so many readings the problem is too long to be edited as text here; the form goes on.";
+    if (answer.yaml === null) note.textContent = "With so many readings the problem is too long to be edited as text here; use the form.";
     if (answer.yaml !== null && !typing && area.value !== answer.yaml) area.value = answer.yaml;
     showIssues(answer);
   });
@@ -27,8 +36,8 @@ export function yamlPanel(context, place, strict) {
   function showIssues(answer) {
     const todo = answer.issues.filter(isTodo), wrong = answer.issues.filter((one) => !isTodo(one));
     verdict.textContent = answer.valid
-      ? "Complete and sound: it can be started."
-      : [wrong.length ? `${wrong.length} to mend` : "", todo.length ? `${todo.length} still to be given` : ""].filter(Boolean).join(", ");
+      ? "Complete and valid: ready to start."
+      : [wrong.length ? `${wrong.length} to fix` : "", todo.length ? `${todo.length} still missing` : ""].filter(Boolean).join(", ");
     verdict.className = answer.valid ? "good" : wrong.length || strict() ? "error" : "help";
     issues.replaceChildren(answer.issues.length ? element("ul", {}, [...wrong, ...todo].map(item)) : "");
   }
@@ -47,6 +56,7 @@ export function yamlPanel(context, place, strict) {
       input.scrollIntoView({ block: "center" });
       return input.focus({ preventScroll: true });
     }
+    fold.open = true;
     if (!issue.line) return area.focus();
     const lines = area.value.split("\n");
     const start = lines.slice(0, issue.line - 1).reduce((sum, line) => sum + line.length + 1, 0);
@@ -78,10 +88,22 @@ export function yamlPanel(context, place, strict) {
   }
 
   place.replaceChildren(
-    element("label", { for: "yaml", class: "title" }, "The problem as YAML"),
-    element("p", { class: "help", id: "yaml-help" }, "What the form says, and the other way round. ", element("code", {}, "geoswarm submit"), " takes the same file."),
-    verdict, issues, area, note,
-    element("div", { class: "buttons" },
-      element("button", { type: "button", class: "quiet", onclick: download }, "Download"),
-      element("button", { type: "button", class: "quiet", onclick: copy }, "Copy")));
+    verdict, issues, note, fold);
+}
+
+/** Whether the reader has folded it, in this browser. */
+function kept() {
+  try {
+    return localStorage.getItem("geoswarm-yaml");
+  } catch {
+    return null; // storage may be forbidden
+  }
+}
+
+function keep(how) {
+  try {
+    localStorage.setItem("geoswarm-yaml", how);
+  } catch {
+    // then it is open again the next time
+  }
 }

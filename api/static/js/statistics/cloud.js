@@ -79,6 +79,11 @@ export class Cloud {
     return good.filter((n) => limits.every(([unit, low, high]) => unit[n] >= low && unit[n] <= high));
   }
 
+  /** All evaluations inside all ranges, good or not, best first. */
+  inside() {
+    return this.chosen(Infinity);
+  }
+
   /** Pearson's correlation of two parameters over some evaluations; null where it is not defined. */
   correlation(first, second, chosen) {
     const [x, y] = [this.values(first), this.values(second)];

@@ -1,6 +1,6 @@
 // Measured points, the best fit, and what the chosen evaluations span.
 import { element } from "../dom.js";
-import { count } from "../format.js";
+import { count, withUnit } from "../format.js";
 import { colour, palette, plot } from "../plot.js";
 
 const MOST_NUMBERS = 2e7;
@@ -34,14 +34,15 @@ export class FitPlot {
   }
 
   figure() {
-    const { name, x, y, x_quantity: across, x_unit: xUnit, y_quantity: up, y_unit: yUnit } = this.series[this.index];
+    const { name, x, y, x_quantity: across, y_quantity: up, shown: [xUnit, xFactor, yUnit, yFactor] } = this.series[this.index];
     const found = this.responses?.[name];
     const order = x.map((_, i) => i).sort((a, b) => x[a] - x[b]);
-    const sorted = (values) => order.map((i) => values[i]);
+    const sorted = (values, factor = yFactor) => order.map((i) => values[i] * factor); // in the units of the data
+    const sortedX = sorted(x, xFactor);
     const row = (n) => Array.from(found.values.subarray(n * found.width, (n + 1) * found.width));
     const [blue, orange] = palette();
     const data = [];
-    const columns = { [`${across} [${xUnit}]`]: sorted(x), [`measured [${yUnit}]`]: sorted(y) };
+    const columns = { [withUnit(across, xUnit)]: sortedX, [withUnit("measured", yUnit)]: sorted(y) };
     const many = x.length > 60;
     let told = "The calculated values are being read …";
     if (found && this.chosen.length) {
@@ -53,26 +54,22 @@ export class FitPlot {
           if (value > high[i]) high[i] = value;
         }
       }
-      const band = { x: sorted(x), mode: "lines", line: { width: 0.5, color: blue }, hoverinfo: "skip" };
+      const band = { x: sortedX, mode: "lines", line: { width: 0.5, color: blue }, hoverinfo: "skip" };
       data.push({ ...band, y: sorted(low), showlegend: false });
       data.push({ ...band, y: sorted(high), fill: "tonexty", fillcolor: blue.replace("rgb(", "rgba(").replace(")", ", 0.25)"), name: `${count(this.chosen.length)} chosen evaluations` });
       const first = row(this.chosen[0]);
       const whole = this.cloud.ranges.size ? "best of the chosen" : "best fit";
-      data.push({ x: sorted(x), y: sorted(first), mode: "lines", name: whole, line: { color: orange, width: 2 } });
+      data.push({ x: sortedX, y: sorted(first), mode: "lines", name: whole, line: { color: orange, width: 2 } });
       Object.assign(columns, { "lowest chosen": sorted(low), "highest chosen": sorted(high), [whole]: sorted(first) });
       told = "The band spans the chosen evaluations: move the threshold or draw a rectangle in the matrix plot.";
     } else if (found) told = "No evaluation is chosen.";
-    data.push({ x: sorted(x), y: sorted(y), mode: "markers", name: "measured", marker: { color: colour("--ink"), size: many ? 4 : 7, symbol: "circle-open", line: { width: 1.5 } } });
+    data.push({ x: sortedX, y: sorted(y), mode: "markers", name: "measured", marker: { color: colour("--ink"), size: many ? 4 : 7, symbol: "circle-open", line: { width: 1.5 } } });
     this.note.textContent = told;
     return {
       data,
-      layout: { height: 360, xaxis: { title: { text: withUnitOf(across, xUnit) } }, yaxis: { title: { text: withUnitOf(up, yUnit) } } },
+      layout: { height: 360, xaxis: { title: { text: withUnit(across, xUnit) } }, yaxis: { title: { text: withUnit(up, yUnit) } } },
       label: `Fit of ${name}: measured, best fit, and the band of ${this.chosen.length} chosen evaluations`,
       columns,
     };
   }
-}
-
-function withUnitOf(quantity, unit) {
-  return unit && unit !== "1" ? `${quantity} [${unit}]` : quantity;
 }

@@ -1,7 +1,7 @@
 // The matrix plot: below the diagonal scatter plots of two parameters, on it the objective over one, above it correlations.
 // Points are painted on two canvases (all evaluations behind, good fits in front), so that the slider paints few of them.
 import { element, svg } from "../dom.js";
-import { number } from "../format.js";
+import { coefficient, number, withUnit } from "../format.js";
 import { colour } from "../plot.js";
 import { COLOURS } from "../ramp.js";
 import { natural, place } from "./cloud.js";
@@ -149,7 +149,7 @@ export class Matrix {
     const middle = x + cell / 2;
     return [
       svg("rect", { class: "strength", x, y, width: cell, height: cell, style: { opacity: r === null ? 0 : 0.45 * r * r } }),
-      svg("text", { x: middle, y: y + cell / 2, class: strong ? "r strong" : "r", "text-anchor": "middle" }, r === null ? "r = ?" : `r = ${r.toFixed(2).replace("-", "−")}`),
+      svg("text", { x: middle, y: y + cell / 2, class: strong ? "r strong" : "r", "text-anchor": "middle" }, r === null ? "r = ?" : `r = ${coefficient(r).replace("-", "−")}`),
       svg("text", { x: middle, y: y + cell / 2 + 16, "text-anchor": "middle" }, `n = ${chosen.length}`),
     ];
   }
@@ -189,7 +189,7 @@ export class Matrix {
     const { cloud, cell } = this;
     const last = cloud.size - 1, parts = [];
     const most = cell > 130 ? 4 : 2;
-    const label = ({ symbol, unit }) => `${symbol} [${unit}]`;
+    const label = ({ symbol, unit }) => withUnit(symbol, unit);
     const edge = (share) => (share < 0.15 ? "start" : share > 0.85 ? "end" : "middle");
     cloud.parameters.forEach((parameter, index) => {
       const [x] = this.corner(last, index), [, y] = this.corner(index, 0);

@@ -1,5 +1,6 @@
 // The follow-up job: the same problem with parameters fixed, linked or given other bounds.
-import { element, once } from "../dom.js";
+import { affordable, costWords } from "../costs.js";
+import { element, exchange, once } from "../dom.js";
 import { count, duration, number, symbol } from "../format.js";
 import { get, post } from "../http.js";
 
@@ -13,7 +14,7 @@ export class Plan {
     this.message = element("p", { class: "error", role: "alert" });
     this.told = element("p", { class: "help", role: "status" });
     this.start = element("button", { type: "button", onclick: () => once(this.start, () => this.submit()) }, "Start follow-up");
-    this.check = element("button", { type: "button", class: "quiet", onclick: () => once(this.check, () => this.tryOut()) }, "Check it first");
+    this.check = element("button", { type: "button", class: "quiet", onclick: () => once(this.check, () => this.tryOut()) }, "Check first");
     const headings = ["Parameter", "In the follow-up", "Value"].map((text) => element("th", { scope: "col" }, text));
     holder.append(
       element("p", { class: "help" }, "The same problem and measurements as a new job, with these changes. This job stays as it is."),
@@ -65,7 +66,7 @@ export class Plan {
     const left = this.rows.size - [...this.rows.values()].filter(({ choice }) => ["fixed", "linked"].includes(choice.value)).length;
     this.start.disabled = this.check.disabled = kinds.length === 0 || left === 0;
     this.message.textContent = "";
-    this.told.textContent = kinds.length === 0 ? "Nothing is changed yet: take a proposal above, or choose here." : left === 0 ? "No parameter would be left to be identified." : `${kinds.join(", ")}; ${count(left)} left to be identified.`;
+    this.told.textContent = kinds.length === 0 ? "Nothing is changed yet: accept a proposal above, or choose here." : left === 0 ? "No free parameter would be left." : `${kinds.join(", ")}; ${count(left)} free.`;
   }
 
   /** Take a proposal of a verdict over. */
@@ -90,9 +91,16 @@ export class Plan {
     return { ...problem, name: this.title.value || problem.name };
   }
 
+  /** The same search again costs about what it has cost before. */
+  price(cost) {
+    this.cost = cost;
+    exchange(this.start, "Start follow-up", element("small", {}, costWords(cost)));
+  }
+
   async submit() {
     this.message.textContent = "";
     try {
+      if (!(await affordable("The follow-up", this.cost))) return;
       const made = await post("/jobs", await this.document());
       location.assign(`/jobs/${made.id}`);
     } catch (error) {

@@ -22,8 +22,8 @@ export function rangeForm(holder, present, onRanges) {
     const clear = element("button", { type: "button", class: "quiet small", "aria-label": `Any ${parameter.symbol}`, onclick: () => { present().limit(index, null); onRanges(); } }, "Any");
     return { index, parameter, low, high, cells: [element("span", {}, `${parameter.symbol}${unit}`), low, high, clear] };
   });
-  const all = element("button", { type: "button", class: "quiet small", onclick: () => { present().ranges.clear(); onRanges(); } }, "Take all ranges away");
-  const help = element("p", { class: "help" }, "Draw a rectangle in a cell to look at the evaluations in it, everywhere and in the fit; click to take it away. Or give limits here:");
+  const all = element("button", { type: "button", class: "quiet small", onclick: () => { present().ranges.clear(); onRanges(); } }, "Remove all ranges");
+  const help = element("p", { class: "help" }, "Draw a rectangle in a cell to select its evaluations in every cell and in the fit; click to remove it. Or give limits here:");
   const form = element("details", {}, element("summary", {}, "Ranges of the parameters"), help, element("div", { class: "grid-form" }, rows.map(({ cells }) => cells)));
   const row = element("p", { class: "buttons" }, all);
   holder.replaceChildren(form, row);

@@ -1,34 +1,65 @@
 // Follow-ups that evaluate more around the optimum, and what they have found: intervals and profiles.
 import { doubt } from "../alarm.js";
-import { element, once } from "../dom.js";
-import { ends, number, percent, symbol } from "../format.js";
+import { FOLLOW_UPS, affordable, costWords } from "../costs.js";
+import { element, exchange, once } from "../dom.js";
+import { count, ends, number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
-import { ENDED } from "../states.js";
+import { ENDED, OPEN } from "../states.js";
 
-const BASES = { bent: " (approximate: the model bends there; profiles give it)", correlated: " (widened for correlated residuals)", uneven: " (widened for uneven residuals)", profile: " (by likelihood)" };
+const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", profile: " (by likelihood)" };
+const widened = ({ bent, interval_basis: basis, widening }) => bent || !["correlated", "uneven"].includes(basis) ? "" : widening ? ` by a factor of ${number(widening, 2)})` : ")";
 const AGAIN_SECONDS = 2;
 
+const KINDS = [
+  ["sensitivity", "sensitivity", "Sensitivities at the optimum", "Goes to the minimum; standard errors, intervals, combinations"],
+  ["profile", "profile", "Profiles of all parameters", "The lowest objective for every value of a parameter; needs the sensitivities first"],
+  ["explore", "explore", "Look for further basins", "Runs where a second basin is most likely: swapped values, other good runs, unexplored places"],
+  ["sobol", "global-sensitivity", "Global sensitivity (Sobol)", "Influence over the whole searched space"],
+];
+
 export class Uncertainty {
-  constructor(holder, { job, maySubmit, units, objectiveUnit, onFound }) {
-    Object.assign(this, { job, units, objectiveUnit, onFound });
+  constructor(holder, { job, maySubmit, units, objectiveUnit, onFound, onCosts, onAnswer }) {
+    Object.assign(this, { job, maySubmit, units, objectiveUnit, onFound, onCosts, onAnswer });
     this.message = element("p", { class: "error", role: "alert" });
-    const act = (path, text, help) => element("button", { type: "button", class: "quiet", title: help, onclick: ({ currentTarget }) => once(currentTarget, () => this.begin(path)) }, text);
-    const buttons = maySubmit ? element("div", { class: "buttons" },
-      act("sensitivity", "Sensitivities at the optimum", "Goes to the minimum; standard errors, intervals, combinations"),
-      act("profile", "Profiles of all parameters", "The lowest objective for every value of a parameter; needs the sensitivities first"),
-      act("global-sensitivity", "Global sensitivity (Sobol)", "Influence over the whole searched space")) : null;
+    this.costs = new Map();
+    this.starts = new Map(KINDS.map(([kind, path, words, help]) => [kind, element("button", { type: "button", class: "quiet", title: help, onclick: ({ currentTarget }) => once(currentTarget, () => this.begin(kind, path, words)) }, words)]));
+    this.buttons = maySubmit ? element("div", { class: "buttons" }, [...this.starts.values()]) : null;
     this.jobs = element("ul");
     this.table = element("div");
     this.profiles = element("div");
     this.indices = element("div");
-    holder.append(element("p", { class: "help" }, "Each is a job of its own; what it finds is shown here and enters the verdicts and the report."), buttons, this.message, this.jobs, this.table, this.profiles, this.indices);
+    holder.append(element("p", { class: "help" }, "Each is a separate job; its results appear here, in the verdicts and in the report."), ...[this.buttons, this.message, this.jobs, this.table, this.profiles, this.indices].filter(Boolean));
   }
 
-  async begin(path) {
+  /** Runs and time on every button, before it is pressed. */
+  async price() {
+    if (!this.maySubmit) return;
+    const { items } = await get(`/jobs/${this.job}/follow-ups`);
+    this.costs = new Map(items.map((cost) => [cost.kind, cost]));
+    this.onCosts(this.costs);
+    for (const [kind, , words] of KINDS) {
+      const cost = this.costs.get(kind), button = this.starts.get(kind);
+      if (cost) exchange(button, words, element("small", {}, cost.refused ? "" : costWords(cost)));
+    }
+  }
+
+  async begin(kind, path, words) {
     this.message.textContent = "";
     try {
+      if (!this.costs.has(kind)) await this.price();
+      const cost = this.costs.get(kind);
+      if (!cost?.refused && !(await affordable(words, cost))) return;
       await post(`/jobs/${this.job}/${path}`, {});
+      await this.refresh();
+    } catch (error) {
+      this.message.textContent = error.message;
+    }
+  }
+
+  async cancel(id) {
+    try {
+      await post(`/jobs/${id}/cancel`);
       await this.refresh();
     } catch (error) {
       this.message.textContent = error.message;
@@ -45,11 +76,14 @@ export class Uncertainty {
       return;
     }
     const open = found.follow_ups.filter(({ state }) => !ENDED.has(state)).length;
-    this.jobs.replaceChildren(...found.follow_ups.map(({ id, kind, state, evaluations }) => element("li", {}, element("a", { href: `/jobs/${id}` }, kind), " ", element("span", { class: `state ${state}` }, state), ` ${evaluations} evaluations`)));
+    exchange(this.jobs, found.follow_ups.map(({ id, kind, state, evaluations }) => element("li", {}, element("a", { href: `/jobs/${id}` }, FOLLOW_UPS[kind] ?? kind), " ", element("span", { class: `state ${state}` }, state), ` ${count(evaluations)} evaluations `,
+      this.maySubmit && OPEN.has(state) ? element("button", { type: "button", class: "danger small", "aria-label": `Cancel ${FOLLOW_UPS[kind] ?? kind}`, onclick: ({ currentTarget }) => once(currentTarget, () => this.cancel(id)) }, "Cancel") : null)));
     this.table.replaceChildren(...this.intervals(found));
     this.showProfiles(found.profiles);
     this.indices.replaceChildren(...this.influences(found.global_sensitivities));
+    this.onAnswer?.(found);
     if (this.open && open < this.open) this.onFound();
+    if (open !== this.open) this.price().catch(() => {}); // the buttons say no costs, then
     this.open = open;
     if (open) this.timer = setTimeout(() => this.refresh(), 1000 * AGAIN_SECONDS);
   }
@@ -59,7 +93,7 @@ export class Uncertainty {
     if (!linearisation) return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
     const rows = Object.entries(linearisation.parameters).map(([name, at]) => element("tr", {}, element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),
-      element("td", {}, at.interval ? `${ends(...at.interval)}${BASES[at.bent ? "bent" : at.interval_basis] ?? ""}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
+      element("td", {}, at.interval ? `${ends(...at.interval)}${BASES[at.bent ? "bent" : at.interval_basis] ?? ""}${widened(at)}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
     const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval${doubt(fit) ? `: does not hold. ${doubt(fit)}` : ""}`, "Influence"];
     const where = linearisation.at_optimum || linearisation.distance.every((d) => d === null) ? "" : "The search had not reached the minimum: these values are those of a point near it.";
     return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...remarks];

@@ -1,11 +1,8 @@
 // What the data say about each parameter, in words, with the evidence and what to do about it.
 import { element } from "../dom.js";
-import { count, ends, number, percent, symbol } from "../format.js";
+import { coefficient as fixed, count, ends, number, percent, symbol } from "../format.js";
 
-const KINDS = {
-  identified: "identified", bounded_on_one_side: "bounded on one side", in_combination: "in combination",
-  not_identified: "not identified", undecided: "undecided", lack_of_fit: "≠ the model does not fit", error_not_met: "≠ stated error not met",
-};
+const SIGNS = { lack_of_fit: "≠ ", error_not_met: "≠ " };
 const BASES = { sampling: "sampling", linearisation: "sensitivities at the optimum", none: "too little" };
 const DO = { fix: "Fix", link: "Link", widen: "Widen" };
 
@@ -17,8 +14,8 @@ export function typeset(text, names) {
 /** Cards of verdicts; `plan` takes proposals, null when nothing may be submitted. */
 export function verdictCards(verdicts, units, plan) {
   const names = verdicts.map(({ parameter }) => parameter);
-  return verdicts.map(({ parameter, kind, sentence, evidence, proposals }) => element("article", { class: `card ${kind}`, "data-parameter": parameter },
-    element("h3", {}, `${symbol(parameter)}${unitOf(units[parameter])}`, element("span", { class: "badge" }, KINDS[kind])),
+  return verdicts.map(({ parameter, kind, words, sentence, evidence, proposals }) => element("article", { class: `card ${kind}`, id: `verdict-${parameter}`, "data-parameter": parameter },
+    element("h3", {}, `${symbol(parameter)}${unitOf(units[parameter])}`, element("span", { class: "badge" }, `${SIGNS[kind] ?? ""}${words}`)),
     element("p", {}, typeset(sentence, names)),
     element("details", {}, element("summary", {}, "Evidence"), evidenceList(evidence)),
     proposals.map((proposal) => suggestion(proposal, names, plan))));
@@ -39,7 +36,8 @@ function evidenceList(evidence) {
     ["Reach the lower bound", yes(evidence.open_below)],
     ["Reach the upper bound", yes(evidence.open_above)],
     ["Influence on the fit", number(evidence.influence)],
-    ["Tied to", evidence.partners.map(([name, r]) => (r === null ? symbol(name) : `${symbol(name)} (r = ${r.toFixed(2)})`)).join(", ") || "none"],
+    ["Tied to", evidence.partners.map(([name, r]) => (r === null ? symbol(name) : `${symbol(name)} (r = ${fixed(r)})`)).join(", ") || "none"],
+    ["Space that could still hide such a basin", percent(evidence.hidden ?? NaN)],
     ["From a swarm's path", yes(evidence.sampling_bias)],
   ];
   return element("dl", {}, rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))));
@@ -58,8 +56,8 @@ function suggestion(proposal, names, plan) {
 export function correlationTable(tables) {
   const names = { "pearson linear": "r, natural values", "pearson search": "r, search coordinates", "spearman linear": "ρ, ranks", "spearman search": "ρ, ranks" };
   const cell = ({ coefficient, lower, upper, correlated }) => element("td", { class: "n" },
-    coefficient === null ? "–" : element(correlated ? "strong" : "span", {}, coefficient.toFixed(2)),
-    lower === null || upper === null ? "" : ` (${lower.toFixed(2)} … ${upper.toFixed(2)})`);
+    coefficient === null ? "–" : element(correlated ? "strong" : "span", {}, fixed(coefficient)),
+    lower === null || upper === null ? "" : ` (${fixed(lower)} … ${fixed(upper)})`);
   if (!tables.length || !tables[0].pairs.length) return element("p", { class: "empty" }, "One parameter has no correlations.");
   return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Correlations" }, element("table", {},
     element("caption", { class: "help" }, `Among the good fits, with ${percent(tables[0].level)} intervals; bold: |r| ≥ 0.5 and the interval excludes 0.${tables[0].biased ? " Of a swarm's path: not of the data alone." : ""}`),

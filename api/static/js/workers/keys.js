@@ -4,14 +4,14 @@ import { age, moment } from "../format.js";
 import { get, post } from "../http.js";
 
 const DAYS = [["", "never"], ["30", "in 30 days"], ["90", "in 90 days"], ["365", "in a year"]];
-const ROLES = [["submit", "submit: look at and run own jobs"], ["read", "read: look at own jobs"], ["admin", "admin: everything, for all"]];
+const ROLES = [["submit", "submit: look at and run own jobs"], ["read", "read: look at own jobs"], ["admin", "admin: everything, for all"], ["agent", "agent: run what jobs have calculated"]];
 
 /** Fill `place` with the keys and a form for another one. */
 export async function keysPanel(place) {
   const list = element("div");
   const message = element("p", { class: "error", role: "alert" });
   const { key_needed: needed } = await get("/session").catch(() => ({ key_needed: true }));
-  const note = needed ? null : element("p", { class: "help" }, "This service asks for no key now. Once there is a key, it asks for one after its next start: make one of an administrator first.");
+  const note = needed ? null : element("p", { class: "help" }, "This service needs no key now. Once a key exists, it will need one after its next start: create an administrator's key first.");
 
   async function look() {
     try {
@@ -23,7 +23,7 @@ export async function keysPanel(place) {
   }
 
   async function revoke({ id, owner }) {
-    if (!(await confirmed(`Revoke the key ${id} of ${owner}? It is refused from then on, for ever.`, "Revoke"))) return;
+    if (!(await confirmed(`Revoke the key ${id} of ${owner}? It will be refused from now on; this cannot be undone.`, "Revoke"))) return;
     try {
       await post(`/keys/${id}/revoke`);
       announce(`The key ${id} is revoked.`);
@@ -60,7 +60,7 @@ function form(look, message) {
     try {
       const wanted = { owner: owner.value, role: role.value, label: label.value, valid_seconds: expiry.value ? 86400 * Number(expiry.value) : null };
       const { key } = await post("/keys", wanted);
-      dialog(`Key of ${wanted.owner}`, element("p", { class: "new-key" }, element("code", {}, key)), element("p", {}, "It is shown only now: hand it over before you close this."),
+      dialog(`Key of ${wanted.owner}`, element("p", { class: "new-key" }, element("code", {}, key)), element("p", {}, "It is shown only once: copy it before you close this."),
         element("div", { class: "buttons" }, element("button", { type: "button", onclick: () => copied(key) }, "Copy")));
       owner.value = label.value = "";
       await look();
@@ -76,6 +76,6 @@ async function copied(key) {
     await navigator.clipboard.writeText(key);
     announce("Copied.");
   } catch {
-    announce("The browser does not allow copying: mark the key and copy it by hand.");
+    announce("The browser does not allow copying: select the key and copy it yourself.");
   }
 }

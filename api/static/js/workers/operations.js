@@ -9,7 +9,7 @@ const KINDS = {
 
 export function operations({ jobs, waiting, running, oldest_wait: wait, workers, outcomes, lost_evaluations: lost, event_streams: streams }) {
   const figures = [
-    ["Evaluations waiting", count(waiting)], ["Evaluations running", count(running)], ["Longest wait of a job", wait > 0 ? duration(wait) : "none waits"],
+    ["Evaluations waiting", count(waiting)], ["Evaluations running", count(running)], ["Longest wait of a job", wait > 0 ? duration(wait) : "none"],
     ["Jobs queued", count(jobs.queued ?? 0)], ["Jobs running", count(jobs.running ?? 0)], ["Jobs ended", count((jobs.finished ?? 0) + (jobs.failed ?? 0) + (jobs.cancelled ?? 0))],
     ["Workers busy, idle, lost", `${workers.busy}, ${workers.idle}, ${workers.lost}`], ["Runs taken from lost workers", count(lost)], ["Open event streams", count(streams)],
   ];

@@ -108,7 +108,7 @@ def _unreadable(file: str, kind: str, error: BaseException) -> OutputError:
     if isinstance(error, ET.ParseError):
         line, column = error.position
         message = (
-            f"{file}: line {line}: {error.msg.partition(':')[0]} at character {column + 1}; the file may be cut off"
+            f"{file}: line {line}: {error.msg.partition(':')[0]} at character {column + 1}; the file may be truncated"
         )
         return OutputError("bad_output", message)
     reason = f"meshio does not know {error}" if isinstance(error, KeyError) else str(error) or type(error).__name__
@@ -139,7 +139,7 @@ def _collection(folder: Path, file: str) -> list[tuple[float, list[str]]]:
             time = float(entry.get("timestep", "nan"))
         except ValueError:
             raise OutputError(
-                "bad_output", f"{file}: timestep '{entry.get('timestep', '')[:40]}' is no number"
+                "bad_output", f"{file}: timestep '{entry.get('timestep', '')[:40]}' is not a number"
             ) from None
         times.setdefault(time, []).append(_beside(file, entry.get("file")))
     if not times:
@@ -163,7 +163,7 @@ def _pieces(folder: Path, file: str) -> list[tuple[float, Piece]]:
     if packed:
         raise OutputError("bad_output", f"{file}: is compressed with LZ4; zlib, LZMA or none is expected")
     if not whole:
-        raise OutputError("bad_output", f"{file}: the file is cut off, or no VTU; </VTKFile> is expected at its end")
+        raise OutputError("bad_output", f"{file}: the file is truncated or not VTU; </VTKFile> is expected at its end")
     try:
         mesh = vtu.read(below(folder, file))
     except (*_ERRORS, exceptions.ReadError, exceptions.CorruptionError) as error:

@@ -28,7 +28,7 @@ _LOWER = {code: code + 32 for code in range(ord("A"), ord("Z") + 1)}  # lower() 
 
 
 class Value(NamedTuple):
-    """A number with the line that it stands in."""
+    """A number and its line."""
 
     number: float
     line: int

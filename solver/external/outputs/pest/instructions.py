@@ -174,7 +174,7 @@ def _steps(line: str, start: int, marker: str, file: str, number: int, *, first:
             message = "a line of instructions begins with l and a number, a marker, or &"
             raise TemplateError(message, *where)
         if (steps and isinstance(step, Advance)) or (isinstance(step, Advance) and not first):
-            raise TemplateError("l goes to another line and stands first in a line of instructions", *where)
+            raise TemplateError("l goes to another line and must come first in a line of instructions", *where)
         steps.append(step)
     return steps
 
@@ -200,7 +200,7 @@ def _step(line: str, position: int, marker: str, where: tuple[str, int, int], pr
     found = _SIMPLE.match(line, position)
     if found is None or int(found["lines"] or 1) < 1 or int(found["column"] or 1) < 1:
         message = (
-            f"'{line[position:].split()[0][:40]}' is no instruction; accepted are l5, w, t12, "
+            f"'{line[position:].split()[0][:40]}' is not an instruction; accepted are l5, w, t12, "
             f"{marker}text{marker}, !name!, [name]12:20 and (name)12:20"
         )
         raise TemplateError(message, *where)
@@ -219,5 +219,5 @@ def _closing(line: str, position: int, sign: str, where: tuple[str, int, int]) -
 def _name(text: str, where: tuple[str, int, int]) -> str:
     name = text.strip().lower()
     if not name or len(name) > 200 or any(sign.isspace() for sign in name):
-        raise TemplateError(f"'{text[:40]}' is no name of an observation", *where)
+        raise TemplateError(f"'{text[:40]}' is not the name of an observation", *where)
     return name

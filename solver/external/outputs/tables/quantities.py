@@ -78,7 +78,7 @@ def column_of(wanted: int | str, header: Sequence[str]) -> Quantity:
     try:
         expression = parse_expression(text)
     except ExpressionError as error:
-        raise ValueError(f"'{text}' is no heading, and no expression: {error}; {_there_are(header)}") from None
+        raise ValueError(f"'{text}' is neither a heading nor an expression: {error}; {_there_are(header)}") from None
     unknown = [name for name in sorted(expression.names) if name not in header and column_number(name) is None]
     if unknown:
         raise ValueError(f"no column {unknown[0]}{did_you_mean(unknown[0], header)}; {_there_are(header)}")

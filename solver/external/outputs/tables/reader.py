@@ -44,20 +44,23 @@ class TableReader(OutputReader):
     format: Literal["table"] = Field("table", description="May be left out.")
     x: ColumnName = Field(description="Column by name or number (from 1), or an expression of columns.")
     y: ColumnName = Field(description="Column by name or number (from 1), or an expression such as -column4.")
-    separator: Separator = Field("auto", description="What stands between cells: , ; tab or blanks.")
+    separator: Separator = Field("auto", description="Separator of cells: , ; tab or blanks.")
     columns: Annotated[tuple[_FirstLast, ...], FROM_LIST] | None = Field(
         None, min_length=1, max_length=1000, description="Fixed columns: first and last character of each, from 1."
     )
     header: int | None = Field(
-        None, ge=0, le=100, description="Lines of headings, names in the first; otherwise found by what is no number."
+        None,
+        ge=0,
+        le=100,
+        description="Lines of headings, names in the first; otherwise found by rows that are not numbers.",
     )
     comment: Annotated[tuple[str, ...], FROM_LIST] = Field(
-        ("#",), max_length=10, description="Lines that begin so are passed over."
+        ("#",), max_length=10, description="Lines that start with this are skipped."
     )
     decimal: Literal[".", ","] = Field(".", description="The decimal sign.")
     encoding: Encoding = Field("utf-8", description="How characters are written.")
-    skip: int = Field(0, ge=0, description="Lines to pass over at the beginning.")
-    rows: int | None = Field(None, ge=1, description="How many points there must be; what follows is not read.")
+    skip: int = Field(0, ge=0, description="Lines to skip at the start.")
+    rows: int | None = Field(None, ge=1, description="Number of points; what follows is not read.")
     where: str | None = Field(None, max_length=1000, description="Rows to take, such as column1 == 25.")
     each: str | None = Field(
         None,

@@ -112,7 +112,7 @@ class Chosen:
             try:
                 values[name] = number_of(cells[at], self._shape.decimal)
             except IndexError:
-                message = f"found {len(cells)} columns, but {name} is column {at + 1}; the row may be cut off"
+                message = f"found {len(cells)} columns, but {name} is column {at + 1}; the row may be truncated"
                 raise self._shape.wrong(line, message) from None
             except ValueError as error:
                 message = f"{name} (column {at + 1}): {visible(str(error))}"

@@ -89,8 +89,8 @@ def test_a_template_keeps_everything_else() -> None:
         ("ptf !\n", "none of"),
         ("ptf %\n%k1 \n", "line 2, column 1: 1 markers '%' in the line"),
         ("ptf %\n\n a %k% %l", "line 3, column 8: 3 markers"),
-        ("ptf %\n%  %\n", "line 2, column 1: between the markers '%' stands no name"),
-        ("ptf %\n%k 1%\n", "stands 'k 1'"),
+        ("ptf %\n%  %\n", "line 2, column 1: between the markers '%' there is no name"),
+        ("ptf %\n%k 1%\n", "there is 'k 1'"),
     ],
 )
 def test_mistakes_name_their_place(text: str, message: str) -> None:
@@ -101,7 +101,7 @@ def test_mistakes_name_their_place(text: str, message: str) -> None:
 
 def test_values_are_checked() -> None:
     template = parse_pest_template("ptf %\n x %k1% %kappa   %", "in.tpl")
-    with pytest.raises(TemplateError, match="line 2, column 9: kappa is no parameter; did you mean kapa"):
+    with pytest.raises(TemplateError, match="line 2, column 9: kappa is not a parameter; did you mean kapa"):
         template.check(["k1", "Kapa"])
     with pytest.raises(TemplateError, match="differ in case only"):
         template.check(["k1", "K1", "kappa"])

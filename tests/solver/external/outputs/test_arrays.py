@@ -97,5 +97,5 @@ def test_names_of_data_sets() -> None:
     assert parse_dataset(" a/b ") == Dataset("a/b", None)
     assert parse_dataset("a/b[-1, *]") == Dataset("a/b", (-1, None))
     for text in ("", "a[", "a[1]", "a[*, *]", "a[*, 1.5]", "a[]"):
-        with pytest.raises(ValueError, match=r"is no data set|are expected"):
+        with pytest.raises(ValueError, match=r"is not a data set|are expected"):
             parse_dataset(text)

@@ -68,7 +68,7 @@ def test_every_instruction_is_parsed() -> None:
 def test_instructions_are_followed(tmp_path: Path, instructions: str, value: float | None) -> None:
     section = {"instructions": f"pif $\n{instructions}\n", "observations": {"H": 10.0}}
     if value is None:
-        assert_bad(tmp_path, FILE, "out.txt: line 2: h: 'bore' is no number (instructions: line 2)", **section)
+        assert_bad(tmp_path, FILE, "out.txt: line 2: h: 'bore' is not a number (instructions: line 2)", **section)
     else:
         assert series(tmp_path, FILE, **section) == [(10.0, value)]
 
@@ -104,14 +104,14 @@ def test_mistakes_in_the_file_name_both_lines(tmp_path: Path, instructions: str,
         ("pif $\n!h!", "line 2, column 1: a line of instructions begins with l"),
         ("pif $\n& !h!", "line 2: & continues a line, but there is none before"),
         ("pif $\nl1 !h!\n& l1 !g!", "line 3, column 3: l goes to another line"),
-        ("pif $\nl0 !h!", "'l0' is no instruction"),
-        ("pif $\nl1 q !h!", "column 4: 'q' is no instruction; accepted are l5, w, t12, $text$, !name!"),
+        ("pif $\nl0 !h!", "'l0' is not an instruction"),
+        ("pif $\nl1 q !h!", "column 4: 'q' is not an instruction; accepted are l5, w, t12, $text$, !name!"),
         ("pif $\nl1 !h", "'!h' is not closed; '!' is expected"),
         ("pif $\nl1 $a !h!", "'$a !h!' is not closed; '$' is expected"),
         ("pif $\nl1 $$ !h!", "there is no text between the markers"),
         ("pif $\nl1 [h]5", "first and last column are expected"),
         ("pif $\nl1 [h]5:4", "first and last column are expected"),
-        ("pif $\nl1 ! ! !h!", "' ' is no name"),
+        ("pif $\nl1 ! ! !h!", "' ' is not the name"),
         ("pif $\nl1 !h!\nl1 !H!", "line 3: h is read in line 2 already"),
     ],
 )

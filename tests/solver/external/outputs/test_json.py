@@ -58,7 +58,7 @@ def test_mistakes_name_the_place(tmp_path: Path, path: str, message: str) -> Non
 def test_what_is_no_json(tmp_path: Path) -> None:
     paths = {"x": "a", "y": "b"}
     assert_bad(tmp_path, '{"a": [1, 2],\n "b": [3', "line 2: Expecting ',' delimiter", **FILE, **paths)
-    assert_bad(tmp_path, '{"a": [1, 2],\n "b": [3', "the file may be cut off", **FILE, **paths)
+    assert_bad(tmp_path, '{"a": [1, 2],\n "b": [3', "the file may be truncated", **FILE, **paths)
     assert_bad(tmp_path, "a,b\n", "line 1: Expecting value", **FILE, **paths)
     assert_bad(tmp_path, "[" * 100_000, "cannot be read as JSON", **FILE, **paths)
     assert_bad(tmp_path, b'{"a": "\xff"}', "found the byte ff at position 8", **FILE, **paths)
@@ -70,5 +70,5 @@ def test_what_is_no_json(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["", ".a", "a..b", "a[", "a[1.5]", "a b", "a[**]", "a.", "[0]a"])
 def test_paths_that_are_none(text: str) -> None:
-    with pytest.raises(ValueError, match=r"is no path at character|path is empty"):
+    with pytest.raises(ValueError, match=r"is not a path at character|path is empty"):
         parse_json_path(text)

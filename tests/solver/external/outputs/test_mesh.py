@@ -145,7 +145,7 @@ def test_files_that_are_missing_or_cut_off(tmp_path: Path) -> None:
     whole = (tmp_path / "steps" / "r_0.vtu").read_bytes()
     for part in (len(whole) // 3, len(whole) - 40):
         (tmp_path / "steps" / "r_0.vtu").write_bytes(whole[:part])
-        assert_bad(tmp_path, None, "steps/r_0.vtu: the file is cut off, or no VTU", file="r.pvd", **at)
+        assert_bad(tmp_path, None, "steps/r_0.vtu: the file is truncated or not VTU", file="r.pvd", **at)
     (tmp_path / "steps" / "r_0.vtu").write_bytes(whole.replace(b"UnstructuredGrid>", b"Nothing>"))
     assert_bad(tmp_path, None, "steps/r_0.vtu: cannot be read as VTU", file="r.pvd", **at)
     packed = whole.replace(b"vtkZLibDataCompressor", b"vtkLZ4DataCompressor")
@@ -157,7 +157,7 @@ def test_files_that_are_missing_or_cut_off(tmp_path: Path) -> None:
     text = (tmp_path / "r.pvd").read_text(encoding="utf-8")
     assert_bad(tmp_path, text[:-20], "r.pvd: line 4: ", file="r.pvd", **at)
     assert_bad(tmp_path, "<VTKFile/>", "r.pvd: names no files", file="r.pvd", **at)
-    assert_bad(tmp_path, text.replace("1.0", "soon"), "timestep 'soon' is no number", file="r.pvd", **at)
+    assert_bad(tmp_path, text.replace("1.0", "soon"), "timestep 'soon' is not a number", file="r.pvd", **at)
     assert_bad(tmp_path, text.replace("steps/", "../"), "names another file that cannot be read", file="r.pvd", **at)
 
 

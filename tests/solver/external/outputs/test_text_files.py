@@ -27,7 +27,7 @@ def test_missing_and_empty_files(tmp_path: Path, section: dict[str, Any]) -> Non
     assert_bad(tmp_path, "", "out.txt: the file is empty", "no_output", **section)
     (tmp_path / "out.txt").unlink()
     os.mkfifo(tmp_path / "out.txt")
-    assert_bad(tmp_path, None, "out.txt: is no regular file", **section)
+    assert_bad(tmp_path, None, "out.txt: is not a regular file", **section)
 
 
 @pytest.mark.parametrize(
@@ -62,9 +62,9 @@ def test_encodings(tmp_path: Path) -> None:
 def test_files_cut_off(tmp_path: Path) -> None:
     assert_bad(tmp_path, "t y\n1 2\n3\n", "line 3: found 1 columns", **TABLE)
     assert_bad(
-        tmp_path, "t y\n1 2\n" + "\0" * 512, "line 3: found a zero byte; the file is binary, or was cut off", **TABLE
+        tmp_path, "t y\n1 2\n" + "\0" * 512, "line 3: found a zero byte; the file is binary or truncated", **TABLE
     )
-    assert_bad(tmp_path, "t y\n1 2\n3 4e\n", "line 3: y (column 2): '4e' is no number", **TABLE)
+    assert_bad(tmp_path, "t y\n1 2\n3 4e\n", "line 3: y (column 2): '4e' is not a number", **TABLE)
 
 
 def test_endless_lines_are_refused(tmp_path: Path) -> None:

@@ -102,7 +102,7 @@ def test_a_problem_beside_the_control_file_changes_nothing_there(tmp_path: Path)
     problem = made(folder, case(path=folder / "beam.pst"))
     assert problem.forward_model.model_dump()["templates"] == {"in/beam.dat": "beam_2.tpl", "span.dat": "span_2.tpl"}
     assert {name: (folder / name).read_bytes() for name in before} == before
-    with pytest.raises(PestControlError, match=r"problem\.yaml is there, and never overwritten"):
+    with pytest.raises(PestControlError, match=r"problem\.yaml exists and is never overwritten"):
         imported(case(path=folder / "beam.pst"), folder)
 
 
@@ -142,11 +142,11 @@ def changed(index: int, **changes: object) -> PestCase:
 @pytest.mark.parametrize(
     ("one", "message"),
     [
-        (changed(1, tied_to="e-9"), "parameter e-2 is tied to 'e-9', which is no parameter"),
+        (changed(1, tied_to="e-9"), "parameter e-2 is tied to 'e-9', which is not a parameter"),
         (changed(3, tied_to="e-2"), "load2 is tied to 'e-2', which is tied itself"),
         (changed(0, value=0.0), "tied to e-1, whose initial value is 0"),
         (changed(0, lower=0.0), "e-1 is searched by its logarithm and has the lower bound 0"),
-        (case(parameters=BEAM.parameters[:-1]), "templates use pi, which are no parameters"),
+        (case(parameters=BEAM.parameters[:-1]), "templates use pi, which are not parameters"),
         (case(templates=(PestPair("no.tpl", "a"),)), "no.tpl: cannot be read"),
         (case(templates=(PestPair("defl.ins", "a"),)), "defl.ins: line 1: 'pif .' must be ptf"),
         (case(instructions=(PestPair("beam.tpl", "a"),)), "beam.tpl: line 1: 'ptf %' must be pif"),

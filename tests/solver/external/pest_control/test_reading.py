@@ -88,7 +88,7 @@ def test_without_pyemu_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsy
 
 
 def test_what_is_no_control_file_needs_no_pyemu(tmp_path: Path) -> None:
-    with pytest.raises(PestControlError, match=r"beam\.tpl is no control file of PEST: its first line must be pcf"):
+    with pytest.raises(PestControlError, match=r"beam\.tpl is not a PEST control file: its first line must be pcf"):
         read_case(FOLDER / "beam.tpl")
     with pytest.raises(PestControlError, match="No such file"):
         read_case(tmp_path / "none.pst")
@@ -129,9 +129,9 @@ def test_version_2(pyemu: Path) -> None:
             "* prior information\n* model input\nin.tpl model.in\n",
             "is empty, and what",
         ),
-        ("1.5 2.0", "1.5 -2.0", "weight of observation hds_time:1.0 is -2"),
-        ("1.5 2.0", "1.5d0 2.0", "cannot be read as a control file of PEST: .*1.5d0"),
-        ("1.5 2.0", "nan 2.0", "OBSVAL of hds_time:1.0 is nan"),
+        ("1.5 2.0", "1.5 -2.0", "weight of observation hds_time:1.0 must be at least 0, got -2"),
+        ("1.5 2.0", "1.5d0 2.0", "cannot be read as a PEST control file: .*1.5d0"),
+        ("1.5 2.0", "nan 2.0", "OBSVAL of hds_time:1.0 must be a finite number, got nan"),
         ("parameters.csv", "none.csv", "none.csv"),
     ],
 )

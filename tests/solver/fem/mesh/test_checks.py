@@ -90,7 +90,7 @@ def test_shapes_are_measured_as_they_are() -> None:
         (lambda: with_interface(0.01), "interface joint: its sides lie 0.01 m apart"),
         (
             lambda: replace(two_triangles(), boundaries={"wall": np.array([[1, 0, 4]], dtype=np.int32)}),
-            "boundary wall: nodes 1, 0, 4 are no edge of a triangle that lies on its left",
+            "boundary wall: nodes 1, 0, 4 are not an edge of a triangle on its left",
         ),
         (
             lambda: replace(two_triangles(), boundaries={"wall": np.array([[1, 0, 40]], dtype=np.int32)}),

@@ -88,7 +88,7 @@ def test_a_named_line_becomes_an_interface(tmp_path: Path) -> None:
         ((("4 2 2 7 1 1 2 3", "4 3 2 7 1 1 2 3 4"),), "elements of type quad: only triangles of 3 or 6 nodes"),
         ((("5 2 2 0", "5 2 2 1"),), "do not lie in the plane"),
         ((("6 2 2 8 2 4 3 5", "6 2 2 0 2 4 3 5"),), "1 triangles belong to no named region"),
-        ((("3 1 2 5 2 4 3", "3 1 2 4 2 1 5"),), "line base is no side of the triangles"),
+        ((("3 1 2 5 2 4 3", "3 1 2 4 2 1 5"),), "line base is not a side of the triangles"),
         ((("$EndMeshFormat", "$End"), ("2.2 0 8", "nonsense")), "cannot be read as a mesh"),
     ],
 )

@@ -78,8 +78,8 @@ def test_where_lines_cross_or_meet_a_node_is_doubled_for_each_part() -> None:
 @pytest.mark.parametrize(
     ("lines", "words"),
     [
-        ({"crack": line(0, 1)}, "interface crack: the line from .0, 0. to .1, 0. is no edge between two"),
-        ({"crack": line(0, 12)}, "is no edge between two"),
+        ({"crack": line(0, 1)}, "interface crack: the line from .0, 0. to .1, 0. is not an edge between two"),
+        ({"crack": line(0, 12)}, "is not an edge between two"),
         ({"one": line(11, 12), "two": line(12, 11)}, "one and two lie on the same edge"),
     ],
 )

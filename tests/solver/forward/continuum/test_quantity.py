@@ -63,15 +63,15 @@ def test_quantities_are_found_wherever_they_are() -> None:
 @pytest.mark.parametrize(
     ("fields", "words"),
     [
-        ({"depth": 0}, "0 m: above 0 is accepted"),
-        ({"depth": "1 - 2"}, "-1 m: above 0 is accepted"),
-        ({"depth": True}, "a number, or an expression of parameters as text, is accepted"),
+        ({"depth": 0}, "must be above 0, got 0 m"),
+        ({"depth": "1 - 2"}, "must be above 0, got -1 m"),
+        ({"depth": True}, "must be a number, or an expression of parameters as text"),
         ({"depth": "2 *"}, "expression ends"),
         ({"depth": "a > 2"}, "'a > 2' is a comparison"),
-        ({"depth": 1, "line": []}, "a list of 1 to 500 points is accepted"),
+        ({"depth": 1, "line": []}, "must be a list of 1 to 500 points"),
         ({"depth": 1, "line": [[0, 1, 2]]}, "each point is a list of two numbers"),
-        ({"depth": 1, "line": [[0, 1], [0, 2]]}, "0 m follows 0 m; increasing places are accepted"),
-        ({"depth": 1, "line": [[0, -1]]}, "-1 m: at least 0 is accepted"),
+        ({"depth": 1, "line": [[0, 1], [0, 2]]}, "0 m follows 0 m; places must increase"),
+        ({"depth": 1, "line": [[0, -1]]}, "must be at least 0, got -1 m"),
     ],
 )
 def test_what_is_no_such_number_is_refused(fields: dict[str, object], words: str) -> None:
@@ -84,7 +84,7 @@ def test_a_value_beyond_its_limits_is_infeasible() -> None:
     quantity = limits.parse("2 * a")
     assert quantity.value({"a": 2.5}) == 5.0
     for value in (0.4, 3.0, float("nan")):
-        with pytest.raises(InfeasibleError, match=r"'2 \* a' = .* kPa: at least 1 and at most 5 is accepted"):
+        with pytest.raises(InfeasibleError, match=r"'2 \* a' must be at least 1 and at most 5, got .* kPa"):
             quantity.value({"a": value})
 
 

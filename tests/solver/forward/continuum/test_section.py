@@ -116,9 +116,9 @@ def test_the_section_survives_its_canonical_form() -> None:
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"depth": -1.0}, "'depth' = -1 m: at least 0 is accepted"),
+        ({"depth": -1.0}, "'depth' must be at least 0, got -1 m"),
         ({"depth": 12.0}, "has no area or runs clockwise"),
-        ({"E_rock": 0.0}, "'E_rock' = 0 kPa: above 0 is accepted"),
+        ({"E_rock": 0.0}, "'E_rock' must be above 0, got 0 kPa"),
     ],
 )
 def test_inadmissible_values_are_named(values: dict[str, float], words: str) -> None:
@@ -131,13 +131,11 @@ def test_check_judges_what_is_known() -> None:
     model = spec(creeping()).build()
     assert model.check({}) is None
     assert model.check({"mu_star": 0.01}) is None
-    assert model.check({"mu_star": 0.0}) == "'mu_star' = 0: above 0 is accepted"
+    assert model.check({"mu_star": 0.0}) == "'mu_star' must be above 0, got 0"
     section = creeping()
     section["materials"]["clay"] = section["materials"]["clay"] | {"lambda_star": "lam"}
     message = spec(section).build().check({"lam": 0.01})
-    assert (
-        message == "material clay: lambda_star = 0.01 with kappa_star = 0.02: lambda_star above kappa_star is accepted"
-    )
+    assert message == "material clay: lambda_star must be above kappa_star = 0.02, got 0.01"
 
 
 PHASE: dict[str, Any] = ground()["phases"][0]
@@ -147,10 +145,10 @@ PHASE: dict[str, Any] = ground()["phases"][0]
     ("changes", "words"),
     [
         ({"nominal": {}}, "nominal: depth is missing"),
-        ({"element_length": "depth"}, "element_length: 'depth': a number is accepted"),
+        ({"element_length": "depth"}, "element_length: 'depth' must be a number"),
         ({"phases": [PHASE | {"materials": {"sand": "soil"}}]}, r"phases\[0\].materials: rock without a material"),
         ({"phases": [PHASE | {"materials": {"sand": "mud", "rock": "rock"}}]}, "sand: mud is unknown; known materials"),
-        ({"phases": [PHASE | {"kind": "plastic"}]}, r"phases\[0\].kind: plastic: gravity or K0 is accepted"),
+        ({"phases": [PHASE | {"kind": "plastic"}]}, r"phases\[0\].kind: must be gravity or K0 for .*; got plastic"),
         ({"phases": [PHASE | {"fixities": {"roof": "both"}}]}, "fixities: roof is unknown; known boundaries: surface"),
         ({"zero_at_phase": "later"}, "zero_at_phase: later is unknown; known phases: weight, loading"),
         ({"vectors": {"v": {"points": ["Z"], "end": 1}}}, "points: Z is unknown; known points: A, B"),
@@ -169,5 +167,5 @@ def test_points_and_series_are_checked() -> None:
         model.prepare({"v.ux": np.ones(1)})
     with pytest.raises(ProblemError, match=r"'C.ux' is unknown; known are A.ux, A.uy"):
         model.prepare({"C.ux": np.zeros(1)})
-    with pytest.raises(ProblemError, match=r"A.ux: x = 3 day: from 0 to 0 is accepted"):
+    with pytest.raises(ProblemError, match=r"A.ux: x must be from 0 to 0, got 3 day"):
         model.prepare({"A.ux": np.full(1, 3.0)})

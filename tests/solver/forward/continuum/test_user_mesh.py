@@ -60,7 +60,7 @@ def test_files_are_not_read_for_problems_from_the_network(tmp_path: Path) -> Non
     [
         ({"regions": {"clay": [0]}}, "triangle 1 belongs to no region"),
         ({"regions": {"clay": [0, 1, 2]}}, "region clay: triangle 2 does not exist; 0 to 1 do"),
-        ({"triangles": [[0, 1, 2], [0, 2]]}, "triangles of 3 nodes, or all of 6 nodes, are accepted"),
+        ({"triangles": [[0, 1, 2], [0, 2]]}, "all triangles must have 3 nodes, or all 6"),
         ({"interfaces": ["fault"]}, "interface fault: no line has this name; named lines: base, joint"),
         ({"triangles": [[0, 1, 2], [0, 2, 9]]}, "node 9 does not exist; nodes 0 to 3 do"),
         ({"lines": {"base": [[0, 7]]}}, "line base: node 7 does not exist; nodes 0 to 3 do"),

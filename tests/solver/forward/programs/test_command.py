@@ -86,12 +86,12 @@ def test_numbers_reach_the_program_to_the_last_bit(value: float, tmp_path: Path)
         ({"files": ["/etc/passwd"]}, "must be relative"),
         ({"files": ["missing.inc"]}, "missing.inc is not in"),
         ({"files": ["device"]}, "device is neither a file nor a folder"),
-        ({"templates": {"p.json": "t.in"}}, "p.json stands in templates and in write"),
+        ({"templates": {"p.json": "t.in"}}, "p.json is in templates and in write"),
         ({"link": ["mesh"], "write": {"mesh/p.json": "json"}}, "lies in the linked folder mesh"),
         ({"series": {"y": {"file": "../out.csv", "x": 1, "y": 2}}}, "must stay in the folder"),
         ({"series": {"y": {"file": "out.csv", "x": 1, "y": 2, "y_unit": "furlongs/x"}}}, "unknown unit"),
         ({"templates": {"in": "bad.in"}}, "bad.in: line 1, column 1"),
-        ({"success": {"text": {"log": "("}}}, "is no regular expression"),
+        ({"success": {"text": {"log": "("}}}, "is not a regular expression"),
         (
             {"link": ["mesh"], "series": {"y": {"file": "mesh/o.csv", "x": 1, "y": 2}}},
             "it could be that of another run",
@@ -243,6 +243,7 @@ def test_waiting_for_a_slot_is_no_time_of_a_run(workers: int, tmp_path: Path) ->
     assert all(one.seconds > 0.0 for one in found)
 
 
+@pytest.mark.slow
 def test_calls_that_a_licence_was_refused_for_are_no_time_of_a_run(tmp_path: Path) -> None:
     """Four refusals with pauses of 2 s, while a run may take 6 s."""
     code = (
@@ -270,6 +271,7 @@ HANGING = {
 }
 
 
+@pytest.mark.slow
 def test_a_pattern_that_would_take_for_ever_is_ended_with_its_name(tmp_path: Path) -> None:
     with pytest.raises(ForwardError, match=r"reading series y from log\.txt took longer than 5 s \(seconds\)") as told:
         run(problem(tmp_path, **HANGING, seconds=5.0))

@@ -70,15 +70,15 @@ def test_arguments_are_read_from_the_source(
     [
         ("def g(): ...\ndef _h(): ...", "model.py has no function f; it has g$"),
         ("", "it has none"),
-        ("def f(", r"model.py, line 1 is no Python: '\(' was never closed"),
-        ("\0", "model.py.* no Python"),
+        ("def f(", r"model.py, line 1 is not valid Python: '\(' was never closed"),
+        ("\0", "model.py.* not valid Python"),
         ("def f(a, /): ...", "takes a by position only"),
         ("def f(*a): ...", "takes \\*arguments without names"),
         ("async def f(a): ...", "f of model.py is async"),
         ("class f: ...", "line 1 makes it a class; a function that is written there as def f"),
         ("from m import g as f", "line 1 imports it from elsewhere"),
         ("def f(a): ...\nf = cache(f)", "line 2 assigns it"),
-        ("(" * 5000, "no Python"),
+        ("(" * 5000, "not valid Python"),
     ],
 )
 def test_what_cannot_be_given_is_told(source: str, message: str) -> None:
@@ -232,7 +232,7 @@ def test_reasons_of_failures(tmp_path: Path, statement: str, reason: str, messag
     [
         ("import no_such_module\n", "model.py cannot be imported: it raised ModuleNotFoundError"),
         ("raise SystemExit(1)\n", "ended the program"),
-        ("import json\n", "imports json, and .*json.py lies beside it; but that name is taken by"),
+        ("import json\n", "imports json, and .*json.py is in the same folder; but that name is taken by"),
     ],
 )
 def test_a_file_that_cannot_be_imported(tmp_path: Path, source: str, message: str) -> None:
@@ -248,13 +248,13 @@ def test_a_file_that_cannot_be_imported(tmp_path: Path, source: str, message: st
     [
         ({"file": None}, "forward_model.file", "is missing"),
         ({"file": "other.py"}, "forward_model.file", "is not there"),
-        ({"file": "sub.py"}, "forward_model.file", "is no file"),
+        ({"file": "sub.py"}, "forward_model.file", "is not a file"),
         ({"file": "/etc/passwd.py"}, "forward_model.file", "relative name of a .py file"),
         ({"file": "../model.py"}, "forward_model.file", "relative name"),
         ({"file": "model.txt"}, "forward_model.file", "relative name"),
         ({"function": "g"}, "forward_model.function", "model.py has no function g; it has f"),
-        ({"function": "import os"}, "forward_model.function", "is no name of a function"),
-        ({"function": "class"}, "forward_model.function", "is no name of a function"),
+        ({"function": "import os"}, "forward_model.function", "is not the name of a function"),
+        ({"function": "class"}, "forward_model.function", "is not the name of a function"),
         ({"series": {}}, "forward_model.series", ""),
         ({"series": {"y": {"x_unit": "furlongy"}}}, "forward_model.series.y.x_unit", "unknown unit"),
     ],

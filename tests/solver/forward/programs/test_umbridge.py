@@ -74,11 +74,11 @@ LARGE = "1" + "0" * 400
 FAILURES: list[tuple[dict[str, Any], str, str]] = [
     ({"Evaluate": {"output": [[7, 8], [1.0, 2.0]]}}, "bad_output", "output vectors of 2, 2 numbers, not 2, 3"),
     ({"Evaluate": {"output": [[7, 8]]}}, "bad_output", "output vectors of 2 numbers, not 2, 3"),
-    ({"Evaluate": {"output": [[7, 8], [1.0, "2", 3.0]]}}, "bad_output", "output 1 holds what is no number"),
-    ({"Evaluate": {"output": [[7, 8], [1.0, True, 3.0]]}}, "bad_output", "output 1 holds what is no number"),
-    ({"Evaluate": {"result": 1}}, "bad_output", "answered no output of lists"),
-    ({"Evaluate": [1, 2]}, "bad_output", "answered no output of lists"),
-    ({"Evaluate": "{oops"}, "bad_output", "answered no JSON: '{oops'"),
+    ({"Evaluate": {"output": [[7, 8], [1.0, "2", 3.0]]}}, "bad_output", "output 1 contains what is not a number"),
+    ({"Evaluate": {"output": [[7, 8], [1.0, True, 3.0]]}}, "bad_output", "output 1 contains what is not a number"),
+    ({"Evaluate": {"result": 1}}, "bad_output", "answered with an output that is not a list of lists"),
+    ({"Evaluate": [1, 2]}, "bad_output", "answered with an output that is not a list of lists"),
+    ({"Evaluate": "{oops"}, "bad_output", "did not answer with JSON: '{oops'"),
     ({"Evaluate": '{"output": [[7, 8], [1.0, nan, 3.0]]}'}, "not_finite", "output 1 is nan at number 2"),
     ({"Evaluate": '{"output": [[7, 8], [-inf, 1, 3.0]]}'}, "not_finite", "output 1 is -inf at number 1"),
     ({"Evaluate": '{"output": [[7, 8], [1, null, 3.0]]}'}, "not_finite", "output 1 is nan at number 2"),
@@ -88,14 +88,14 @@ FAILURES: list[tuple[dict[str, Any], str, str]] = [
     ({"Evaluate": (500, {"error": {"type": "diverged", "message": "step 3"}})}, "diverged", "diverged: step 3"),
     ({"Evaluate": (500, {"error": {"type": "timeout", "message": "60 s"}})}, "timeout", "HTTP 500: timeout: 60 s"),
     ({"Evaluate": (302, "")}, "program_failed", "HTTP 302: no word why"),
-    ({"Evaluate": HANG_UP}, "program_failed", "hung up"),
-    ({"Evaluate": CUT_OFF}, "program_failed", "hung up: IncompleteRead: .*5 more expected"),
+    ({"Evaluate": HANG_UP}, "program_failed", "closed the connection"),
+    ({"Evaluate": CUT_OFF}, "program_failed", "closed the connection: IncompleteRead: .*5 more expected"),
     ({"Evaluate": HANG}, "timeout", "has not answered in 0.3 s"),
     ({"Info": {"protocolVersion": 0.9, "models": ["forward"]}}, "bad_output", "speaks version 0.9"),
-    ({"Info": '{"protocolVersion": NaN, "models": ["forward"]}'}, "bad_output", "is no server of UM-Bridge"),
+    ({"Info": '{"protocolVersion": NaN, "models": ["forward"]}'}, "bad_output", "is not an UM-Bridge server"),
     ({"Info": {"protocolVersion": 1.0, "models": ["forwards"]}}, "bad_output", "did you mean forwards"),
-    ({"Info": "<html>"}, "bad_output", "answered no JSON"),
-    ({"Info": {"name": "geoswarm"}}, "bad_output", "is no server of UM-Bridge"),
+    ({"Info": "<html>"}, "bad_output", "did not answer with JSON"),
+    ({"Info": {"name": "geoswarm"}}, "bad_output", "is not an UM-Bridge server"),
     ({"Info": (404, "Not found")}, "program_failed", "/Info answered with HTTP 404: Not found"),
     ({"ModelInfo": {"support": {"Evaluate": False}}}, "bad_output", "does not support Evaluate"),
     ({"ModelInfo": (200, [])}, "bad_output", "answered no ModelInfo"),
@@ -104,7 +104,7 @@ FAILURES: list[tuple[dict[str, Any], str, str]] = [
         "bad_output",
         r"takes input vectors of \[2\] numbers, but inputs has \[1, 1\]",
     ),
-    ({"InputSizes": {"inputSizes": ["1"]}}, "bad_output", "answered no inputSizes"),
+    ({"InputSizes": {"inputSizes": ["1"]}}, "bad_output", "answered without inputSizes"),
     (
         {"OutputSizes": {"outputSizes": [2]}},
         "bad_output",
@@ -151,7 +151,10 @@ def test_a_connection_that_the_system_gives_up_is_told(monkeypatch: pytest.Monke
         raise TimeoutError(110, "Connection timed out")
 
     monkeypatch.setattr(http.client.HTTPConnection, "getresponse", given_up)
-    with scripted() as server, pytest.raises(ForwardError, match=r"hung up: .*the connection has timed out") as caught:
+    with (
+        scripted() as server,
+        pytest.raises(ForwardError, match=r"closed the connection: .*the connection has timed out") as caught,
+    ):
         run_of(server)({"E": 1.0, "nu": 0.3})
     assert caught.value.reason == "program_failed"
 
@@ -176,13 +179,13 @@ def test_points_beyond_those_of_the_server_are_refused() -> None:
     ("changes", "path", "message"),
     [
         ({"url": "localhost:4242"}, "url", "write for example http://localhost:4242"),
-        ({"url": "ftp://localhost"}, "url", "no address of a server"),
+        ({"url": "ftp://localhost"}, "url", "not the address of a server"),
         ({"url": "http://user:word@localhost"}, "url", "no user, password"),
-        ({"url": "http://localhost:99999"}, "url", "is no address: "),
-        ({"inputs": [["E"], ["E"]]}, "inputs", "E stands there twice"),
+        ({"url": "http://localhost:99999"}, "url", "is not an address: "),
+        ({"inputs": [["E"], ["E"]]}, "inputs", "E is given twice"),
         ({"inputs": [[]]}, "inputs", "no parameter is named"),
         ({"inputs": [["a b"]]}, "inputs", "must match"),
-        ({"series": {"travel": {"x": [1, 2, 1]}}}, "series.travel.x", "1 stands there twice"),
+        ({"series": {"travel": {"x": [1, 2, 1]}}}, "series.travel.x", "1 is given twice"),
         ({"series": {"travel": {"x": []}}}, "series.travel.x", "must not be empty"),
         ({"series": {"travel": {"x": [1], "y_unit": "quux"}}}, "series.travel.y_unit", "quux"),
         ({"config": {"a": [float("inf")]}}, "config", "finite"),

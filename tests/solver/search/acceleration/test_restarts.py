@@ -45,6 +45,23 @@ def test_the_rim_of_a_finished_basin_is_no_basin_of_its_own() -> None:
     assert Basins().admits(np.array([0.2, 0.2]), points, open_)
 
 
+def test_openness_is_that_of_the_definition() -> None:
+    """Against the definition run by run: ties, repeats, and points exactly at the radius."""
+    random = np.random.default_rng(3)
+    for case in range(60):
+        dimension, count = int(random.integers(1, 8)), int(random.integers(0, 260))
+        basins = Basins(finished=tuple(map(tuple, random.random((2, dimension)))), radius=0.2)
+        points = random.random((count, dimension))
+        if case % 2:
+            points = np.round(points / 0.1) * 0.1
+        wanted = basins.outside(points)
+        for i in range(1, min(count, 200)):
+            distances = np.abs(points[:i] - points[i]).max(axis=1)
+            if not wanted[int(np.argmin(distances))] and distances.min() <= basins.radius:
+                wanted[i] = False
+        np.testing.assert_array_equal(basins.open_runs(points), wanted)
+
+
 def test_when_everything_is_finished_it_begins_again() -> None:
     basins = Basins(finished=((0.5,),), restarts=1).after(np.array([[0.5]]), np.array([1.0]), 4)
     assert (basins.finished, basins.restarts, basins.best) == ((), 2, 1.0)

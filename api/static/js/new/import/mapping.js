@@ -22,7 +22,7 @@ export function mapping(file, content, context, act) {
   const info = () => known.find((one) => one.name === state.series);
   const top = element("div", {}), fields = element("div", { class: "fields" }), asked = element("div", { class: "fields" }), more = element("div", {}), table = element("div", {});
   const notes = element("p", { class: "help", role: "status" }), wrong = element("div", { class: "problems" }), order = element("div", {}), preview = element("div", {});
-  const use = button("Take these readings", accept, { class: "", id: "take" });
+  const use = button("Use these readings", accept, { class: "", id: "take" });
   let points = null, refused = [], timer = null, running = null;
 
   const sign = () => (state.reverse ? -1 : 1);
@@ -69,7 +69,7 @@ export function mapping(file, content, context, act) {
     notes.textContent = points ? [`${count(points.x.length)} readings.`, points.gross_errors.length ? `${count(points.gross_errors.length)} of them are gross errors.` : "", ...points.notes.map((note) => `${note[0].toUpperCase()}${note.slice(1)}.`)].filter(Boolean).join(" ")
       : questions.length || refused.length ? "" : "Reading …";
     const there = state.series ? context.readings(state.series) : 0;
-    use.textContent = !state.series ? "Take these readings" : there ? `Replace ${state.series} (${count(there)} readings)` : `Add ${state.series}`;
+    use.textContent = !state.series ? "Use these readings" : there ? `Replace ${state.series} (${count(there)} readings)` : `Add ${state.series}`;
     use.disabled = !points?.x.length || units.length > 0;
     preview.hidden = !points?.x.length;
     if (points?.x.length) plot.draw();
@@ -133,7 +133,7 @@ export function mapping(file, content, context, act) {
   suit(state, file, info(), likely.y);
   exchange(top,
     file.sheets.length > 1 ? element("div", { class: "fields" }, choice("map-sheet", "Sheet", file.sheets.map((one) => [one, one]), file.sheet, act.sheet, { help: `${file.sheets.length} sheets: ${file.sheets.join(", ")}` })) : null,
-    known.length ? null : element("p", { class: "error", role: "alert" }, "Describe the forward model first: then its series are known, and a file can be given to one of them."),
+    known.length ? null : element("p", { class: "error", role: "alert" }, "Describe the forward model first; then a file can be assigned to one of its series."),
     file.columns.some((column) => column.kind === "number") ? null : element("p", { class: "error", role: "alert" }, `Sheet “${file.sheet}” has no column of numbers: choose another one.`),
     file.formulas.length ? element("p", { class: "error", role: "alert" }, `Formulas without a stored value, which cannot be read: ${file.formulas.join(", ")}. Let a spreadsheet program calculate and save the workbook.`) : null);
   const made = element("fieldset", { class: "group mapping" }, element("legend", {}, file.name), top, table, fields, asked,

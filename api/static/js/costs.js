@@ -1,0 +1,22 @@
+// What a follow-up takes, in words; and the question before one that takes long.
+import { confirmed } from "./dom.js";
+import { count, duration } from "./format.js";
+
+export const FOLLOW_UPS = {
+  sensitivity: "Sensitivities at the optimum", profile: "Profile objectives", explore: "Exploration for further basins",
+  predict: "Prediction", design: "Which test next",
+  sobol: "Global sensitivity (Sobol)", morris: "Global sensitivity (Morris)",
+};
+const LONG = 60; // s
+
+/** "about 40 runs, about 2 min"; a cost as GET …/follow-ups tells it. */
+export function costWords({ evaluations, exact, seconds }) {
+  const runs = `${exact ? "" : "about "}${count(evaluations)} run${evaluations === 1 ? "" : "s"}`;
+  return seconds === null ? runs : `${runs}, ${seconds < 1 ? "less than 1 s" : `about ${duration(seconds)}`}`;
+}
+
+/** Whether to begin: what takes more than a minute, or nobody knows how long, is asked for. */
+export async function affordable(words, cost) {
+  if (!cost || (cost.seconds !== null && cost.seconds <= LONG)) return true;
+  return confirmed(`${words}: ${costWords(cost)}${cost.seconds === null ? ", time not known yet" : ""}. Start?`, "Start");
+}

@@ -1,0 +1,69 @@
+// A job, live: what the stream of its events tells goes to every part of the page.
+import { announce, connection } from "../dom.js";
+import { get } from "../http.js";
+import { LATER, paced } from "../pace.js";
+import { follow } from "../stream.js";
+import { thinned } from "../thin.js";
+import { openNamed } from "./evaluation.js";
+
+const { job: id } = document.querySelector("main").dataset;
+const POINTS = 3000, MOST = 9000, INTERVAL = 200;
+const COMPILING = "A worker compiles the numerical kernels: once after an installation, about a minute.";
+
+/** The parts of a page, each made of `view` and told by `job`, `course`, `generation` and `fit`. */
+export async function live(makers) {
+  const view = { id, job: await get(`/jobs/${id}`), course: [], fit: null };
+  const follower = view.job.last_event; // what the generations below know already is passed over by their numbers
+  view.refresh = async () => {
+    view.job = await get(`/jobs/${id}`);
+    for (const part of parts) part.job?.(view.job);
+  };
+  view.changed = () => { for (const part of parts) part.fit?.(); };
+  const parts = makers.map((part) => part(view));
+  for (const part of parts) part.job?.(view.job);
+  ({ items: view.course } = await get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }));
+  for (const part of parts) part.course?.();
+  openNamed(view);
+
+  let newest = null;
+  const tell = paced(() => { for (const part of parts) part.generation?.(newest); }, INTERVAL);
+  function take(generation) {
+    const { number, evaluations: counted, failed, best_objective, objective, parameters } = generation;
+    if (number <= (view.course.at(-1)?.number ?? -1)) return; // known already
+    view.course.push({ number, evaluations: counted, best_objective, objective });
+    if (view.course.length > MOST) view.course = thinned(view.course, POINTS);
+    Object.assign(view.job, { evaluations: counted, failed_evaluations: failed, objective, parameters, generations: number + 1 });
+    newest = generation;
+    tell();
+  }
+
+  let busy = false, again = false;
+  async function state() {
+    if (busy) { again = true; return; }
+    busy = true;
+    do {
+      again = false;
+      const before = view.job.state;
+      await view.refresh();
+      if (view.job.state !== before) announce(`${view.job.name}: ${view.job.state}`);
+    } while (again);
+    busy = false;
+  }
+  function changed() {
+    state().then(() => connection(null), (error) => {
+      busy = false;
+      connection(error.message);
+      if (error.status === 0) setTimeout(changed, LATER);
+    });
+  }
+  follow(id, {
+    after: follower,
+    state: view.job.state,
+    onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
+    onEvent: ({ kind, data }) => {
+      if (kind === "state") changed();
+      else if (kind === "kernels") connection(data.seconds === null ? COMPILING : null);
+      else take(data);
+    },
+  });
+}

@@ -1,0 +1,36 @@
+// Reports take seconds to make: said where they were asked for. And the problem to copy.
+import { announce } from "../dom.js";
+import { request } from "../http.js";
+import { copyButtons } from "./copy.js";
+
+export function reports() {
+  document.getElementById("figures").before(copyButtons(document.querySelector("main").dataset.job));
+  for (const link of document.querySelectorAll("a[data-made]")) {
+    link.addEventListener("click", (event) => (link.download ? saved(event, link) : announce("The report opens in a new tab after a few seconds.")));
+  }
+}
+
+/** Fetch the file with a word on it, then hand it to the browser. */
+async function saved(event, link) {
+  if (link.href.startsWith("blob:")) return;
+  event.preventDefault();
+  if (link.ariaBusy === "true") return;
+  link.ariaBusy = "true";
+  const words = link.textContent, begun = Date.now();
+  const count = setInterval(() => { link.textContent = `${words}: in preparation, ${Math.round((Date.now() - begun) / 1000)} s …`; }, 1000);
+  announce("Making the report …");
+  try {
+    const { pathname } = new URL(link.href);
+    const made = URL.createObjectURL(await (await request("GET", pathname)).blob());
+    const save = Object.assign(document.createElement("a"), { href: made, download: link.download });
+    save.click();
+    setTimeout(() => URL.revokeObjectURL(made), 60_000);
+    announce("The report is ready.");
+  } catch (error) {
+    announce(error.message, 12);
+  } finally {
+    clearInterval(count);
+    link.textContent = words;
+    link.ariaBusy = null;
+  }
+}

@@ -1,0 +1,69 @@
+// The units that a reader has chosen, remembered in this browser: lengths, times and stresses of fits.
+
+const FAMILIES = {
+  length: { name: "Lengths", units: { mm: 1e-3, cm: 1e-2, m: 1 } },
+  time: { name: "Times", units: { s: 1, min: 60, h: 3600, day: 86400 } },
+  stress: { name: "Stresses", units: { kPa: 1, MPa: 1000 } },
+};
+const KEPT = "geoswarm-unit-";
+const ALIASES = { d: "day", days: "day", minute: "min", hour: "h" };
+
+const known = (unit) => ALIASES[unit] ?? unit;
+const familyOf = (unit) => Object.keys(FAMILIES).find((name) => known(unit) in FAMILIES[name].units) ?? null;
+
+function chosen(family) {
+  try {
+    const unit = localStorage.getItem(KEPT + family);
+    return unit in FAMILIES[family].units ? unit : null;
+  } catch {
+    return null; // storage may be forbidden
+  }
+}
+
+/** Choose a unit of a family; null: as the data are given. */
+export function choose(family, unit) {
+  try {
+    if (unit === null) localStorage.removeItem(KEPT + family);
+    else localStorage.setItem(KEPT + family, unit);
+  } catch {
+    // the choice then lasts for nothing: the units of the data are shown
+  }
+}
+
+/** Families that the quantities of a fit have: [{family, name, units, chosen}]. */
+export function choices(fit) {
+  const there = new Set(fit.series.flatMap(({ x_unit, y_unit }) => [familyOf(x_unit), familyOf(y_unit)]).filter(Boolean));
+  return Object.keys(FAMILIES).filter((name) => there.has(name)).map((family) => ({ family, name: FAMILIES[family].name, units: Object.keys(FAMILIES[family].units), chosen: chosen(family) }));
+}
+
+/** The unit to show a unit of the data in, and the number of it in one of these. */
+export function shownIn(unit) {
+  const family = familyOf(unit), wanted = family && chosen(family);
+  if (!wanted || wanted === known(unit)) return [unit, 1];
+  const { units } = FAMILIES[family];
+  return [wanted, units[known(unit)] / units[wanted]];
+}
+
+/** A fit, as GET …/fit answers, in the chosen units. */
+export function converted(fit) {
+  const units = new Map(fit.series.map((one) => [one.series, { x: shownIn(one.x_unit), y: shownIn(one.y_unit) }]));
+  const by = (factor) => (value) => (value === null ? null : value * factor);
+  return {
+    ...fit,
+    series: fit.series.map((one) => {
+      const { x: [x_unit, across], y: [y_unit, up] } = units.get(one.series);
+      return {
+        ...one, x_unit, y_unit, x: one.x.map(by(across)), breaks: one.breaks.map(by(across)), gross_x: one.gross_x.map(by(across)),
+        measured: one.measured.map(by(up)), gross_measured: one.gross_measured.map(by(up)),
+      };
+    }),
+    curves: fit.curves.map((curve) => ({
+      ...curve,
+      values: Object.fromEntries(Object.entries(curve.values).map(([name, values]) => [name, values.map(by(units.get(name).y[1]))])),
+      shares: curve.shares.map((share) => {
+        const [unit, factor] = shownIn(share.unit);
+        return { ...share, unit, root_mean_square: by(factor)(share.root_mean_square) };
+      }),
+    })),
+  };
+}

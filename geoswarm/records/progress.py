@@ -1,0 +1,47 @@
+"""How far a job is within its generation, and what its follow-ups would cost."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from geoswarm.records.record import Number, record, told
+
+__all__ = ["FollowUpCost", "FollowUpCosts", "Progress"]
+
+
+@record
+class Progress:
+    """The generation that runs now; a finished run counts here at once, in the job when its generation has ended."""
+
+    generation: int
+    pending: int = told("runs of this generation that wait")
+    running: int
+    finished: int
+    failed: int
+    objective: Number = told("lowest objective so far, that of this generation included")
+    evaluations: int = told("finished and failed runs of all generations, this one included")
+    seconds: Number = told("recent mean time of a run; null before one has finished")
+    workers: int = told("live workers that are free or run this job")
+    seconds_left: Number = told(
+        "time until all planned runs end, if they take as long as those so far; null: not known"
+    )
+
+
+@record
+class FollowUpCost:
+    """Estimated runs and time of a follow-up."""
+
+    kind: Literal["sensitivity", "profile", "explore", "sobol", "again"] = told("again: the search as it was")
+    evaluations: int
+    exact: bool = told("false: about so many, as the search for the minimum and for steps decides")
+    seconds: Number = told("mean time of a run of the job times runs, shared by the free workers; null: not known")
+    refused: str | None = told("why it cannot be submitted now; null: it can")
+
+
+@record
+class FollowUpCosts:
+    """Estimated runs and time of the follow-ups of a job."""
+
+    items: list[FollowUpCost]
+    run_seconds: Number = told("mean time of a run of the job")
+    workers: int = told("live workers that hold no run")

@@ -1,0 +1,1 @@
+"""Figures of what comes next: predictions, and the worth of further tests."""

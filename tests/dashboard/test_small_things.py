@@ -1,0 +1,143 @@
+"""What a first-time user stumbled over, one test each."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.test_job import SOON, textbook
+from tests.dashboard.test_statistics import ended
+
+Visit = Callable[..., Opened]
+FORMAT = """async (base) => {
+    const { age, coefficient, precise } = await import(base + "/js/format.js");
+    const ago = (seconds) => age(new Date(Date.now() - 1000 * seconds).toISOString());
+    return [ago(3), ago(35), ago(75), coefficient(-0.001), precise(2.34567, 0.75)];
+}"""
+
+
+@pytest.fixture(scope="module")
+def job(embedded: Site) -> str:
+    model = {"kind": "formula", "series": {"y": {"expression": "a + b * x", "y_unit": "m"}}}
+    readings = {"x": [0, 1, 2, 3], "y": [1000.0, 3020.0, 4990.0, 7010.0]}
+    observations = [{"series": "y", "points": readings, "y_unit": "mm"}]
+    changes = {"forward_model": model, "observations": observations, "stopping": {"max_evaluations": 240}}
+    return ended(embedded.service, textbook(name="small things", **changes))
+
+
+def test_numbers_and_ages_are_told_as_one_says_them(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/")
+    told = page.evaluate(FORMAT, page.locator("body").get_attribute("data-static"))
+    assert told == ["just now", "30 s ago", "1 min ago", "0.00", "2.35"]
+
+
+def test_ages_grow_while_a_page_is_open(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, "/")
+    page.clock.install()
+    page.goto(f"/jobs/{job}")
+    page.clock.run_for(3_600_000)
+    expect(page.locator("time.age").first).to_have_text(re.compile("^1 h"))
+
+
+def test_a_mistake_in_a_dialog_names_its_field(embedded: Site, visit: Visit, job: str) -> None:
+    page, guard = visit(embedded, f"/jobs/{job}")
+    guard.allow("422")
+    page.get_by_role("button", name="Continue").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("Longest running time").fill("-1")
+    dialog.get_by_role("button", name="Continue").click()
+    expect(dialog.get_by_role("alert")).to_contain_text("Longest running time")
+    expect(dialog.get_by_role("alert")).not_to_contain_text("body.")
+
+
+def test_a_lost_connection_hides_no_message(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/workers")
+    page.evaluate(
+        """async (base) => {
+            const { announce, connection } = await import(base + "/js/dom.js");
+            announce("Paused.", 60000);
+            connection("Connection lost; trying again …");
+        }""",
+        page.locator("body").get_attribute("data-static"),
+    )
+    said, lost = page.locator("#status").bounding_box(), page.locator("#connection").bounding_box()
+    assert said is not None
+    assert lost is not None
+    assert said["y"] + said["height"] <= lost["y"]
+
+
+def test_a_report_is_made_with_a_word_on_it(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}")
+    assert page.get_by_role("link", name="Report (page)").get_attribute("target") == "_blank"
+    with page.expect_download(timeout=SOON) as download:
+        page.get_by_role("link", name="Report (PDF)").click()
+        expect(page.locator("#status")).to_contain_text("The report is")
+    assert download.value.suggested_filename == f"report-{job}.pdf"
+    assert page.url.endswith(f"/jobs/{job}")
+
+
+def test_print_leaves_out_what_only_a_screen_can_use(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}")
+    expect(page.locator("#answer")).to_contain_text("root mean square", timeout=SOON)
+    page.emulate_media(media="print")
+    for gone in (".site nav", "#actions", ".tabs", "#next"):
+        expect(page.locator(gone).first).to_be_hidden()
+    expect(page.locator("#answer")).to_be_visible()
+    expect(page.locator("#parameters")).to_be_visible()
+
+
+def test_a_toolbar_does_not_lie_upon_the_legend_of_a_phone(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}", viewport={"width": 390, "height": 844})
+    expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
+    expect(page.locator("#fit .modebar-btn")).to_have_count(0)
+
+
+def test_numbers_outside_the_usual_range_are_marked(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    expect(page.locator("#verdict")).to_contain_text("Complete", timeout=SOON)
+    height = page.locator("[data-path='forward_model.height']")
+    warning = page.locator(".field", has=height).locator(".unusual")
+    expect(warning).to_be_hidden()
+    height.fill("20")
+    expect(warning).to_contain_text("Outside the usual range, 0.01 to 0.05 m")
+    bounds = page.locator("[data-bounds=lambda_star]")
+    page.locator("[data-path='parameters.lambda_star.lower']").fill("0.02")
+    page.locator("[data-path='parameters.lambda_star.upper']").fill("0.1")
+    expect(bounds).to_contain_text("Searched within")
+    page.locator("[data-path='parameters.lambda_star.upper']").fill("50")
+    expect(bounds).to_contain_text("Searched beyond the usual range")
+
+
+def test_units_are_switched_and_remembered(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}")
+    page.evaluate("localStorage.clear()")
+    expect(page.locator("#answer")).to_contain_text(" mm (root mean square)", timeout=SOON)
+    before = float(re.findall(r"leaves ([\d.]+) mm", page.locator("#answer").inner_text())[0])
+    page.get_by_label("Lengths").select_option("m")
+    expect(page.locator("#answer")).to_contain_text(" m (root mean square)")
+    after = float(re.findall(r"leaves ([\d.]+) m ", page.locator("#answer").inner_text())[0])
+    assert after == pytest.approx(before / 1000, rel=0.01)
+    expect(page.locator("#fit .ytitle")).to_contain_text("[m]")
+    page.reload()
+    expect(page.locator("#answer")).to_contain_text(" m (root mean square)", timeout=SOON)
+    expect(page.get_by_label("Lengths")).to_have_value("m")
+
+
+def test_the_form_shows_what_is_done_and_folds_its_yaml(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new")
+    rail = page.get_by_role("navigation", name="Sections of the form")
+    expect(rail.locator("a.open")).not_to_have_count(0, timeout=SOON)
+    expect(rail).to_contain_text("not complete yet")
+    page.goto("/new?example=oedometer")
+    expect(rail.locator("a.good")).to_have_count(5, timeout=SOON)
+    page.locator("#yaml-fold > summary").click()
+    expect(page.locator("#yaml")).to_be_hidden()
+    page.reload()
+    expect(page.locator("#verdict")).to_contain_text("Complete", timeout=SOON)
+    expect(page.locator("#yaml")).to_be_hidden()
+    check_accessibility(page)

@@ -1,0 +1,81 @@
+"""What the statistics ask of the service: never for what is old already, and no hours without a question."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, Request, Route, expect
+
+from tests.dashboard.conftest import Site
+from tests.dashboard.test_statistics import Visit, job, page, slide
+
+__all__ = ["Visit", "job", "page"]  # fixtures
+
+FOLLOW_UPS = re.compile("/follow-ups$")
+
+
+def test_only_the_newest_threshold_is_judged_and_what_is_old_is_dimmed(page: Page) -> None:
+    held: list[Route] = []
+    broken_off: list[Request] = []
+    page.route(re.compile(r"/statistics\?threshold="), lambda route: held.append(route))
+    page.on("requestfailed", lambda request: broken_off.append(request))
+    judged = page.locator("#judged")
+    for number, value in enumerate((300, 500, 700), 1):
+        with page.expect_request(re.compile(r"/statistics\?threshold=")):
+            slide(page, value)
+            expect(judged).to_have_attribute("aria-busy", "true")  # at once, not when the answer is there
+        expect(page.locator("#judging")).to_contain_text("What is dimmed belongs to")
+        assert len(held) == number
+    assert len(broken_off) == 2
+    held[-1].continue_()
+    expect(judged).not_to_have_attribute("aria-busy", "true")
+    expect(page.locator("#judging")).to_be_empty()
+    expect(page.locator("#threshold-why")).to_contain_text("given")
+
+
+def test_a_follow_up_tells_its_cost_and_one_of_hours_is_asked_for(embedded: Site, visit: Visit, job: str) -> None:
+    opened, _ = visit(embedded, "/")
+
+    def costly(route: Route) -> None:
+        answer = route.fetch()
+        costs = answer.json()
+        for item in costs["items"]:
+            if item["kind"] == "sobol":
+                item["seconds"] = 7200.0
+        route.fulfill(response=answer, json=costs)
+
+    opened.route(FOLLOW_UPS, costly)
+    opened.goto(f"/jobs/{job}/statistics")
+    sobol = opened.get_by_role("button", name="Global sensitivity (Sobol)")
+    expect(sobol).to_contain_text(re.compile(r"\d+ runs, about 2 h"))
+    sensitivities = opened.get_by_role("button", name="Sensitivities at the optimum")
+    expect(sensitivities).to_contain_text(re.compile("about 40 runs, (less than|about)"))
+    before = {view.id for view in embedded.service.list().items}
+    sobol.click()
+    dialog = opened.get_by_role("dialog")
+    expect(dialog).to_contain_text("about 2 h")
+    dialog.get_by_role("button", name="No").click()
+    assert {view.id for view in embedded.service.list().items} == before
+
+
+def test_a_follow_up_that_runs_can_be_cancelled_where_it_is_shown(embedded: Site, visit: Visit, job: str) -> None:
+    opened, _ = visit(embedded, "/")
+    state = "running"
+
+    def one(route: Route) -> None:
+        answer = route.fetch()
+        follow_ups = [{"id": "f" * 16, "kind": "sobol", "state": state, "evaluations": 3}]
+        route.fulfill(response=answer, json=answer.json() | {"follow_ups": follow_ups})
+
+    def cancelled(route: Route) -> None:
+        nonlocal state
+        assert route.request.method == "POST"
+        state = "cancelled"
+        route.fulfill(json={})
+
+    opened.route(re.compile("/uncertainty$"), one)
+    opened.route(re.compile("/f{16}/cancel$"), cancelled)
+    opened.goto(f"/jobs/{job}/statistics")
+    opened.get_by_role("button", name="Cancel Global sensitivity").click()
+    expect(opened.locator("#uncertainty .state")).to_have_text("cancelled")
+    expect(opened.get_by_role("button", name="Cancel Global sensitivity")).to_have_count(0)

@@ -1,0 +1,1 @@
+"""The agent: its parts, each by itself."""

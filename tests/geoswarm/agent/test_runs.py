@@ -1,0 +1,138 @@
+"""Runs in a process of their own: what they give, what ends them, and that nothing outlives them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from geoswarm.agent.run_main import BOOTSTRAP
+from geoswarm.agent.runs import RunProcess, Unwanted
+from geoswarm.solver.problem import Problem
+from geoswarm.workers.agents.prepared import frame_of
+from geoswarm.workers.settings import Settings
+from tests.integration.agents import line_model, registered_line
+from tests.integration.engines import wait_for
+from tests.workers.problems import calibration, line
+
+VALUES = [{"a": 0.1 * k, "b": 1.0 / 3.0} for k in range(5)]
+
+
+def process() -> RunProcess:
+    def arguments(log: Path) -> list[str]:
+        return [sys.executable, "-c", BOOTSTRAP, json.dumps({"path": sys.path, "log": str(log)})]
+
+    return RunProcess(arguments, dict(os.environ))
+
+
+@pytest.fixture
+def runs() -> Iterator[RunProcess]:
+    made = process()
+    yield made
+    made.close()
+
+
+def shared(problem: Problem, **limits: Any) -> tuple[str, dict[str, Any]]:
+    frame, found = frame_of(problem, Settings())
+    found["limits"] |= limits
+    return frame, found
+
+
+def below() -> list[str]:
+    """Names of the processes that runs have started."""
+    found = []
+    for one in psutil.Process().children(recursive=True):
+        try:
+            ours = one.name() == "sleep" or "geoswarm.agent" in " ".join(one.cmdline())
+            if ours and one.status() != psutil.STATUS_ZOMBIE:  # not what other tests have started
+                found.append(one.name())
+        except psutil.Error:
+            continue
+    return found
+
+
+def test_runs_give_what_they_give_here_to_the_last_bit(runs: RunProcess) -> None:
+    problem = line()
+    frame, found = shared(problem)
+    outcomes = list(runs.run(frame, found, VALUES, lambda: False))
+    here = [calibration(problem).evaluate_values(values).responses["y"].tolist() for values in VALUES]
+    assert [outcome.responses["y"] for outcome in outcomes] == here
+    assert [outcome.index for outcome in outcomes] == list(range(5))
+    assert all(outcome.reason is None and outcome.ended >= outcome.began for outcome in outcomes)
+
+
+def test_a_model_that_fails_and_one_that_cannot_be_built(runs: RunProcess) -> None:
+    problem = line(forward_model={"kind": "formula", "series": {"y": "a * x + sqrt(b)"}})
+    frame, found = shared(problem)
+    (outcome,) = runs.run(frame, found, [{"a": 1.0, "b": -1.0}], lambda: False)
+    inline = calibration(problem).evaluate_values({"a": 1.0, "b": -1.0})
+    assert (outcome.reason, outcome.message) == (inline.reason, inline.message)
+    found["forward_model"] = {"kind": "nonsense"}
+    (outcome,) = runs.run("other", found, VALUES[:1], lambda: False)
+    assert outcome.reason == "bad_output"
+    assert "the problem cannot be built here" in str(outcome.message)
+
+
+def test_a_program_of_whoever_is_refused(runs: RunProcess) -> None:
+    _, found = shared(line())
+    section = {"kind": "command", "run": ["touch", "hacked"], "series": {"y": {"file": "a", "x": 1, "y": 2}}}
+    (outcome,) = runs.run("other", found | {"forward_model": section}, VALUES[:1], lambda: False)
+    assert outcome.reason == "bad_output"
+    assert "nobody has registered here" in str(outcome.message)
+
+
+def test_a_run_beyond_its_limit_is_killed_with_what_it_has_started(
+    runs: RunProcess, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("GEOSWARM_MODELS", str(line_model(tmp_path, seconds=300.0)))
+    own = process()  # with the variable
+    frame, found = shared(registered_line(6), seconds=0.5, of_time="limits.seconds_per_evaluation")
+    outcomes = list(own.run(frame, found, VALUES[:2], lambda: False))
+    own.close()
+    assert [outcome.reason for outcome in outcomes] == ["timeout", "timeout"]
+    assert outcomes[0].message == "ran for longer than 0.5 s (limits.seconds_per_evaluation) and was killed"
+    wait_for(lambda: "sleep" not in below(), "the end of what was started", 20.0)
+    runs.close()
+    assert below() == []
+
+
+def test_what_nobody_wants_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GEOSWARM_MODELS", str(line_model(tmp_path, seconds=300.0)))
+    own = process()
+    frame, found = shared(registered_line(6))
+    with pytest.raises(Unwanted) as end:
+        list(own.run(frame, found, VALUES, lambda: "sleep" in below()))
+    assert end.value.index == 0
+    own.close()
+    assert below() == []
+
+
+@pytest.mark.parametrize("victim", ["run", "keeper"])
+def test_a_killed_process_is_one_failed_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, victim: str) -> None:
+    monkeypatch.setenv("GEOSWARM_MODELS", str(line_model(tmp_path, seconds=3.0)))
+    own = process()
+    frame, found = shared(registered_line(6))
+    killed = []
+
+    def kill() -> bool:
+        if not killed and "sleep" in below():
+            keeper = next(one for one in psutil.Process().children() if "trees.keeper" in " ".join(one.cmdline()))
+            pid = keeper.pid if victim == "keeper" else keeper.children()[0].pid
+            killed.append(pid)
+            os.kill(pid, signal.SIGKILL)
+        return False
+
+    first, second = own.run(frame, found, VALUES[1:3], kill)
+    own.close()
+    assert first.reason == "worker_lost"
+    ended = "was ended by SIGKILL" if victim == "run" else "was lost"
+    assert first.message == f"the evaluation process {ended}"
+    assert second.reason is None
+    assert second.responses["y"] == [VALUES[2]["a"] * x + VALUES[2]["b"] for x in range(4)]

@@ -1,0 +1,264 @@
+"""Bands of predictions: how often they hold, and what they say of basins, bounds and open parameters."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import norm, t
+
+from geoswarm.calibration import Result, calibrate
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
+from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around
+from geoswarm.solver.identifiability.prediction.question import predict_problem
+from geoswarm.solver.problem import Problem
+from tests.solver.identifiability.cases import X, free, linearised, problem_of
+from tests.solver.identifiability.prediction.coverage import CASES, coverage, predicted
+
+NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)
+
+
+def line(known: bool = False) -> Problem:
+    y = 1.0 + 2.0 * X + NOISE
+    changes: dict[str, Any] = {}
+    if known:
+        points = {"x": X.tolist(), "y": y.tolist()}
+        changes["observations"] = [{"series": "y", "points": points, "error": 0.05}]
+    return problem_of("a + b * x", {"a": free(-10.0), "b": free(-10.0)}, y, **changes)
+
+
+def later(expression: str = "a + b * x", x: tuple[float, ...] = (10.0,), **more: Any) -> dict[str, Any]:
+    return {
+        "forward_model": {"kind": "formula", "series": {"y": expression}},
+        "observations": [{"series": "y", "points": {"x": list(x)}}],
+    } | more
+
+
+@cache
+def line_result(known: bool = False) -> Result:
+    return calibrated(line(known))
+
+
+def calibrated(problem: Problem) -> Result:
+    """A short plain sampling is enough: the report polishes the best of a formula's runs."""
+    method = {"kind": "particle_swarm", "particles": 10, "acceleration": "none"}
+    return calibrate(problem, seed=3, method=method, stopping={"max_evaluations": 60})
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_the_band_of_a_line_is_the_textbook_one(known: bool) -> None:
+    problem = line(known)
+    y = problem.observations[0].y
+    found = line_result(known).predict(later(x=(4.0, 10.0, 30.0)), runs=2000, level=0.8)["y"]
+    design = np.stack([np.ones_like(X), X], axis=1)
+    best, *_ = np.linalg.lstsq(design, y, rcond=None)
+    free_degrees = X.size - 2
+    deviation = 0.05 if known else float(np.sqrt(np.sum((y - design @ best) ** 2) / free_degrees))
+    at = np.stack([np.ones(3), [4.0, 10.0, 30.0]], axis=1)
+    error = deviation * np.sqrt(np.einsum("ij,jk,ik->i", at, np.linalg.inv(design.T @ design), at))
+    quantile = norm.ppf(0.9) if known else t.ppf(0.9, free_degrees)
+    np.testing.assert_allclose(found.median, at @ best, atol=0.02 * error.max())
+    np.testing.assert_allclose(found.upper - found.lower, 2.0 * quantile * error, rtol=0.03)
+    assert found.reading_lower is not None
+    assert found.reading_upper is not None
+    reading = quantile * np.sqrt(error**2 + deviation**2)
+    np.testing.assert_allclose(found.reading_upper - found.reading_lower, 2.0 * reading, rtol=0.03)
+    assert found.straight == pytest.approx(1.0, abs=1e-9)
+
+
+def test_bands_hold_the_truth_as_often_as_they_say() -> None:
+    held = [coverage(case, 15, runs=60)[-1] for case in CASES.values()]
+    assert 0.78 <= float(np.mean(held)) <= 0.99  # 60 repeats: three standard errors
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(CASES))
+def test_bands_of_90_percent_hold_the_truth_in_87_to_93_percent_of_500_repeats(name: str) -> None:
+    held = coverage(CASES[name], 500, seed=11)
+    assert (held >= 0.87).all(), held
+    assert (held <= 0.93).all(), held
+
+
+def test_all_basins_take_part_by_their_weights() -> None:
+    y = 4.0 * np.exp(-0.5 * X) + 1.3**2 * X + NOISE
+    problem = problem_of("b * exp(-0.5 * x) + (a - 3)**2 * x", {"a": free(0.1, 5.9), "b": free()}, y)
+    calibration = Calibration(problem, 1)
+    found = linearised(problem, [1.7, 4.0])
+    best = calibration.evaluate(np.array([1.7, 4.0])).objective
+    other = calibration.evaluate(np.array([4.3, 4.0])).objective
+    assert best is not None
+    assert other is not None
+    basins = basins_of(calibration, found, best, [(np.array([4.3, 4.0]), other)], (), None)
+    assert [basin.share for basin in basins] == pytest.approx([0.5, 0.5])
+    sample = draw_around(calibration, basins, 200, 1)
+    assert sample.parameters[sample.basins == 0, 0].mean() == pytest.approx(1.7, abs=0.01)
+    assert sample.parameters[sample.basins == 1, 0].mean() == pytest.approx(4.3, abs=0.01)
+    worse = basins_of(calibration, found, best, [(np.array([4.3, 4.0]), 1.5 * best)], (), None)
+    expected = 1.5 ** (-0.5 * (X.size - 2))  # of the likelihood integrated over the noise
+    assert worse[1].share / worse[0].share == pytest.approx(expected)
+
+
+def test_a_result_with_two_basins_predicts_both() -> None:
+    y = 4.0 * np.exp(-0.5 * X) + 1.3**2 * X + NOISE
+    problem = problem_of(
+        "b * exp(-0.5 * x) + (a - 3)**2 * x", {"a": free(0.1, 5.9), "b": free()}, y, stopping={"max_evaluations": 600}
+    )
+    result = calibrate(problem, seed=5, method={"kind": "particle_swarm", "particles": 30, "acceleration": "none"})
+    found = result.predict(later("a", (1.0,)))
+    assert sorted(round(values["a"], 1) for _, values in found.basins) == [1.7, 4.3]
+    assert [share for share, _ in found.basins] == pytest.approx([0.5, 0.5], abs=0.02)
+    one = found["y"]
+    assert one.lower[0] < 1.72
+    assert one.upper[0] > 4.28
+    assert any("2 sets of parameters" in remark for remark in found.remarks)
+
+
+def test_exchanged_parameters_are_two_basins_of_the_same_shape() -> None:
+    truth = np.exp(-0.3 * X) + np.exp(-2.0 * X)
+    problem = problem_of("exp(-a * x) + exp(-b * x)", {"a": free(), "b": free()}, truth + 0.1 * NOISE)
+    calibration = Calibration(problem, 1)
+    found = linearised(problem, [0.3, 2.0])
+    first, second = basins_of(calibration, found, 1e-5, (), [("a", "b")], None)
+    np.testing.assert_allclose(second.optimum, first.optimum[::-1])
+    np.testing.assert_allclose(second.shape.covariance, first.shape.covariance[::-1, ::-1])
+    assert second.share == pytest.approx(0.5)
+
+
+def test_a_parameter_without_influence_is_drawn_over_its_range() -> None:
+    problem = problem_of("a * x + 0 * b", {"a": free(), "b": free(1.0, 5.0)}, 2.0 * X + NOISE)
+    result = calibrated(problem)
+    found = result.predict(later("b", (1.0,)), runs=400)
+    assert found["y"].lower[0] == pytest.approx(1.2, abs=0.05)
+    assert found["y"].upper[0] == pytest.approx(4.8, abs=0.05)
+    assert any("b undecided" in remark for remark in found.remarks)
+
+
+def test_open_combinations_are_drawn_along_what_the_data_determine() -> None:
+    """Of a product only the product is known: on log scales that is a straight line through the box."""
+    parameters = {"a": free(0.1, 10.0, "log"), "b": free(0.1, 10.0, "log")}
+    problem = problem_of("a * b * x", parameters, 2.0 * X + NOISE)
+    calibration = Calibration(problem, 1)
+    found = linearised(problem, [1.0, 2.0])
+    sample = draw_around(calibration, basins_of(calibration, found, 0.0025, (), (), None), 400, 1)
+    product = sample.parameters.prod(axis=1)
+    error = 0.05 / np.sqrt(np.sum(X**2))
+    assert product.std() == pytest.approx(error, rel=0.4)
+    assert np.quantile(np.log(sample.parameters[:, 0]), [0.0, 1.0]) == pytest.approx(np.log([0.2, 10.0]), abs=0.1)
+    assert sample.undecided == ("a", "b")
+
+
+def test_a_parameter_at_its_bound_is_truncated() -> None:
+    y = 1.0 + 2.0 * X + NOISE
+    problem = problem_of("a + b * x", {"a": free(1.0, 3.0), "b": free(0.0, 5.0)}, y)
+    calibration = Calibration(problem, 1)
+    sample = draw_around(
+        calibration, basins_of(calibration, linearised(problem, [1.0, 2.0]), 0.0025, (), (), None), 200, 1
+    )
+    assert sample.parameters[:, 0].min() >= 1.0
+    assert np.median(sample.parameters[:, 0]) > 1.005
+
+
+def test_a_model_that_does_not_fit_is_said_before_the_band() -> None:
+    problem = problem_of("a + b * x", {"a": free(-50.0, 50.0), "b": free(-50.0, 50.0)}, X**2 + 0.1 * NOISE)
+    found = calibrated(problem).predict(later())
+    assert found.alarm is not None
+    assert "not what the model lacks" in found.alarm
+    assert found.to_json()["alarm"] == found.alarm
+
+
+def test_correlated_residuals_widen_the_band() -> None:
+    random = np.random.default_rng(1)
+    x = np.linspace(0.0, 4.0, 60)
+    noise = np.zeros(60)
+    for i in range(1, 60):
+        noise[i] = 0.8 * noise[i - 1] + random.normal(0.0, 0.05)
+    problem = problem_of("a + b * x", {"a": free(-10.0), "b": free(-10.0)}, 1.0 + 2.0 * x + noise, x)
+    result = calibrated(problem)
+    linearisation = result.statistics().linearisation
+    assert linearisation is not None
+    assert linearisation.dependence
+    found = result.predict(later(x=(2.0,)))["y"]
+    design = np.stack([np.ones_like(x), x], axis=1)
+    independent = np.sqrt(
+        np.sum(noise**2) / 58 * np.array([1, 2]) @ np.linalg.inv(design.T @ design) @ np.array([1, 2])
+    )
+    assert found.upper[0] - found.lower[0] > 1.5 * 2 * 1.67 * independent
+
+
+def test_readings_without_error_give_no_band() -> None:
+    problem = problem_of("a + b * x", {"a": free(-10.0), "b": free(-10.0)}, 1.0 + 2.0 * X)
+    result = calibrated(problem)
+    with pytest.raises(StatisticsError, match="give the error of a reading"):
+        result.predict(later())
+    found = result.predict(later(), noise=0.05)["y"]
+    assert found.upper[0] > found.lower[0]
+
+
+def test_measured_points_are_compared_with_the_band() -> None:
+    other = later(x=(5.0, 6.0))
+    other["observations"][0]["points"]["y"] = [11.0, 20.0]
+    found = line_result().predict(other)["y"]
+    assert found.inside == 1
+    assert found.measured is not None
+
+
+@pytest.mark.parametrize(
+    ("change", "path", "message"),
+    [
+        ({"parameters": {"c": {"lower": 0, "upper": 1}}}, "parameters.c", "is not identified by the job"),
+        ({}, "parameters.c", "is needed by the forward model, and the job does not identify it"),
+        ({"parameters": {"c": {"value": 1}, "a": {"value": 1}, "b": {"value": 1}}}, "parameters", "none of the"),
+        ({"parameters": {"c": {"value": 1}}, "observations": []}, "observations", "must be a list"),
+    ],
+)
+def test_mistakes_are_told_with_their_path(change: dict[str, Any], path: str, message: str) -> None:
+    problem = line()
+    calibration = Calibration(problem, 1)
+    sample = draw_around(
+        calibration, basins_of(calibration, linearised(problem, [1.0, 2.0]), 0.0025, (), (), None), 40, 1
+    )
+    with pytest.raises(ProblemError) as caught:
+        predict_problem(problem, later("a + b * x + c") | change, sample, seed=1)
+    assert any(issue.path == path and message in issue.message for issue in caught.value.issues), caught.value
+
+
+def test_a_value_in_the_other_problem_goes_before_what_was_identified() -> None:
+    found = line_result().predict(later(parameters={"a": {"value": 5.0}, "b": free(-1.0)}, x=(1.0,)))
+    assert found["y"].median[0] == pytest.approx(7.0, abs=0.1)
+    assert any(remark.startswith("A: the predicted problem gives a value") for remark in found.remarks)
+
+
+def test_files_are_read_beside_the_other_problem(tmp_path: Path) -> None:
+    (tmp_path / "later.csv").write_text("x,y\n5,11\n6,13\n")
+    (tmp_path / "later.yaml").write_text(
+        "forward_model: {kind: formula, series: {y: a + b * x}}\nobservations: [{series: y, file: later.csv}]\n"
+    )
+    found = line_result().predict(tmp_path / "later.yaml")
+    assert found.found.name == "later"
+    assert found["y"].x.tolist() == [5.0, 6.0]
+
+
+def test_quantiles_by_weight() -> None:
+    values = np.random.default_rng(0).normal(size=(999, 2))
+    equal = weighted_quantiles(values, np.ones(999), (0.05, 0.5))
+    np.testing.assert_allclose(equal, np.quantile(values, [0.05, 0.5], axis=0, method="weibull"))
+    double = weighted_quantiles(np.repeat(values[:400], 2, axis=0), np.ones(800), (0.3,))
+    weighted = weighted_quantiles(values[:400], np.full(400, 2.0), (0.3,))
+    np.testing.assert_allclose(double, weighted, atol=0.02)
+
+
+def test_the_case_that_the_study_repeats() -> None:
+    case = CASES["linear, known error"]
+    y = case.curve(np.array(case.truth), case.x)
+    points = {"x": case.x.tolist(), "y": y.tolist()}
+    problem = problem_of(
+        case.expression, case.parameters, y, case.x, observations=[{"series": "y", "points": points, "error": 0.2}]
+    )
+    found = predicted(problem, np.array(case.truth), case, 100, 0.9, 1)["s"]
+    np.testing.assert_allclose(found.median, case.other(np.array(case.truth), case.at), atol=0.1)

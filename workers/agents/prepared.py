@@ -1,0 +1,102 @@
+"""Jobs made ready for exchanges with agents, kept by the process that speaks to them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from cachetools import LRUCache
+
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.workers.execution.limits import limits_of
+from geoswarm.workers.queries.jobs import get_problem
+from geoswarm.workers.queries.offers import read_offer
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.codec import unpack_problem
+
+__all__ = ["Prepared", "PreparedJobs", "frame_of"]
+
+KEPT = 256
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prepared:
+    """A job made ready.
+
+    Parameters
+    ----------
+    frame, shared
+        What all its runs share, and a name for it.
+    turn
+        Held while this process speaks to the database about the job: what was learned of its runs is shared.
+    """
+
+    id: str
+    calibration: Calibration
+    frame: str
+    shared: Mapping[str, Any]
+    turn: threading.Lock = field(default_factory=threading.Lock)
+
+    @property
+    def values(self) -> int:
+        """Numbers that a run brings."""
+        return sum(len(x) for x in self.shared["points"].values())
+
+
+class PreparedJobs:
+    """The jobs of one store; safe to use from several threads."""
+
+    def __init__(self, store: Store, settings: Settings) -> None:
+        self._store = store
+        self._settings = settings
+        self._kept: LRUCache[str, Prepared] = LRUCache(KEPT)
+        self._lock = threading.Lock()
+
+    def get(self, job_id: str) -> Prepared | None:
+        """Return a job made ready; None: there is no such job.
+
+        Raises
+        ------
+        ProblemError
+            When this version cannot read its problem any more.
+        StoreUnavailableError
+        """
+        with self._lock:
+            if job_id in self._kept:
+                return self._kept[job_id]
+        row = self._store.read(lambda connection: get_problem(connection, job_id))
+        if row is None:
+            return None
+        problem = parse_problem(unpack_problem(row.problem))
+        offer = self._store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
+        frame, shared = frame_of(problem, self._settings)
+        made = Prepared(job_id, Calibration(problem, row.seed, offer), frame, shared)
+        with self._lock:
+            return self._kept.setdefault(job_id, made)
+
+
+def frame_of(problem: Problem, settings: Settings) -> tuple[str, dict[str, Any]]:
+    """Return what all runs of a problem share, and a name for it: no measurement, no name, no owner.
+
+    ``forward_model`` is its section, ``points`` are the x of each series in base units, ``inputs`` what a formula is
+    given besides at these points, ``limits`` those of a run.
+    """
+    limits = limits_of(problem, settings)
+    shared = {
+        "forward_model": problem.forward_model.model_dump(mode="json"),
+        "points": {observation.series: observation.x.tolist() for observation in problem.observations},
+        "inputs": {
+            observation.series: {name: values.tolist() for name, values in observation.inputs.items()}
+            for observation in problem.observations
+            if observation.inputs
+        },
+        "limits": {"seconds": limits.seconds, "memory_mb": limits.memory_mb, "of_time": limits.of_time},
+    }
+    text = json.dumps(shared, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:32], shared
