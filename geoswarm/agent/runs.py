@@ -142,7 +142,7 @@ class RunProcess:
                     answer = self._answers.get(timeout=POLL_SECONDS)
             if answer and "loaded" in answer:
                 break
-            code = self._kill()
+            code = self._kill(ending=answer is None)
             log.warning("the process for runs ended while it got ready (%s), try %d", _how_it_ended(code), attempt + 1)
         else:
             raise OSError(f"no process for runs could be made ready, tried {TRIES} times")
@@ -189,7 +189,7 @@ class RunProcess:
             except queue.Empty:
                 answer = {}
             if answer is None:
-                reason = _how_it_ended(self._kill())
+                reason = _how_it_ended(self._kill(ending=True))
                 raise _EndedError("worker_lost", reason, state.began, self._tail())
             now = time.monotonic()
             state.note(answer, now)
@@ -238,9 +238,9 @@ class RunProcess:
     def _memory(self) -> float:
         return 0.0 if self._tree is None else self._tree.memory_mb()
 
-    def _kill(self) -> int | None:
+    def _kill(self, *, ending: bool = False) -> int | None:
         tree, self._tree, self._frame = self._tree, None, None
-        return None if tree is None else tree.kill()
+        return None if tree is None else tree.kill(ending=ending)
 
     def _tail(self) -> str | None:
         if self._log is None:

@@ -6,6 +6,7 @@ whatever way, it kills all that is below it and ends. When the process ends by i
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import select
@@ -17,9 +18,11 @@ from typing import Any
 
 from geoswarm.solver.system.processes import adopt_orphans, kill_descendants
 
-__all__ = ["main"]
+__all__ = ["ENDING", "ENDING_SECONDS", "main"]
 
 LOOK_SECONDS = 0.1
+ENDING = b"e"  # sent by the agent before it closes: the answers have ended, and the exit code is about to be available
+ENDING_SECONDS = 5.0
 
 
 def main(given: Mapping[str, Any]) -> None:
@@ -43,11 +46,14 @@ def main(given: Mapping[str, Any]) -> None:
     while True:
         ready, _, _ = select.select([0], [], [], LOOK_SECONDS)
         code = run.poll()
-        if code is not None or (ready and not os.read(0, 1)):
+        if code is None and ready:
+            if os.read(0, 1) == ENDING:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    code = run.wait(ENDING_SECONDS)
             break
-    statuses = kill_descendants(os.getpid())
-    if code is None and run.pid in statuses:
-        code = None  # killed by this one: that tells nothing of the run
+        if code is not None:
+            break
+    kill_descendants(os.getpid())
     sys.stdout.write(json.dumps({"code": code}))
     sys.stdout.flush()
     os._exit(0)

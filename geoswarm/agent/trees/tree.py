@@ -14,11 +14,12 @@ from typing import IO, Protocol
 import psutil
 
 from geoswarm.agent.trees.job_object import JobObject, has_job_objects
+from geoswarm.agent.trees.keeper import ENDING, ENDING_SECONDS
 from geoswarm.solver.system.processes import memory_below, memory_of
 
 __all__ = ["Tree", "kill_all_below", "start_tree"]
 
-END_SECONDS = 5.0
+END_SECONDS = ENDING_SECONDS + 5.0
 KILL_SECONDS = 3.0
 KEEPER = (
     "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
@@ -36,8 +37,12 @@ class Tree(Protocol):
     def memory_mb(self) -> float:
         """Memory of the process and all that it has started [MiB]."""
 
-    def kill(self) -> int | None:
-        """End all of it; return the exit code of the process (below 0: the signal), None where it is not known."""
+    def kill(self, *, ending: bool = False) -> int | None:
+        """Kill all of it; return the exit code of the process (below 0: the signal), or None if it is not known.
+
+        ``ending``: its answers have ended, so that it is about to end by itself. Its pipes close before its exit code
+        is available, so this waits for the code first, for a limited time.
+        """
 
 
 def start_tree(arguments: Sequence[str], environment: Mapping[str, str]) -> Tree:
@@ -107,8 +112,11 @@ class _Kept:
     def memory_mb(self) -> float:
         return memory_below(self._keeper.pid)
 
-    def kill(self) -> int | None:
+    def kill(self, *, ending: bool = False) -> int | None:
         stdin, self._keeper.stdin = self._keeper.stdin, None
+        if ending and stdin is not None:
+            with contextlib.suppress(OSError, ValueError):
+                stdin.write(ENDING)
         for end in (stdin, self.requests):
             if end is not None:
                 with contextlib.suppress(OSError, ValueError):
@@ -151,8 +159,11 @@ class _Plain:
     def memory_mb(self) -> float:
         return memory_of(self._process.pid) + memory_below(self._process.pid)
 
-    def kill(self) -> int | None:
+    def kill(self, *, ending: bool = False) -> int | None:
         code = self._process.poll()
+        if ending:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                code = self._process.wait(ENDING_SECONDS)
         kill_all_below(self._process.pid)
         if self._job is not None:
             self._job.close()

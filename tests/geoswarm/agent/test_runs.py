@@ -15,6 +15,7 @@ import pytest
 
 from geoswarm.agent.run_main import BOOTSTRAP
 from geoswarm.agent.runs import RunProcess, Unwanted
+from geoswarm.agent.trees.tree import start_tree
 from geoswarm.solver.problem import Problem
 from geoswarm.workers.agents.prepared import frame_of
 from geoswarm.workers.settings import Settings
@@ -136,3 +137,11 @@ def test_a_killed_process_is_one_failed_run(tmp_path: Path, monkeypatch: pytest.
     assert first.message == f"the evaluation process {ended}"
     assert second.reason is None
     assert second.responses["y"] == [VALUES[2]["a"] * x + VALUES[2]["b"] for x in range(4)]
+
+
+def test_the_exit_code_is_known_although_the_answers_end_before_the_process() -> None:
+    late = "import os, time; os.close(1); time.sleep(0.5); os._exit(7)"
+    tree = start_tree([sys.executable, "-c", late], dict(os.environ))
+    with tree.answers:
+        assert tree.answers.read() == b""
+    assert tree.kill(ending=True) == 7
