@@ -85,6 +85,8 @@ def with_profiles(linearisation: Linearisation, profiles: Sequence[Profile]) -> 
         index = linearisation.names.index(profile.parameter)
         if not profile.complete or profile.better is not None or not np.isfinite(widths[index]):
             continue
+        if not np.ptp(intervals[index]) > 0.0:  # of an exact fit, below the spacing of floating-point numbers
+            continue
         rise = float(linearisation.profile_increase[index])
         if abs(profile.limit - lowest - rise) > _SAME_LIMIT * rise:
             continue

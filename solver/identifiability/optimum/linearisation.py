@@ -121,6 +121,9 @@ class Linearisation:
         (d,); nan where nobody looked (:mod:`geoswarm.solver.identifiability.optimum.bending`).
     dependence
         Series whose residuals are correlated, or of uneven size; intervals allow for it, standard errors do not.
+    to_rounding
+        The readings are met to rounding and no error is stated. The standard errors are rounding errors then, so the
+        distance from the minimum counts as 0 and nonlinearity within the intervals as none.
     """
 
     names: tuple[str, ...]
@@ -148,6 +151,7 @@ class Linearisation:
     bases: tuple[IntervalBasis, ...]
     bending: FloatArray
     dependence: tuple[Dependence, ...] = ()
+    to_rounding: bool = False
 
     @property
     def at_optimum(self) -> bool:
@@ -199,7 +203,7 @@ class Linearisation:
     def bent(self, name: str) -> bool:
         """Whether the model is nonlinear within its interval, which is by linearisation all the same."""
         index = self.names.index(name)
-        return self.bases[index] != "profile" and bool(self.bending[index] > BENDS)
+        return not self.to_rounding and self.bases[index] != "profile" and bool(self.bending[index] > BENDS)
 
     def bending_of(self, name: str) -> float:
         """How far an end of its interval by likelihood lies from the linearised one, relatively; nan if unknown."""

@@ -36,7 +36,7 @@ from geoswarm.solver.identifiability.optimum.linearisation import IntervalBasis,
 from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance, reading_variances
 from geoswarm.solver.identifiability.residuals.dependence import Dependence, dependence_of
-from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, is_exact
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, is_exact, met_to_rounding
 from geoswarm.solver.objective import LEAST_SLOPE, PseudoReadings
 
 __all__ = ["design", "from_evaluations", "linearise"]
@@ -137,6 +137,7 @@ def linearise(
         fit,
         tuple(one for one, _ in dependence),
         model,
+        stated is None and met_to_rounding([o for o in objective.observed if o.weight > 0], jacobian.responses),
     )
 
 
@@ -200,6 +201,7 @@ def _assemble(
     fit: FitVerdict,
     dependence: tuple[Dependence, ...],
     model: LinearModel,
+    to_rounding: bool,
 ) -> Linearisation:
     space = calibration.space
     span = space.search_upper - space.search_lower
@@ -231,7 +233,7 @@ def _assemble(
         unit_widths=2.0 * spread.half,
         level=level,
         derivative_error=found.derivative_error,
-        distance=spread.distance,
+        distance=np.where(np.isfinite(spread.distance), 0.0, np.nan) if to_rounding else spread.distance,
         profile_increase=spread.profile_increase,
         fit=fit,
         model=model,
@@ -240,6 +242,7 @@ def _assemble(
         bases=_bases(spread, dependence),
         bending=np.full(space.dimension, np.nan),
         dependence=dependence,
+        to_rounding=to_rounding,
     )
 
 

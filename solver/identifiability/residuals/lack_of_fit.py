@@ -8,7 +8,7 @@ and the size of the residuals against a stated error. docs/statistics.md tells h
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, TypeAlias
 
@@ -30,7 +30,7 @@ from geoswarm.solver.objective import ObservedSeries
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
 
-__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "is_exact", "untested"]
+__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "is_exact", "met_to_rounding", "untested"]
 
 FitKind: TypeAlias = Literal["describes", "lack_of_fit", "error_not_met", "untested"]
 
@@ -133,7 +133,7 @@ def examine_fit(
     rho = readings.scaled * readings.factors
     along = basis.T @ rho
     rest = float(rho @ rho - along @ along) / (count - rank)
-    rounding = all(is_exact(o, responses[o.series] - o.y, _ROUNDING) for o in readings.observed)
+    rounding = met_to_rounding(readings.observed, responses)
     if known is None and rank and not rounding and float(along @ along) / rank > _FAR * rest:
         return untested("the best parameters are not the minimum yet; polish them first (geoswarm sensitivity)")
     # one step to where every series counts by its noise: weights chosen by hand carry noise from series to series
@@ -243,6 +243,11 @@ def is_exact(o: ObservedSeries, residuals: FloatArray, most: float = _EXACT) -> 
     """Whether the residuals are numerical, ``most`` of the range: nothing that anybody has measured so well."""
     scale = max(float(np.ptp(o.y)), 1e-6 * float(np.abs(o.y).max()))
     return float(np.sqrt(np.mean(residuals**2))) <= most * scale
+
+
+def met_to_rounding(observed: Sequence[ObservedSeries], responses: Mapping[str, FloatArray]) -> bool:
+    """Whether the responses equal all readings but for rounding: there is nothing left to minimise."""
+    return all(is_exact(o, responses[o.series] - o.y, _ROUNDING) for o in observed)
 
 
 def _patterns(
