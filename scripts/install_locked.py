@@ -1,8 +1,8 @@
 """Install requirements/dev.txt, with its hashes, and then this checkout, editable, into the environment that runs this.
 
 pip's configuration decides where packages come from. pip fetches uv, which is in the lock; uv installs the rest many
-times faster and takes over what the configuration says of indexes, proxy and certificates. Where it says more than uv
-can be told, or uv does not succeed, pip installs everything.
+times faster, with pip's indexes, proxy and certificates. If the configuration has a setting without a counterpart in
+uv, or constrains a package of the lock, or if uv fails, pip installs everything.
 
     FOLDER/bin/python scripts/install_locked.py
 """
@@ -47,7 +47,7 @@ OF_NO_CONCERN = {
 def main() -> None:
     """Do it; the exit code is that of the installer that failed."""
     text = LOCK.read_text(encoding="utf-8")
-    variables = uv_environment(pip_settings())
+    variables = uv_environment(pip_settings(), text)
     if variables is None or not (install_uv(text) and install_with_uv(variables)):
         subprocess.run([*PIP, "--require-hashes", "--requirement", str(LOCK)], check=True)
     subprocess.run([*PIP, "--no-deps", "--no-build-isolation", "--editable", str(ROOT)], check=True)
@@ -61,10 +61,15 @@ def pip_settings() -> dict[str, str]:
     return {name: ast.literal_eval(text) for _, name, text in sorted(found, key=lambda line: order.index(line[0]))}
 
 
-def uv_environment(settings: Mapping[str, str]) -> dict[str, str] | None:
-    """Return environment variables that tell uv the same as pip's settings; None where that cannot be said."""
-    if unknown := set(settings) - set(UV_VARIABLES) - OF_NO_CONCERN:
-        print(f"geoswarm: pip installs, as its setting {sorted(unknown)[0]} has no counterpart in uv")
+def uv_environment(settings: Mapping[str, str], lock: str) -> dict[str, str] | None:
+    """Return the environment variables of uv for pip's settings, or None if there is a setting that uv has not."""
+    reason = None
+    if unknown := set(settings) - set(UV_VARIABLES) - OF_NO_CONCERN - {"constraint"}:
+        reason = f"its setting {sorted(unknown)[0]} has no counterpart in uv"
+    elif bound := constrained(settings.get("constraint", ""), lock):
+        reason = f"its setting constraint bounds {bound}, and uv takes no bounds together with hashes"
+    if reason is not None:
+        print(f"geoswarm: pip installs, as {reason}")
         return None
     named = {
         variable: between.join(settings[name].split()) if between else settings[name]
@@ -75,6 +80,26 @@ def uv_environment(settings: Mapping[str, str]) -> dict[str, str] | None:
     # Like pip, look for a version in every index; whatever comes must have a hash of the lock.
     said = {name: value for name, value in os.environ.items() if name.startswith("UV_")}
     return {"UV_INDEX_STRATEGY": "unsafe-best-match"} | named | said
+
+
+def constrained(files: str, lock: str) -> str | None:
+    """Return what files of constraints bound in the lock, or what cannot be read of them; None if it is nothing."""
+    locked = {normal(name) for name in re.findall(r"^([\w.-]+)==", lock, flags=re.MULTILINE)}
+    for file in files.split():
+        try:
+            lines = Path(file).read_text(encoding="utf-8").splitlines()
+        except (OSError, UnicodeError):  # perhaps an address
+            return file
+        for line in filter(None, (re.sub(r"(^|\s)#.*", "", line).strip() for line in lines)):
+            name = re.match(r"[A-Za-z0-9][\w.-]*", line)
+            if name is None or "://" in line or normal(name[0]) in locked:
+                return line
+    return None
+
+
+def normal(name: str) -> str:
+    """Return the name of a package as indexes write it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def install_uv(lock: str) -> bool:
