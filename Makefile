@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.geoswarm-installed
 WARM := $(VENV)/.geoswarm-warm
 KERNELS := $(shell find solver -name '*.py' 2>/dev/null)
-PYTEST := $(BIN)/python -m pytest
+TESTS := $(BIN)/python scripts/run_tests.py
 # Test processes at once: one more than two cores, as many tests wait for a service. Each numerical library keeps to
 # one thread (tests/conftest.py).
 JOBS ?= 3
@@ -69,10 +69,10 @@ format: $(INSTALLED)  ## put the sources in the house's format and renew the gen
 	$(BIN)/python scripts/generate_client.py
 
 test: setup servers engines check  ## all checks and the tests, without the long studies
-	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "not slow"
+	@$(TESTS) --jobs $(JOBS) -m "not slow"
 
 test-all: setup servers-all engines-all check  ## all checks and all tests, with the long studies
-	@$(PYTEST) -q -n $(JOBS) --dist loadfile -m "slow or not slow"
+	@$(TESTS) --jobs $(JOBS) -m "slow or not slow"
 
 lock: $(INSTALLED)  ## renew requirements/: the newest versions that pyproject.toml admits, and their licences
 	@scripts/lock.sh $(BIN)/uv

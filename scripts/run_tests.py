@@ -1,0 +1,58 @@
+"""Run the tests in parallel, then run those that failed once more, one after the other, in a single process.
+
+A correct test can fail on a busy machine. The run is green if at most ten tests failed and all of them pass when run
+alone. The last lines, above pytest's closing line, name them: a test that needs a second look is a defect to be fixed.
+
+    .venv/bin/python scripts/run_tests.py --jobs 3 -m "not slow"          # passes other arguments to pytest
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+MOST_FAILURES = 10
+
+
+class SecondLook:
+    """Lists the tests of the second look above pytest's closing line."""
+
+    def __init__(self, tests: list[str]) -> None:
+        self._tests = tests
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter, exitstatus: int) -> None:
+        if exitstatus == pytest.ExitCode.OK:
+            terminalreporter.section("passed only at the second look")
+            for test in self._tests:
+                terminalreporter.line(test)
+
+
+def main() -> int:
+    """Return the exit code of pytest: that of the second look if there was one."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--jobs", default="3", help="test processes of the first look")
+    options, further = parser.parse_known_args()
+    with tempfile.TemporaryDirectory() as cache:  # pytest's own would also name failures of earlier runs
+        first = [*further, "-q", "-n", options.jobs, "--dist", "loadfile", "-o", f"cache_dir={cache}"]
+        code = subprocess.run([sys.executable, "-m", "pytest", *first], check=False).returncode
+        if code != pytest.ExitCode.TESTS_FAILED:
+            return code
+        record = Path(cache) / "v" / "cache" / "lastfailed"
+        failed = sorted(json.loads(record.read_text(encoding="utf-8"))) if record.exists() else []
+    if not 0 < len(failed) <= MOST_FAILURES:
+        print(f"no second look: {len(failed)} tests failed, at most {MOST_FAILURES} are run again")
+        return code
+    print(f"second look: {len(failed)} tests failed and are run again, one by one", flush=True)
+    sys.path[0] = str(ROOT)  # as `python -m pytest` does
+    return pytest.main(["-q", "-n", "0", "-p", "no:cacheprovider", *failed], plugins=[SecondLook(failed)])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,76 @@
+"""``make test`` runs what failed once more, alone: a test that a busy machine broke does not make the run red."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.contracts.repository import ROOT
+
+UNLUCKY = """
+from pathlib import Path
+
+def test_unlucky():
+    seen = Path(__file__).with_name("seen")
+    before = seen.exists()
+    seen.touch()
+    assert before
+"""
+BROKEN = "def test_broken():\n    assert 1 == 2\n"
+ELEVEN = """
+import pytest
+from pathlib import Path
+
+@pytest.mark.parametrize("number", range(11))
+def test_unlucky(number):
+    seen = Path(__file__).with_name(f"seen {number}")
+    before = seen.exists()
+    seen.touch()
+    assert before
+"""
+RIGHT = "def test_right():\n    assert True\n"
+IN_TEARDOWN = """
+import pytest
+
+@pytest.fixture
+def broken():
+    yield
+    assert 1 == 2
+
+def test_teardown(broken):
+    pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("tests", "green", "named"),
+    [
+        ([RIGHT], True, None),
+        ([RIGHT, UNLUCKY], True, "test_unlucky"),
+        ([RIGHT, UNLUCKY, BROKEN], False, None),
+        ([RIGHT, ELEVEN], False, None),
+        ([IN_TEARDOWN], False, None),
+        (["import nothing_of_this_name"], False, None),
+        ([], False, None),
+    ],
+    ids=["right", "unlucky", "broken", "eleven", "teardown", "import", "none"],
+)
+def test_what_fails_again_is_red(tmp_path: Path, tests: list[str], green: bool, named: str | None) -> None:
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    for number, text in enumerate(tests):
+        (tmp_path / f"test_{number}.py").write_text(text)
+    command = [sys.executable, str(ROOT / "scripts" / "run_tests.py"), "--jobs", "2", "-m", "not slow"]
+    only = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdist.plugin"}  # others take seconds to load
+    ran = subprocess.run(command, cwd=tmp_path, env=os.environ | only, capture_output=True, text=True, check=False)
+    assert (ran.returncode == 0) is green, ran.stdout
+    *above, last = ran.stdout.splitlines()
+    if green:
+        assert " passed in " in last
+    heading = [number for number, line in enumerate(above) if "passed only at the second look" in line]
+    assert bool(heading) is (named is not None)
+    if named is not None:
+        assert above[heading[0] + 1 :] == [f"test_1.py::{named}"]
