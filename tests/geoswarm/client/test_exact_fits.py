@@ -1,4 +1,4 @@
-"""Of readings that the model meets to rounding, service, command line and Python say the same, whatever the last digits."""
+"""Service, command line and Python judge readings that the model meets to rounding alike, whatever the last digits."""
 
 from __future__ import annotations
 
