@@ -6,6 +6,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import pytest
 from ruamel.yaml import YAML
 
 from geoswarm.client import errors
@@ -15,6 +16,7 @@ from tests.documentation.pages import block
 from tests.servers import find_program
 
 
+@pytest.mark.slow  # nginx is installed for the slow tests only
 def test_nginx_accepts_the_proxy(tmp_path: Path) -> None:
     """As it is printed but for certificate and ports; tests/deployment sends requests through it."""
     configuration = tmp_path / "nginx.conf"
