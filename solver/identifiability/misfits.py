@@ -40,9 +40,9 @@ class Misfit:
     probability
         Of as much by chance, were the model right; over all parts together.
     deviation
-        Root mean square of the residuals [unit].
+        Root mean square of the residuals of the result [unit].
     largest, x
-        Largest smoothed residual (calculated - measured) [unit] and where [x_unit].
+        The largest of them in size (calculated - measured) [unit] and where [x_unit].
     ratio
         ``deviation`` over the stated error; None without one.
     unit, x_unit
@@ -114,7 +114,7 @@ def _of_each(patterns: Sequence[Misfit], series: Sequence[str]) -> str:
 
 
 def _how_far(misfits: Sequence[Misfit], name: str) -> str:
-    """One series (without a name the only one): its stages, the largest smoothed residual and its place."""
+    """One series (without a name the only one): its stages, the largest residual and its place."""
     whole = next((m for m in misfits if m.stage is None), None)
     worst = max(misfits, key=lambda m: abs(m.largest))
     stages = sorted(m.stage for m in misfits if m.stage is not None)

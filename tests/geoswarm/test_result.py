@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import geoswarm as gs
+from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.report.document.build import Report, report_of_result
 from tests.geoswarm.python_models import OPTIONS
 
@@ -130,3 +132,47 @@ def test_a_calibration_that_a_failure_ends_says_so() -> None:
     assert repr(result).startswith("<Result failed: evaluation ")
     assert result.evaluations < result.runs.size
     assert result.parameters  # the best of the generations before
+
+
+def bent_and_straight(weighting: str | None) -> gs.Problem:
+    """Two series of the same a: of q the readings are a parabola, of p a line of another slope."""
+    noise = np.random.default_rng(5)
+    v, w = np.linspace(0.1, 3.0, 30), np.linspace(0.1, 3.0, 8)
+    q = 50.0 * v + 12.0 * v**2 + 2.0 * noise.standard_normal(30)
+    p = 0.2 + 0.9 * w + 0.01 * noise.standard_normal(8)
+    observations = [
+        {"series": "q", "points": {"x": v.tolist(), "y": q.tolist()}, "error": 2.0},
+        {"series": "p", "points": {"x": w.tolist(), "y": p.tolist()}, "error": 0.01},
+    ]
+    if weighting != "by_error":
+        for observation in observations:
+            del observation["error"]
+    return parse_problem(
+        {
+            "name": "two series",
+            "forward_model": {"kind": "formula", "series": {"q": "a * x", "p": "b + a * x / 100"}},
+            "parameters": {"a": {"lower": 1, "upper": 500}, "b": {"lower": -2, "upper": 2}},
+            "observations": observations,
+            "method": {"kind": "particle_swarm", "particles": 10, "polish": True},
+            "stopping": {"max_evaluations": 200},
+            "seed": 1,
+        }
+        | ({} if weighting is None else {"weighting": weighting})
+    )
+
+
+@pytest.mark.parametrize("weighting", [None, "by_range", "by_count", "by_error"])
+def test_misfits_are_those_of_the_fit_that_is_shown(weighting: str | None, tmp_path: Path) -> None:
+    found = gs.calibrate(bent_and_straight(weighting), workers=1)
+    misfits = [misfit for misfit in found.statistics().fit.misfits if misfit.stage is None]
+    assert "q" in {misfit.series for misfit in misfits}
+    found.report(tmp_path)
+    with (tmp_path / "fit.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["residual"]]
+    for misfit in misfits:
+        x, residual = np.array(
+            [(float(row["x"]), float(row["residual"])) for row in rows if row["series"] == misfit.series]
+        ).T
+        worst = np.argmax(np.abs(residual))
+        assert misfit.deviation == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-6)
+        assert (misfit.largest, misfit.x) == pytest.approx((residual[worst], x[worst]), rel=1e-6)

@@ -87,11 +87,40 @@ def untested(why: str) -> FitVerdict:
 
 
 @dataclass(frozen=True, slots=True)
+class _Residuals:
+    """Calculated - measured of the readings of one series that count, in the order of x, shape (m,).
+
+    They are those of every table and figure: the tests themselves look at other ones, after a step to where each series
+    counts by its noise. ``stages``: number of the stage of each, from 1; None without stages.
+    """
+
+    x: FloatArray
+    values: FloatArray
+    weights: FloatArray
+    stages: IntArray | None
+
+    @classmethod
+    def of(cls, problem: Problem, o: ObservedSeries, calculated: FloatArray) -> _Residuals:
+        used = np.flatnonzero(o.point_weights > 0)
+        used = used[np.argsort(o.x[used], kind="stable")]
+        starts = stage_times(problem.forward_model, o.series)
+        stages = stage_of(o.x[used], starts) if starts.size >= 2 else None
+        return cls(o.x[used], (calculated - o.y)[used], o.point_weights[used], stages)
+
+    def size(self, stage: int | None) -> tuple[float, float, float]:
+        """Root mean square, the largest residual, and its x: of the series, or of one stage."""
+        own = slice(None) if stage is None or self.stages is None else self.stages == stage
+        x, values, weights = self.x[own], self.values[own], self.weights[own]
+        worst = int(np.argmax(np.abs(values)))
+        return float(np.sqrt(np.sum(weights * values**2) / np.sum(weights))), float(values[worst]), float(x[worst])
+
+
+@dataclass(frozen=True, slots=True)
 class _Readings:
-    """All readings that count, in the order of series and x, of shape (n,); ``sizes``: root mean square a series."""
+    """All readings that count, in the order of series and x, of shape (n,); ``measured``: those of each series."""
 
     observed: tuple[ObservedSeries, ...]
-    sizes: tuple[float, ...]
+    measured: tuple[_Residuals, ...]
     series: IntArray
     x: FloatArray
     residuals: FloatArray
@@ -170,13 +199,8 @@ def _readings(
         for column, values in zip(columns, _averaged(rows, used.size), strict=True):
             column.append(values)
     series, *others = (np.concatenate(column) for column in columns)
-    sizes = tuple(_size(o, responses[o.series] - o.y) for o in observed)
-    return _Readings(observed, sizes, series.astype(np.int64), *others)
-
-
-def _size(o: ObservedSeries, residuals: FloatArray) -> float:
-    """Root mean square of residuals, weighted as the points are, as in the table of the series in the objective."""
-    return float(np.sqrt(np.sum(o.point_weights * residuals**2) / np.sum(o.point_weights)))
+    measured = tuple(_Residuals.of(calibration.problem, o, responses[o.series]) for o in observed)
+    return _Readings(observed, measured, series.astype(np.int64), *others)
 
 
 def _averaged(rows: tuple[FloatArray, ...], size: int) -> tuple[FloatArray, ...]:
@@ -270,8 +294,8 @@ def _patterns(
         residuals, readings.factors, deviations, basis, [part for part, _ in chosen], known=known
     )
     misfits = [
-        _misfit(readings, residuals, part, place, "pattern", result.adjusted)
-        for (part, place), result in zip(chosen, found, strict=True)
+        _misfit(readings, place, "pattern", result.adjusted)
+        for (_, place), result in zip(chosen, found, strict=True)
         if result.adjusted < LEVEL
     ]
     return sorted(misfits, key=lambda misfit: (misfit.probability, misfit.stage is not None))
@@ -279,36 +303,15 @@ def _patterns(
 
 def _misfit(
     readings: _Readings,
-    residuals: FloatArray,
-    part: Part,
     place: tuple[int, int | None],
     reason: Literal["pattern", "repeats", "stated_error"],
     probability: float,
     ratio: float | None = None,
 ) -> Misfit:
-    o = readings.observed[place[0]]
-    natural = (residuals / readings.inside)[part.indices]
-    smooth = _smoothed(natural)
-    worst = int(np.argmax(np.abs(smooth)))
-    return Misfit(
-        o.series,
-        place[1],
-        reason,
-        probability,
-        readings.sizes[place[0]] if place[1] is None else float(np.sqrt(np.mean(natural**2))),
-        float(smooth[worst]),
-        float(part.x[worst]),
-        ratio,
-        "",
-        "",
-    )
-
-
-def _smoothed(values: FloatArray) -> FloatArray:
-    """Running means of three neighbours, shape (m,); fewer at the ends."""
-    padded = np.pad(values, 1)
-    counts = np.pad(np.ones(len(values)), 1)
-    return np.asarray((padded[:-2] + padded[1:-1] + padded[2:]) / (counts[:-2] + counts[1:-1] + counts[2:]))
+    index, stage = place
+    deviation, largest, x = readings.measured[index].size(stage)
+    series = readings.observed[index].series
+    return Misfit(series, stage, reason, probability, deviation, largest, x, ratio, "", "")
 
 
 def _repeats(readings: _Readings, residuals: FloatArray, rank: int, known: Mapping[str, float] | None) -> list[Misfit]:
@@ -322,8 +325,7 @@ def _repeats(readings: _Readings, residuals: FloatArray, rank: int, known: Mappi
             continue
         if known is not None and lack.noise * _ERROR_RATIO < known[readings.observed[index].series]:
             continue  # the stated error covers more than the repeats show
-        part = Part(own, readings.x[own], own)
-        found.append(_misfit(readings, residuals, part, (index, None), "repeats", lack.probability))
+        found.append(_misfit(readings, (index, None), "repeats", lack.probability))
     found.sort(key=lambda misfit: misfit.probability)
     kept = []
     for tried, misfit in enumerate(found):
@@ -342,10 +344,9 @@ def _exceeded(readings: _Readings, residuals: FloatArray, basis: FloatArray, dev
     own = [readings.of(index) for index in range(len(readings.observed))]
     found = []
     results = examine_size(residuals, readings.factors, deviations, basis, own)
-    for index, (rows, (ratio, probability)) in enumerate(zip(own, results, strict=True)):
+    for index, (ratio, probability) in enumerate(results):
         if probability < _OTHER_LEVEL and ratio > _ERROR_RATIO:
-            part = Part(rows, readings.x[rows], rows)
-            found.append(_misfit(readings, residuals, part, (index, None), "stated_error", probability, ratio))
+            found.append(_misfit(readings, (index, None), "stated_error", probability, ratio))
     return sorted(found, key=lambda misfit: -(misfit.ratio or 0.0))
 
 
