@@ -108,8 +108,11 @@ headings is refused: a comma inside a number has split it. The file's path is re
 `sort: true` puts readings in the order of x. Where several have one x, `repeated_x: average` takes their mean and
 `shift` spreads them evenly up to the next x. A logger's many readings become few by `resample: {per_decade: 20}`,
 means of the readings in intervals of equal length in log x, or `{every: 10}`, of so many in a row; above 20 000
-points of a series a warning asks for it. A mean weighs as much as its readings together. In the canonical problem
-stand the points that come of it.
+points of a series a warning asks for it. Thinning does not change the weight of a series: the weights w_h of the
+points follow the number of readings behind each, with a mean of 1. If the `error` of a reading is stated, that of a
+mean of n readings is smaller by the root of n only if the readings scatter independently. Neighbours that differ by
+less than the stated error count as fewer readings; `check` and the report say as how many. The canonical problem
+contains the means, with `readings` and `independent`.
 """
 
 STOPPING = """\

@@ -67,7 +67,7 @@ async def read_points(
             422, str(error), kind="unreadable-file", title="File cannot be read", issues=error.issues
         ) from None
     return MeasuredPoints(
-        **points.document() | {"inputs": points.inputs, "weight": points.weight},
+        **{"weight": None, "readings": None, "independent": None} | points.document() | {"inputs": points.inputs},
         gross_errors=[place + 1 for place in points.gross_errors],
         notes=list(points.notes),
     )

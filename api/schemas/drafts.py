@@ -122,6 +122,8 @@ class MeasuredPoints(Model):
     x: list[float]
     y: list[float]
     weight: list[float] | None
+    readings: list[float] | None = Field(description="number of readings of which each point is the mean")
+    independent: float | None = Field(description="number of independent readings that the points are worth")
     inputs: dict[str, list[float]] = Field(description="further quantities at the points")
     gross_errors: list[int] = Field(description="numbers of those marked as gross errors, from 1")
     notes: list[str] = Field(description="what was read and done")

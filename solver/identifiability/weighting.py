@@ -116,7 +116,12 @@ def scheme_weights(
     if weighting == "by_error" and deviations is None:
         raise StatisticsError("weighting by_error needs the standard deviation of a reading of each series (noise)")
     errors = {} if deviations is None else deviations.deviations
-    return scheme_factors(weighting, {o.series: o.y for o in problem.observations}, errors)
+    return scheme_factors(
+        weighting,
+        {o.series: o.y for o in problem.observations},
+        {o.series: o.readings for o in problem.observations},
+        errors,
+    )
 
 
 def spread_weights(problem: Problem, responses: Mapping[str, FloatArray]) -> dict[str, list[float]]:

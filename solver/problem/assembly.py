@@ -353,7 +353,12 @@ class _Assembly:
             missing = ", ".join(o.series for o in observations if o.error is None)
             self._report("weighting", f"by_error needs the error of every observation; it is missing for {missing}")
             return observations
-        factors = scheme_factors(settings.weighting, {o.series: o.y for o in observations}, errors)
+        factors = scheme_factors(
+            settings.weighting,
+            {o.series: o.y for o in observations},
+            {o.series: o.readings for o in observations},
+            errors,
+        )
         return tuple(replace(o, weight=o.weight * factors[o.series]) for o in observations)
 
     def _check_known_values(

@@ -23,7 +23,15 @@ class PointsSection(Section):
     x: list[float] = Field(min_length=1, description="x of the points, in x_unit")
     y: list[float] = Field(min_length=1, description="measured y, in y_unit")
     weight: list[Annotated[float, Field(ge=0)]] | None = Field(
-        None, description="weights w_h of the points; all 1 if absent"
+        None, description="weights w_h of the points; if absent 1, or by readings, with a mean of 1"
+    )
+    readings: list[Annotated[float, Field(ge=1)]] | None = Field(
+        None, description="number of readings of which each point is the mean; 1 each if absent"
+    )
+    independent: float | None = Field(
+        None,
+        ge=1,
+        description="number of independent readings that all points are worth; if absent, error is that of a point",
     )
     inputs: dict[str, list[float]] | None = Field(
         None, description="further quantities at the points that a formula uses by name, one value for each x"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -52,13 +53,16 @@ class Observation:
     given_weight
         Weight as the user gave it.
     error, given_error
-        Standard deviation of a reading in the base unit and as the user gave it; None when it is not known.
+        Standard deviation of a point of weight 1 in the base unit, and that of a reading as the user gave it; None when
+        it is not known.
     loss, given_loss
         Robust loss with its scale in the base unit, and loss and loss_scale as the user gave them; None for squares.
     inputs
         Further quantities at the points, each of shape (m,), that a formula uses.
     gross_x, gross_y
         Points marked as gross errors, each of shape (q,), base units: shown, but in no misfit.
+    readings
+        Number of readings behind x and y: points may be means of several.
     """
 
     series: str
@@ -79,6 +83,7 @@ class Observation:
     inputs: dict[str, FloatArray] = field(default_factory=dict)
     gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
     gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
+    readings: float = 0.0
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -110,15 +115,25 @@ class Observation:
         if self.chosen is None:
             return self.points
         kept = np.flatnonzero(self.chosen).tolist()
-        weight = self.points.weight
+        weight, readings, independent = self.points.weight, self.points.readings, self.points.independent
+        if independent is not None:
+            independent = max(independent * _share(self.points, self.chosen), 1.0)
         return replace(
             self.points,
             x=[self.points.x[i] for i in kept],
             y=[self.points.y[i] for i in kept],
             weight=None if weight is None else [weight[i] for i in kept],
+            readings=None if readings is None else [readings[i] for i in kept],
+            independent=independent,
             inputs={name: [values[i] for i in kept] for name, values in self.points.inputs.items()},
             gross_errors=(),
         )
+
+
+def _share(points: Points, chosen: BoolArray) -> float:
+    """Share of the readings behind the chosen points in all but the gross errors."""
+    count = np.ones(len(points.x)) if points.readings is None else np.array(points.readings)
+    return float(count[chosen].sum() / np.delete(count, points.gross_errors).sum())
 
 
 def build_observations(
@@ -199,12 +214,16 @@ def _build(
     if message is not None:
         return None, [Issue(place, message)]
     y = y[kept]
-    weights = np.ones(len(x)) if points.weight is None else np.array(points.weight, dtype=np.float64)[kept]
+    count = np.ones(len(kept)) if points.readings is None else np.array(points.readings, dtype=np.float64)[kept]
+    # thinning does not weigh: equation (2) is a mean over points
+    weights = count / count.mean() if points.weight is None else np.array(points.weight, dtype=np.float64)[kept]
     if not weights.any():
         return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
     for array in (x, y, weights, gross_x, gross_y):
         array.flags.writeable = False
     deviation = _difference(section.error, units["y"], info)
+    if deviation is not None and points.independent is not None:  # error is that of a reading, a point may be a mean
+        deviation *= math.sqrt(len(x) / max(points.independent * _share(points, chosen), 1.0))
     loss, wrong = _loss(section, deviation, units["y"], info)
     if wrong is not None:
         return None, [Issue(f"{path}.loss_scale", wrong)]
@@ -230,6 +249,7 @@ def _build(
             inputs={name: np.array(values, dtype=np.float64)[kept] for name, values in points.inputs.items()},
             gross_x=gross_x,
             gross_y=gross_y,
+            readings=float(count.sum()),
         ),
         [],
     )

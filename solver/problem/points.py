@@ -35,16 +35,20 @@ _TAKEN_IN |= {"x_time_column", "x_origin", "file"}
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """Measured points in the user's units, lists of one length; ``weight`` None means 1 for every point.
+    """Measured points in the user's units, lists of one length.
 
-    ``inputs`` are further quantities at the points, by name. ``gross_errors`` are the places of those that are shown
-    and do not count, ``notes`` say what was done to the readings. ``x_heading`` and ``y_heading`` are those of the file
-    that they were read from.
+    ``weight`` None means not given: points count by the ``readings`` of which they are means (None: 1 each).
+    ``independent`` is the number of independent readings that these are worth; None: not known. ``inputs`` are further
+    quantities at the points, by name. ``gross_errors`` are the places of those that are shown and do not count,
+    ``notes`` say what was done to the readings. ``x_heading`` and ``y_heading`` are those of the file that they were
+    read from.
     """
 
     x: list[float]
     y: list[float]
     weight: list[float] | None = None
+    readings: list[float] | None = None
+    independent: float | None = None
     inputs: dict[str, list[float]] = field(default_factory=dict)
     gross_errors: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
@@ -53,8 +57,11 @@ class Points:
 
     def document(self) -> dict[str, Any]:
         """The ``points`` section."""
-        lists = {"x": self.x, "y": self.y} | ({} if self.weight is None else {"weight": self.weight})
-        document: dict[str, Any] = {name: [float(value) for value in values] for name, values in lists.items()}
+        lists = {"x": self.x, "y": self.y, "weight": self.weight, "readings": self.readings}
+        document: dict[str, Any] = {
+            name: [float(value) for value in values] for name, values in lists.items() if values is not None
+        }
+        document |= {} if self.independent is None else {"independent": self.independent}
         return document | ({"inputs": self.inputs} if self.inputs else {})
 
 
@@ -68,7 +75,15 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
     """
     if section.points is not None:
         given = section.points
-        points = Points(given.x, given.y, given.weight, given.inputs or {}, notes=tuple(section.notes))
+        points = Points(
+            given.x,
+            given.y,
+            given.weight,
+            given.readings,
+            given.independent,
+            given.inputs or {},
+            notes=tuple(section.notes),
+        )
         issues = _length_issues(points, f"{path}.points")
         return (points, issues) if issues else _prepared(points, section, path)
     assert section.file is not None
@@ -122,11 +137,11 @@ def points_of_file(
         table.x,
         table.y,
         table.weight,
-        table.inputs,
-        tuple(table.gross_errors),
-        (*section.notes, *_reading_notes(section, table, name)),
-        table.x_heading,
-        table.y_heading,
+        inputs=table.inputs,
+        gross_errors=tuple(table.gross_errors),
+        notes=(*section.notes, *_reading_notes(section, table, name)),
+        x_heading=table.x_heading,
+        y_heading=table.y_heading,
     )
     issues = _weight_issues(points, f"{path}.file")
     return (points, issues) if issues else _prepared(points, section, path)
@@ -174,8 +189,10 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
     if beyond:
         return points, [Issue(f"{path}.gross_errors", f"there is no reading {beyond[0]}; there are {count}")]
     marked = tuple(sorted({*points.gross_errors, *(place - 1 for place in section.gross_errors)}))
-    given = Readings(points.x, points.y, points.weight, points.inputs, marked)
-    wanted = Preparation(section.y_zero, section.y_factor, section.sort, section.repeated_x, section.resample)
+    given = Readings(points.x, points.y, points.weight, points.inputs, marked, points.readings, points.independent)
+    wanted = Preparation(
+        section.y_zero, section.y_factor, section.sort, section.repeated_x, section.resample, section.error
+    )
     try:
         found, done = prepared(given, wanted)
     except NoZeroError as error:
@@ -185,6 +202,8 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
         x=found.x,
         y=found.y,
         weight=found.weight,
+        readings=found.count,
+        independent=found.independent,
         inputs=found.inputs,
         gross_errors=found.gross_errors,
         notes=(*points.notes, *done),
@@ -193,7 +212,8 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
 
 def _length_issues(points: Points, path: str) -> list[Issue]:
     n = len(points.x)
-    lists = {"y": points.y, "weight": points.weight} | {f"inputs.{name}": v for name, v in points.inputs.items()}
+    lists = {"y": points.y, "weight": points.weight, "readings": points.readings}
+    lists |= {f"inputs.{name}": v for name, v in points.inputs.items()}
     issues = [
         Issue(f"{path}.{name}", f"has {len(values)} values, but x has {n}; give one for each x")
         for name, values in lists.items()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -21,12 +20,17 @@ __all__ = [
     "Preparation",
     "Readings",
     "Resample",
+    "independent_readings",
     "many_points_warning",
     "prepared",
 ]
 
 MANY_POINTS = 20_000
 """More points of a series than these cost time and tell nothing more."""
+
+_INDEPENDENT_SHARE = 18.0 / 35.0
+"""Degrees of freedom of the variance from second differences, for each: they overlap."""
+_BY_CHANCE = 0.01
 
 
 class Resample(Section):
@@ -50,9 +54,11 @@ class Resample(Section):
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """x, y, weight and further quantities of the points, lists of one length; ``weight`` None: all 1.
+    """x, y, weight and further quantities of the points, lists of one length; ``weight`` None: not given.
 
-    ``gross_errors`` are the places of those marked as such, rising.
+    ``gross_errors`` are the places of those marked as such, rising. ``count`` is the number of readings of which each
+    point is the mean; None: 1 each. ``independent`` is the number of independent readings that they are worth; None:
+    not known.
     """
 
     x: list[float]
@@ -60,17 +66,20 @@ class Readings:
     weight: list[float] | None
     inputs: dict[str, list[float]] = field(default_factory=dict)
     gross_errors: tuple[int, ...] = ()
+    count: list[float] | None = None
+    independent: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Preparation:
-    """How to process readings."""
+    """How to process readings; ``error``: standard deviation of a reading, as far as it is stated."""
 
     zero: Literal["first"] | ZeroReading | None = None
     factor: float = 1.0
     sort: bool = False
     repeated_x: Literal["average", "shift"] | None = None
     resample: Resample | None = None
+    error: float | None = None
 
 
 class NoZeroError(Exception):
@@ -80,19 +89,21 @@ class NoZeroError(Exception):
 def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[str]]:
     """Sort by x, subtract the zero reading, multiply, make x differ, and thin, in this order; report each step.
 
-    The weight of a mean is the sum of those of its readings, so a series as a whole weighs what it did. Gross errors
-    take no part in zero readings and means, and stand among the others by their x.
+    Thinning does not change what a series weighs: given weights of the readings of a mean are added, and scaled so that
+    their mean over the points is that over the readings. Gross errors take no part in zero readings and means, and
+    stand among the others by their x.
 
     Raises
     ------
     NoZeroError
         No reading at the x of the zero reading.
     """
-    if wanted == Preparation():
+    if wanted == Preparation(error=wanted.error):
         return readings, []
     x = np.array(readings.x, dtype=np.float64)
     y = np.array(readings.y, dtype=np.float64)
     weight = np.ones(len(x)) if readings.weight is None else np.array(readings.weight, dtype=np.float64)
+    count = np.ones(len(x)) if readings.count is None else np.array(readings.count, dtype=np.float64)
     counted = np.ones(len(x), dtype=np.bool_)
     counted[list(readings.gross_errors)] = False
     if not counted.any():
@@ -101,7 +112,7 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
     order = np.argsort(x, kind="stable") if wanted.sort else np.arange(len(x))
     if (np.diff(order) < 0).any():
         done.append("the readings were sorted by x")
-    x, y, weight, counted = x[order], y[order], weight[order], counted[order]
+    x, y, weight, count, counted = x[order], y[order], weight[order], count[order], counted[order]
     columns = {f"inputs.{name}": np.array(values, dtype=np.float64)[order] for name, values in readings.inputs.items()}
     if wanted.zero is not None:
         value, said = zero_reading(wanted.zero, x, y, counted)
@@ -112,38 +123,47 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
     if wanted.factor != 1.0:
         y = y * wanted.factor
         done.append(f"y was multiplied by {number(wanted.factor)}")
-    columns["y"] = y
-    marked = x[~counted], weight[~counted], {name: values[~counted] for name, values in columns.items()}
+    columns |= {"y": y, "weight": weight, "count": count}
+    marked = x[~counted], {name: values[~counted] for name, values in columns.items()}
     places: IntArray = np.cumsum(counted)[~counted].astype(np.int64)  # how many that count stand before each
-    x, weight, columns = x[counted], weight[counted], {name: values[counted] for name, values in columns.items()}
+    x, columns = x[counted], {name: values[counted] for name, values in columns.items()}
     if wanted.repeated_x == "shift":
         x = _spread(x)
         done.append("readings at equal x were spread evenly up to the next x")
-    for groups, said in _groupings(wanted):
-        begins = groups(x)
+    begins, notes = _groups(x, columns["count"] if readings.weight is None else columns["weight"], wanted)
+    independent = readings.independent
+    if len(begins) < len(x):
+        done += notes
+        if wanted.error is not None and independent is None:
+            independent, said = independent_readings(x, columns["y"], begins, wanted.error)
+            done.append(said)
         places = np.searchsorted(begins, places, side="left").astype(np.int64)
-        before = len(x)
-        x, weight, columns = _means(begins, x, weight, columns)
-        done.append(f"{said}: {len(x)} points of {before} readings")
-    x, weight = np.insert(x, places, marked[0]), np.insert(weight, places, marked[1])
-    columns = {name: np.insert(values, places, marked[2][name]) for name, values in columns.items()}
+        x, columns = _means(begins, x, columns, "count" if readings.weight is None else "weight")
+    x = np.insert(x, places, marked[0])
+    columns = {name: np.insert(values, places, marked[1][name]) for name, values in columns.items()}
     found = Readings(
         x.tolist(),
         columns["y"].tolist(),
-        None if readings.weight is None and (weight == 1.0).all() else weight.tolist(),
+        None if readings.weight is None else columns["weight"].tolist(),
         {name: columns[f"inputs.{name}"].tolist() for name in readings.inputs},
         tuple((places + np.arange(len(places))).tolist()),
+        None if (columns["count"] == 1.0).all() else columns["count"].tolist(),
+        independent,
     )
     return found, done
 
 
-def _groupings(wanted: Preparation) -> Iterator[tuple[Callable[[FloatArray], IntArray], str]]:
-    """Functions that give the first reading of each group, and what is said of them."""
+def _groups(x: FloatArray, weight: FloatArray, wanted: Preparation) -> tuple[IntArray, list[str]]:
+    """First reading of each group of which the mean is taken, and what is said of it."""
+    begins, notes = np.arange(len(x)), []
     if wanted.repeated_x == "average":
-        yield lambda x: np.flatnonzero(np.diff(x, prepend=np.nan) != 0), "readings at equal x were averaged"
-    resample = wanted.resample
-    if resample is not None:
-        yield lambda x: _groups(x, resample), resample.in_words()
+        begins = np.flatnonzero(np.diff(x, prepend=np.nan) != 0)
+        notes.append(f"readings at equal x were averaged: {len(begins)} points of {len(x)} readings")
+    if wanted.resample is not None:
+        before = len(begins)
+        begins = begins[_resampled(_mean(begins, x, weight), wanted.resample)]
+        notes.append(f"{wanted.resample.in_words()}: {len(begins)} points of {before} readings")
+    return begins, notes
 
 
 def _spread(x: FloatArray) -> FloatArray:
@@ -158,8 +178,8 @@ def _spread(x: FloatArray) -> FloatArray:
     return np.asarray(x + within * np.repeat(steps / counts, counts))
 
 
-def _groups(x: FloatArray, resample: Resample) -> IntArray:
-    """First reading of each group."""
+def _resampled(x: FloatArray, resample: Resample) -> IntArray:
+    """First point of each group."""
     if resample.every is not None:
         return np.arange(0, len(x), resample.every)
     assert resample.per_decade is not None
@@ -168,20 +188,62 @@ def _groups(x: FloatArray, resample: Resample) -> IntArray:
     return np.flatnonzero(np.diff(np.nan_to_num(number, neginf=-1e9), prepend=np.nan) != 0)
 
 
-def _means(
-    begins: IntArray, x: FloatArray, weight: FloatArray, columns: dict[str, FloatArray]
-) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
+def _mean(begins: IntArray, values: FloatArray, weight: FloatArray) -> FloatArray:
     """Weighted means of the readings from each beginning to the next; plain ones where all weights are 0."""
     sums = np.add.reduceat(weight, begins)
-    counts = np.diff(np.append(begins, len(x)))
+    counts = np.diff(np.append(begins, len(values)))
     share = weight / np.repeat(np.where(sums > 0, sums, 1.0), counts)
     share = np.where(np.repeat(sums > 0, counts), share, 1.0 / np.repeat(counts, counts))
-    alone = counts == 1
+    return np.where(counts == 1, values[begins], np.add.reduceat(values * share, begins))
 
-    def mean(values: FloatArray) -> FloatArray:
-        return np.where(alone, values[begins], np.add.reduceat(values * share, begins))
 
-    return mean(x), sums, {name: mean(values) for name, values in columns.items()}
+def _means(
+    begins: IntArray, x: FloatArray, columns: dict[str, FloatArray], weighing: str
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Means of the readings from each beginning to the next: sums of counts, and of weights with their mean kept."""
+    weight = columns[weighing]
+    found = {name: _mean(begins, values, weight) for name, values in columns.items()}
+    found["count"] = np.add.reduceat(columns["count"], begins)
+    found["weight"] = np.add.reduceat(columns["weight"], begins) * (len(begins) / len(x))
+    return _mean(begins, x, weight), found
+
+
+def independent_readings(x: FloatArray, y: FloatArray, begins: IntArray, error: float) -> tuple[float, str]:
+    """How many independent readings of this error the means are worth, and what is said of it.
+
+    The error of a mean of n readings is error / sqrt(n) only where they scatter independently. The scatter of
+    neighbours about the straight line between those before and after gives the variance s^2 that means reduce (Gasser,
+    Sroka and Jennen-Steinmetz 1986). Where it is smaller than that of the stated error, beyond chance (1 %), the rest
+    is common to neighbours, such as the calibration of a gauge or the drift of a logger; a mean of n is worth
+    1 / (s^2 / error^2 / n + 1 - s^2 / error^2) readings.
+
+    Parameters
+    ----------
+    x, y
+        All readings, shape (n,).
+    begins
+        First reading of each mean, shape (k,).
+    """
+    from scipy.special import chdtr
+
+    counts = np.diff(np.append(begins, len(x)))
+    inner = np.flatnonzero(np.repeat(counts > 1, counts)[1:-1]) + 1
+    share = 1.0
+    if inner.size:
+        before, after = x[inner] - x[inner - 1], x[inner + 1] - x[inner]
+        whole = before + after
+        part = np.divide(before, whole, out=np.full(inner.size, 0.5), where=whole > 0.0)
+        off = y[inner] - (1.0 - part) * y[inner - 1] - part * y[inner + 1]
+        ratio = float(np.mean(off**2 / (1.0 + part**2 + (1.0 - part) ** 2))) / error**2
+        degrees = max(_INDEPENDENT_SHARE * inner.size, 1.0)
+        share = ratio if float(chdtr(degrees, degrees * ratio)) < _BY_CHANCE else 1.0
+    worth = float(np.sum(1.0 / (share / counts + 1.0 - share)))
+    if share == 1.0:
+        return worth, "the error of a mean of n readings counts as the error of a reading over the root of n"
+    return worth, (
+        f"neighbouring readings differ by less than independent errors of {number(error)} would, so the {len(x)} "
+        f"readings count as {worth:.3g} independent ones of this error"
+    )
 
 
 def many_points_warning(series: str, points: int) -> str | None:
