@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+from time import monotonic
 
 import httpx
 
@@ -21,7 +21,7 @@ POLL_SECONDS = 1.0
 
 def pause_before(deadline: float | None) -> float:
     """How long to pause before asking again, without the stream [s]; 0 when the deadline has passed."""
-    return POLL_SECONDS if deadline is None else min(POLL_SECONDS, max(0.0, deadline - time.monotonic()))
+    return POLL_SECONDS if deadline is None else min(POLL_SECONDS, max(0.0, deadline - monotonic()))
 
 
 class SilentStreamError(ConnectionFailedError):
@@ -66,7 +66,7 @@ class Follower:
 
     @property
     def _remaining(self) -> float:
-        return float("inf") if self._deadline is None else self._deadline - time.monotonic()
+        return float("inf") if self._deadline is None else self._deadline - monotonic()
 
     def read_timeout(self) -> float:
         """How long a new connection may be silent: never much past the deadline [s]."""
@@ -109,7 +109,7 @@ class Follower:
             self._silent += not self._heard
             if self._silent >= SILENT_CONNECTIONS:
                 raise SilentStreamError(f"the event stream stayed silent for {self._silence:g} s, {self._silent} times")
-        now = time.monotonic()
+        now = monotonic()
         if self._failing_since is None:
             self._failing_since = now
         elif now - self._failing_since > self._patience:

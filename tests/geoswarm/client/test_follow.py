@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import httpx
 import pytest
 
@@ -42,6 +40,23 @@ def test_an_incomplete_event_is_not_one() -> None:
     assert reader.last_id == 5
 
 
+class Clock:
+    """Time that a test moves [s]."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr("geoswarm.client.follow.monotonic", made)
+    return made
+
+
 def follower(**settings: float) -> Follower:
     return Follower(0, **{"patience": 10.0, "silence": 45.0, **settings})
 
@@ -57,40 +72,42 @@ def test_pauses_grow_and_start_again_when_something_comes() -> None:
     assert ours.broken(None) == pytest.approx(0.2, rel=1e-12)
 
 
-def test_patience_ends() -> None:
-    ours = follower(patience=0.02)
+def test_patience_ends(clock: Clock) -> None:
+    ours = follower(patience=20.0)
     ours.read_timeout()
     ours.broken(httpx.ConnectError("refused"))
-    time.sleep(0.03)
+    clock.now += 20.0
+    assert ours.broken(httpx.ConnectError("refused")) == pytest.approx(0.4, rel=1e-12)
+    clock.now += 0.1
     with pytest.raises(ConnectionFailedError, match="refused"):
         ours.broken(httpx.ConnectError("refused"))
 
 
-def test_refusals_are_final_but_an_unavailable_service_may_come_back() -> None:
+def test_refusals_are_final_but_an_unavailable_service_may_come_back(clock: Clock) -> None:
     with pytest.raises(NotFoundError):
         follower().broken(NotFoundError(404, "Not Found", ""))
     with pytest.raises(ServerError):
         follower().broken(ServerError(500, "Internal Server Error", ""))
-    ours = follower(patience=0.02)
+    ours = follower(patience=20.0)
     unavailable = ServerError(503, "Database unavailable", "")
     assert ours.broken(unavailable) == pytest.approx(0.2, rel=1e-12)
-    time.sleep(0.03)
+    clock.now += 20.1
     with pytest.raises(ServerError, match="Database unavailable"):
         ours.broken(unavailable)
 
 
-def test_silence_is_told_from_a_deadline() -> None:
+def test_silence_is_told_from_a_deadline(clock: Clock) -> None:
     ours = follower()
     ours.read_timeout()
     assert ours.broken(httpx.ReadTimeout("")) > 0.0
     ours.read_timeout()
     with pytest.raises(SilentStreamError, match="stayed silent for 45 s"):
         ours.broken(httpx.ReadTimeout(""))
-    near = follower(deadline=time.monotonic() + 0.1)
-    assert near.read_timeout() == pytest.approx(0.1, abs=0.02)
+    near = follower(deadline=clock.now + 0.5)
+    assert near.read_timeout() == 0.5
     assert near.broken(httpx.ReadTimeout("")) == 0.0
     assert not near.expired
-    time.sleep(0.11)
+    clock.now += 0.5
     assert near.expired
     assert near.should_reconnect
 
@@ -104,10 +121,10 @@ def test_the_end_of_a_job_ends_the_stream() -> None:
     assert ours.last_id == 9
 
 
-def test_pauses_of_polling() -> None:
+def test_pauses_of_polling(clock: Clock) -> None:
     assert pause_before(None) == 1.0
-    assert pause_before(time.monotonic() - 1.0) == 0.0
-    assert pause_before(time.monotonic() + 0.5) == pytest.approx(0.5, abs=0.05)
+    assert pause_before(clock.now - 1.0) == 0.0
+    assert pause_before(clock.now + 0.5) == 0.5
 
 
 class HoldsStreamsBack(httpx.HTTPTransport):
