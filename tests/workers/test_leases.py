@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 
 import pytest
-from sqlalchemy import Connection, select, update
+from sqlalchemy import Connection, select, text, update
 
 from geoswarm.workers.coordinator.job_exchange import _typical
 from geoswarm.workers.identity import Identity
@@ -14,7 +14,9 @@ from geoswarm.workers.queries.workers import register_worker
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import attempts, evaluations
+from tests.integration.engines import wait_for
 from tests.workers.hand import PROBLEM, Hand, runtime_for
 
 
@@ -51,6 +53,36 @@ def test_a_lease_that_ends_while_its_worker_is_heard_of_is_no_try(
     hand.hand_in()  # and it comes all the same
     first = service.evaluations(job_id).items[0]
     assert (first.state, first.worker) == ("finished", "w1")
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+@pytest.mark.parametrize("briefly", [False, True])
+def test_the_time_of_a_locked_row_is_that_after_the_wait(store: Store, job_id: str, briefly: bool) -> None:
+    held, let_go = threading.Event(), threading.Event()
+    released: list[float] = []
+    began: list[float] = []
+
+    def hold(connection: Connection) -> None:
+        lock_job(connection, job_id)
+        held.set()
+        let_go.wait(60.0)
+        released.append(connection.execute(select(database_now())).scalar_one())
+
+    def wait(connection: Connection) -> None:
+        locked = lock_job(connection, job_id, briefly=briefly)
+        assert locked is not None
+        began.append(locked.now)
+
+    threads = [threading.Thread(target=store.write, args=(work,)) for work in (hold, wait)]
+    threads[0].start()
+    assert held.wait(60.0)
+    threads[1].start()
+    waiting = text("SELECT count(*) FROM pg_locks WHERE NOT granted")
+    wait_for(lambda: store.read(lambda c: c.execute(waiting).scalar_one()) > 0, "a wait for the row")
+    let_go.set()
+    for thread in threads:
+        thread.join(60.0)
+    assert began[0] >= released[0]
 
 
 # With SQLite one transaction writes at a time: the lease waits, and ends all others that do.

@@ -10,6 +10,7 @@ from typing import Any
 from sqlalchemy import (
     ColumnElement,
     Connection,
+    Select,
     and_,
     bindparam,
     case,
@@ -66,17 +67,20 @@ JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids", "failures")
 LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).scalar_subquery().label("last_event")
 VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
+
+
+def _locked(*columns: Any) -> Select[Any]:
+    """Lock the row, and read the clock when that is done: a statement may wait long for the lock."""
+    row = select(*columns).where(jobs.c.id == bindparam("job_id")).with_for_update().subquery()
+    return select(*row.c, database_now().label("now"))
+
+
 # Asked for in every exchange: built once, as building takes as long as the database's answer.
-LOCK = select(*COLUMNS, database_now().label("now")).where(jobs.c.id == bindparam("job_id")).with_for_update()
+LOCK = _locked(*COLUMNS)
 # What most exchanges need: the search of a thousand particles is some hundred kilobytes of text.
-LOCK_BRIEFLY = (
-    select(
-        *(column for column in COLUMNS if column.name not in LARGE),
-        case((jobs.c.progress.is_(None), None), else_="").label("progress"),
-        database_now().label("now"),
-    )
-    .where(jobs.c.id == bindparam("job_id"))
-    .with_for_update()
+LOCK_BRIEFLY = _locked(
+    *(column for column in COLUMNS if column.name not in LARGE),
+    case((jobs.c.progress.is_(None), None), else_="").label("progress"),
 )
 WHOLE = select(*COLUMNS).where(jobs.c.id == bindparam("job_id"))
 CURRENT_GENERATION = select(jobs.c.generation).where(jobs.c.id == bindparam("job_id"), jobs.c.state == "running")
