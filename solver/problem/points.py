@@ -219,7 +219,13 @@ def _length_issues(points: Points, path: str) -> list[Issue]:
         for name, values in lists.items()
         if values is not None and len(values) != n
     ]
-    return issues or _weight_issues(points, f"{path}.weight")
+    issues = issues or _weight_issues(points, f"{path}.weight")
+    count = float(n if points.readings is None else sum(points.readings))
+    if not issues and points.independent is not None and points.independent > count * (1.0 + 1e-9):  # sums are rounded
+        given = number(points.independent)
+        message = f"is {given}, but there are {number(count)} readings; at most as many can be independent"
+        issues.append(Issue(f"{path}.independent", message))
+    return issues
 
 
 def _weight_issues(points: Points, path: str) -> list[Issue]:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.preparation import independent_readings
 
@@ -114,3 +115,10 @@ def test_few_of_the_means_hold_several_readings() -> None:
     assert independent_readings(x, 10.0 * x, begins, 1e-3)[0] == pytest.approx(4.0)  # no scatter at all at x = 1
     assert independent_readings(x, x + np.array([0, 1, -1, 0, 0]), begins, 1.0)[0] == pytest.approx(5.0)
     assert independent_readings(x, x, np.arange(5), 1.0)[0] == 5.0
+
+
+@pytest.mark.parametrize("more", [{"independent": 2.1}, {"readings": [10, 10], "independent": 20.5}])
+def test_no_more_readings_are_independent_than_there_are(more: dict[str, Any]) -> None:
+    observation = {"series": "q", "points": {"x": [1, 2], "y": [3, 6], **more}, "error": 20.0}
+    with pytest.raises(ProblemError, match=r"points\.independent.* at most as many can be independent"):
+        problem([observation], None)
