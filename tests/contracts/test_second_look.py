@@ -1,4 +1,4 @@
-"""``make test`` runs what failed once more, alone: a test that a busy machine broke does not make the run red."""
+"""``make test`` runs what failed once more, alone, and tests that judge by the clock after the others, one by one."""
 
 from __future__ import annotations
 
@@ -32,6 +32,15 @@ def test_unlucky(number):
     seen.touch()
     assert before
 """
+TIMED = """
+import os
+import pytest
+
+@pytest.mark.timing
+def test_timed():
+    assert "PYTEST_XDIST_WORKER" not in os.environ
+"""
+TIMED_BROKEN = TIMED.replace(" not in ", " in ")
 RIGHT = "def test_right():\n    assert True\n"
 IN_TEARDOWN = """
 import pytest
@@ -51,19 +60,31 @@ def test_teardown(broken):
     [
         ([RIGHT], True, None),
         ([RIGHT, UNLUCKY], True, "test_unlucky"),
+        ([RIGHT, TIMED], True, None),
+        ([RIGHT, TIMED_BROKEN], False, None),
         ([RIGHT, UNLUCKY, BROKEN], False, None),
         ([RIGHT, ELEVEN], False, None),
         ([IN_TEARDOWN], False, None),
         (["import nothing_of_this_name"], False, None),
         ([], False, None),
     ],
-    ids=["right", "unlucky", "broken", "eleven", "teardown", "import", "none"],
+    ids=[
+        "right",
+        "unlucky",
+        "timed",
+        "timed and broken",
+        "broken",
+        "eleven",
+        "teardown",
+        "import",
+        "none",
+    ],
 )
 def test_what_fails_again_is_red(tmp_path: Path, tests: list[str], green: bool, named: str | None) -> None:
-    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n  timing: clock\n  slow: long\n")
     for number, text in enumerate(tests):
         (tmp_path / f"test_{number}.py").write_text(text)
-    command = [sys.executable, str(ROOT / "scripts" / "run_tests.py"), "--jobs", "2", "-m", "not slow"]
+    command = [sys.executable, str(ROOT / "scripts" / "run_tests.py"), "--jobs", "1", "--folder", "."]
     only = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdist.plugin"}  # others take seconds to load
     ran = subprocess.run(command, cwd=tmp_path, env=os.environ | only, capture_output=True, text=True, check=False)
     assert (ran.returncode == 0) is green, ran.stdout
