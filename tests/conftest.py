@@ -11,15 +11,16 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# Before NumPy is loaded: one numerical thread a process, so that parallel workers do not fight for the cores.
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
+from geoswarm.solver.system.environment import SWITCH, numerics
+
 # A made-up case may take as long as the machine needs.
 settings.register_profile("any machine", deadline=None)
 settings.load_profile("any machine")
 # Settings of the user's own installation must not reach the tests.
-for _name in [name for name in os.environ if name.startswith("GEOSWARM_")]:
+for _name in [name for name in os.environ if name.startswith("GEOSWARM_") and name != SWITCH]:
     del os.environ[_name]
+# Before NumPy is loaded: one numerical thread a process, so that parallel workers do not fight for the cores.
+os.environ.update(numerics())
 # A shell ignores interrupts for what it starts in the background; the programs that tests start must not inherit that.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -21,7 +21,7 @@ from typing import Any
 import httpx
 
 from geoswarm.environment import without_secrets
-from geoswarm.solver.system.environment import ONE_THREAD
+from geoswarm.solver.system.environment import numerics
 from geoswarm.solver.system.processes import descendants, kill_session, memory_of
 
 __all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "HeavyProcess"]
@@ -73,7 +73,7 @@ class HeavyProcess:
                 [sys.executable, "-c", BOOTSTRAP],
                 stdin=subprocess.PIPE,
                 pass_fds=(*descriptors, listener.fileno()),
-                env=without_secrets(os.environ) | ONE_THREAD,
+                env=without_secrets(os.environ) | numerics(),
                 start_new_session=True,
             )
             text = json.dumps({**given, "path": sys.path, "listener": listener.fileno()})

@@ -34,7 +34,7 @@ from geoswarm.agent.server import Lease, Server, Terms
 from geoswarm.agent.slot import Slot
 from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.registered.folders import VARIABLE
-from geoswarm.solver.system.environment import ONE_THREAD, clean_environment
+from geoswarm.solver.system.environment import clean_environment, numerics
 from geoswarm.solver.system.processes import adopt_orphans
 
 __all__ = ["Agent", "AgentOptions"]
@@ -137,7 +137,7 @@ class Agent:
             if options.models_secret is None
             else FetchedModels(options.folder / "models", self.server, options.models_secret, self.ending)
         )
-        self._environment = {**clean_environment(os.environ, options.passed), **ONE_THREAD}  # of all runs
+        self._environment = {**clean_environment(os.environ, options.passed), **numerics()}  # of all runs
         self._slots = [Slot(self, number, self._process()) for number in range(options.slots)]
 
     def serve(self) -> None:

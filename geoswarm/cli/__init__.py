@@ -20,11 +20,13 @@ from __future__ import annotations
 import atexit
 import gc
 import io
+import os
 import sys
 from collections.abc import Sequence
 
 from geoswarm.cli.commands import cli
 from geoswarm.cli.words.error_messages import CommandContext, report
+from geoswarm.solver.system.environment import same_bits
 
 __all__ = ["cli", "main"]
 
@@ -47,6 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")  # a symbol that the terminal lacks must not end the command
     session = CommandContext()
     try:
+        os.environ.update(same_bits())  # NumPy is not loaded yet
         code = cli.main(
             args=None if arguments is None else list(arguments),
             prog_name="geoswarm",

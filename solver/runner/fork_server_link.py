@@ -20,7 +20,7 @@ from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.wire import readable
-from geoswarm.solver.system.environment import ONE_THREAD, clean_environment
+from geoswarm.solver.system.environment import clean_environment, numerics
 from geoswarm.solver.system.processes import kill_session, memory_below
 from geoswarm.solver.warm import GROUPS
 
@@ -77,7 +77,7 @@ class ForkServerLink:
                     [sys.executable, "-c", BOOTSTRAP, given],
                     stdin=subprocess.DEVNULL,
                     pass_fds=[theirs.fileno()],
-                    env={**clean_environment(os.environ, self._passed), **ONE_THREAD},
+                    env={**clean_environment(os.environ, self._passed), **numerics()},
                     start_new_session=True,  # signals of a terminal or a supervisor are for the worker
                 )
         except OSError:

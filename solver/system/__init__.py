@@ -2,7 +2,7 @@
 
 ===============  =============================================================
 ``processes``    process trees: memory and end
-``environment``  which variables forward models see
+``environment``  variables of processes that calculate, and which forward models see
 ``file_locks``   locks of files
 ``versions``     versions of what numbers depend on
 ``extras``       packages that are optional

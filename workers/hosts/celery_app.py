@@ -145,11 +145,11 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     SystemExit
         With Celery's exit code when it gave up.
     """
-    from geoswarm.solver.system.environment import ONE_THREAD
+    from geoswarm.solver.system.environment import numerics
     from geoswarm.workers.store import Store
     from geoswarm.workers.store.file import missing_database
 
-    os.environ.update(ONE_THREAD)
+    os.environ.update(numerics())
     from geoswarm.solver.forward.registry import kinds
 
     doorbell = CeleryDoorbell(settings)

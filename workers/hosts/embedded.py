@@ -19,7 +19,7 @@ from geoswarm.environment import without_secrets
 from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.wire import readable
-from geoswarm.solver.system.environment import ONE_THREAD
+from geoswarm.solver.system.environment import numerics
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
@@ -145,7 +145,7 @@ class Supervisor:
             [sys.executable, "-c", BOOTSTRAP],
             stdin=subprocess.PIPE,
             pass_fds=(*ends, slots),
-            env=without_secrets(os.environ) | ONE_THREAD,  # what it needs of them comes over its standard input
+            env=without_secrets(os.environ) | numerics(),  # what it needs of them comes over its standard input
             process_group=0,  # Ctrl-C in a terminal reaches this process alone, which then ends its workers in order
         )
         identity = Identity.new("embedded", process.pid)
