@@ -16,6 +16,8 @@ TESTS := $(BIN)/python scripts/run_tests.py
 # one thread (tests/conftest.py).
 JOBS ?= 3
 export PYTHON
+# Where Python may not keep what it compiles, each of the thousands of processes of the tests compiles all libraries.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help setup servers servers-all engines engines-all demo test test-all check docs format lock bench clean
 
