@@ -22,8 +22,8 @@ PROBLEMS: dict[str, dict[str, Any]] = {
     "oedometer": {"stopping": {"max_evaluations": 60}},
     "isotropic_compression": {"stopping": {"max_evaluations": 60}},
     "combined": {"stopping": {"max_evaluations": 60}},
-    "slope": {"stopping": {"max_evaluations": 8}},
-    "formula": {"stopping": {"max_evaluations": 200}, "search": {"kind": "monte_carlo"}},
+    "slope": {"stopping": {"max_evaluations": 20}},
+    "formula": {"method": {"kind": "monte_carlo", "samples": 200}, "stopping": {}},
 }
 
 
