@@ -17,6 +17,11 @@ from geoswarm.workers.store.tables import metadata
 from tests.servers import free_port
 
 
+@pytest.fixture
+def database_url(empty_database_url: str) -> str:
+    return empty_database_url
+
+
 def test_migrations_make_the_tables_that_the_program_uses(store: Store) -> None:
     with store.engine.connect() as connection:
         assert compare_metadata(MigrationContext.configure(connection), metadata) == []
