@@ -79,15 +79,16 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str
 
 @pytest.fixture
 def settings(database_url: str) -> Settings:
-    """Settings with short times."""
+    """Settings with times that no busy machine reaches; a test that needs more time to have passed moves it."""
     return Settings(
         database_url=database_url,
         workers=2,
-        lease_seconds=1.0,
-        heartbeat_seconds=0.2,
-        sweep_seconds=0.1,
+        lease_seconds=600.0,
+        heartbeat_seconds=150.0,
+        sweep_seconds=150.0,
         isolate=False,
-        slice_seconds=60,
+        slice_seconds=600.0,
+        overdue_seconds=600.0,
     )
 
 
@@ -112,10 +113,14 @@ def service(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> Jo
 
 
 @pytest.fixture
-def make_worker(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> MakeWorker:
+def make_worker(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> Iterator[MakeWorker]:
     """Make a worker that the test drives itself; keywords change the settings."""
+    made: list[Worker] = []
 
     def make(**changes: Any) -> Worker:
-        return Worker(store, doorbell, settings.model_copy(update=changes), Identity.new("embedded"))
+        made.append(Worker(store, doorbell, settings.model_copy(update=changes), Identity.new("embedded")))
+        return made[-1]
 
-    return make
+    yield make
+    for worker in made:
+        worker.heartbeat.stop()  # a test that fails leaves none behind, which would disturb others

@@ -113,7 +113,10 @@ def test_deleted_data_are_nowhere_in_the_files(tmp_path: Path, how: str) -> None
     store.close()
 
 
-def test_a_journal_that_a_reader_needs_is_emptied_by_a_later_sweep(tmp_path: Path) -> None:
+def test_a_journal_that_a_reader_needs_is_emptied_by_a_later_sweep(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("geoswarm.workers.store.database.SQLITE_BUSY_SECONDS", 250.0)  # who waits is seen to wait
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
     service = JobService(store, MuteDoorbell(), settings)
@@ -126,7 +129,7 @@ def test_a_journal_that_a_reader_needs_is_emptied_by_a_later_sweep(tmp_path: Pat
         assert reader.scalar(text("SELECT count(*) FROM jobs")) == 1
         began = time.monotonic()
         service.delete(job_id)  # does not wait for the reader
-        assert time.monotonic() - began < 10.0
+        assert time.monotonic() - began < 120.0
         sweeper.sweep()
         assert journal.stat().st_size > 500_000
         assert MARK.encode() in journal.read_bytes()

@@ -105,7 +105,7 @@ def test_generations_follow_the_workers_and_what_was_recorded_gives_the_same_his
     problem = curved(method={"kind": "particle_swarm", "particles": "auto"}, stopping={"max_evaluations": 30})
     job, crew = service.submit(problem)[0].id, [make_worker() for _ in range(4)]
     store.write(lambda connection: see_worker(connection, crew[0].identity))
-    hand = Hand(runtime_for(store, settings, lease_seconds=1000.0), job, crew[0].identity.id, calibration(problem))
+    hand = Hand(runtime_for(store, settings), job, crew[0].identity.id, calibration(problem))
     while service.get(job).state in ("queued", "running"):
         begun = service.get(job).generations
         for worker in crew[1:]:
