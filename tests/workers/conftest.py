@@ -17,6 +17,8 @@ from geoswarm.workers.store import Store
 from tests.servers import PostgresServer
 
 MakeWorker: TypeAlias = Callable[..., Worker]
+ON_SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+"""For what no database makes different."""
 
 
 class RecordingDoorbell:

@@ -15,9 +15,9 @@ from geoswarm.workers.coordinator.work import Claim, HandIn
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.settings import Settings
 from tests.solver.runner.test_runner import misbehaving
-from tests.workers.conftest import MakeWorker
+from tests.workers.conftest import ON_SQLITE, MakeWorker
 
-pytestmark = pytest.mark.usefixtures("misbehaving_models")
+pytestmark = [pytest.mark.usefixtures("misbehaving_models"), ON_SQLITE]
 
 SECONDS = 0.15
 CLAIM = Claim("job", 3, (0, 1), (1, 1), np.array([[0.5], [1.0]]), now=100.0, run_seconds=0.0, job=None, typical=SECONDS)

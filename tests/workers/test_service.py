@@ -22,7 +22,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import attempts, evaluations, events, generations
 from tests.integration.engines import wait_for
 from tests.servers import PostgresServer
-from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingDoorbell
 from tests.workers.problems import expected_history, line, recorded_history
 
 
@@ -42,6 +42,7 @@ def test_a_submitted_job_is_queued_and_rung_for(service: JobService, doorbell: R
     assert [event.data["state"] for event in service.events(view.id)] == ["queued"]
 
 
+@ON_SQLITE
 def test_a_job_without_a_seed_gets_one_and_says_which(service: JobService) -> None:
     seeds = {service.submit(line(seed=None))[0].seed for _ in range(3)}
     assert len(seeds) == 3
@@ -78,6 +79,7 @@ def test_listing_pages_newest_first(service: JobService) -> None:
     assert [job.id for job in service.list(JobFilters(states=("cancelled",))).items] == [ids[3]]
 
 
+@ON_SQLITE
 @pytest.mark.parametrize(
     "cursor",
     ["", "nonsense", "WzEsMl0", "WyJhIl0", "Ww", "é", "W251bGwsMV0", "WzFlOTk5LCJhIl0", "WzEuNSwiYVx1MDAwMCJd"],
@@ -176,6 +178,7 @@ def test_failed_evaluations_are_data(service: JobService, make_worker: MakeWorke
     assert recorded_history(service, job_id) == expected_history(problem)
 
 
+@ON_SQLITE
 def test_a_job_whose_every_run_fails_ends_failed(service: JobService, make_worker: MakeWorker) -> None:
     problem = line(forward_model={"kind": "formula", "series": {"y": "a * x + b + ln(-1)"}})
     job_id = service.submit(problem)[0].id

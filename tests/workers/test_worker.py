@@ -21,7 +21,7 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_json
 from geoswarm.workers.store.tables import evaluations, jobs
 from tests.integration.engines import wait_for
-from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingDoorbell
 from tests.workers.hand import pass_time
 from tests.workers.problems import calibration, expected_history, line, recorded_history
 
@@ -98,6 +98,7 @@ def test_a_problem_that_cannot_be_built_fails_the_job_not_the_worker(
     assert service.get(other).state == "finished"
 
 
+@ON_SQLITE
 @pytest.mark.usefixtures("misbehaving_models")
 def test_a_model_that_dies_while_it_is_built_fails_its_job_and_no_worker(
     service: JobService, make_worker: MakeWorker, store: Store
@@ -125,6 +126,7 @@ def test_a_model_that_dies_while_it_is_built_fails_its_job_and_no_worker(
     assert service.get(other).state == "finished"
 
 
+@ON_SQLITE
 def test_without_a_process_to_spare_the_work_is_left_to_others(
     service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -148,6 +150,7 @@ def test_without_a_process_to_spare_the_work_is_left_to_others(
     assert recorded_history(service, job_id) == expected_history(line(stopping={"max_evaluations": 12}))
 
 
+@ON_SQLITE
 def test_while_heartbeats_are_late_a_worker_takes_one_claim_at_a_time(
     service: JobService, make_worker: MakeWorker
 ) -> None:
@@ -162,6 +165,7 @@ def test_while_heartbeats_are_late_a_worker_takes_one_claim_at_a_time(
     assert service.get(job_id).state == "finished"
 
 
+@ON_SQLITE
 def test_a_bug_in_the_search_fails_the_job_not_the_worker(
     service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -175,6 +179,7 @@ def test_a_bug_in_the_search_fails_the_job_not_the_worker(
     assert (view.state, view.error) == ("failed", "ZeroDivisionError: in the search")
 
 
+@ON_SQLITE
 def test_an_unknown_job_is_no_trouble(make_worker: MakeWorker, doorbell: RecordingDoorbell) -> None:
     make_worker().serve("0123456789abcdef")
     assert doorbell.rings == []
