@@ -166,7 +166,8 @@ def test_evaluations_page_and_filter(service: JobService, make_worker: MakeWorke
 
 
 def test_failed_evaluations_are_data(service: JobService, make_worker: MakeWorker) -> None:
-    problem = line(forward_model={"kind": "formula", "series": {"y": "a * x + ln(b)"}})
+    model = {"kind": "formula", "series": {"y": "a * x + ln(b)"}}
+    problem = line(forward_model=model, stopping={"max_evaluations": 36})
     job_id = service.submit(problem)[0].id
     make_worker().serve(job_id)
     view = service.get(job_id)
@@ -180,13 +181,14 @@ def test_failed_evaluations_are_data(service: JobService, make_worker: MakeWorke
 
 @ON_SQLITE
 def test_a_job_whose_every_run_fails_ends_failed(service: JobService, make_worker: MakeWorker) -> None:
-    problem = line(forward_model={"kind": "formula", "series": {"y": "a * x + b + ln(-1)"}})
+    model = {"kind": "formula", "series": {"y": "a * x + b + ln(-1)"}}
+    problem = line(forward_model=model, stopping={"max_evaluations": 36})
     job_id = service.submit(problem)[0].id
     make_worker().serve(job_id)
     view = service.get(job_id)
     assert view.state == "failed"
     assert view.error is not None
-    assert view.error.startswith("all 120 evaluations failed (120 not_finite)")
+    assert view.error.startswith("all 36 evaluations failed (36 not_finite)")
     assert view.objective is None
     assert service.best(job_id) is None
 
@@ -213,7 +215,7 @@ def test_cancel_pause_resume_and_delete(service: JobService, make_worker: MakeWo
 
 
 def test_deleting_really_deletes(service: JobService, make_worker: MakeWorker) -> None:
-    job_id = service.submit(line())[0].id
+    job_id = service.submit(line(stopping={"max_evaluations": 36}))[0].id
     make_worker().serve(job_id)
     service.delete(job_id)
     for table in (attempts, evaluations, events, generations):

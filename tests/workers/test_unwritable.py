@@ -130,7 +130,7 @@ def test_readiness_tells_that_the_database_takes_nothing_in(store: Store, switch
 def test_nothing_is_lost_and_work_goes_on_by_itself(
     store: Store, service: JobService, settings: Settings, switch: Switch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem = line(stopping={"max_evaluations": 300})
+    problem = line(stopping={"max_evaluations": 120})
     expected = expected_history(problem)
     run = ClaimRunner.run
     claims: list[int] = []

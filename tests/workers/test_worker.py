@@ -27,7 +27,7 @@ from tests.workers.problems import calibration, expected_history, line, recorded
 
 
 def test_a_burst_and_single_steps_give_the_same_history(service: JobService, make_worker: MakeWorker) -> None:
-    problem = line()
+    problem = line(stopping={"max_evaluations": 60})
     expected = expected_history(problem)
     for changes in (
         {},
@@ -41,7 +41,7 @@ def test_a_burst_and_single_steps_give_the_same_history(service: JobService, mak
         worker.serve(job_id)
         assert service.get(job_id).state == "finished"
         assert recorded_history(service, job_id) == expected
-        assert [g.number for g in service.generations(job_id)] == list(range(20))
+        assert [g.number for g in service.generations(job_id)] == list(range(10))
 
 
 class Ticks:
