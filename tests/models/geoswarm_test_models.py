@@ -21,6 +21,7 @@ from geoswarm import DivergedError, FloatArray, ForwardModelSpec, ForwardRun, Pa
 
 Behaviour = Literal[
     "sleep",
+    "wait",
     "uneven",
     "compute",
     "for_ever",
@@ -80,6 +81,10 @@ class MisbehavingModel:
         match self.spec.behaviour:
             case "sleep":
                 time.sleep(self.spec.seconds)
+            case "wait":  # for a file of ``notes`` with the name of its value
+                time.sleep(self.spec.seconds)
+                while not Path(self.spec.notes, f"{values['slope']:g}").exists():
+                    time.sleep(0.002)
             case "uneven":  # a third of the runs take four times as long
                 time.sleep(self.spec.seconds * (4.0 if int(1e9 * values["slope"]) % 3 == 0 else 1.0))
             case "compute":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -13,8 +14,11 @@ from geoswarm.workers.identity import Identity
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from tests.servers import PostgresServer
 
 MakeWorker: TypeAlias = Callable[..., Worker]
+ON_SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+"""For what no database makes different."""
 
 
 class RecordingDoorbell:
@@ -34,7 +38,7 @@ class RecordingDoorbell:
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
-def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+def empty_database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     """Address of an empty database, of each kind in turn."""
     if request.param == "sqlite":
         return f"sqlite:///{tmp_path / 'jobs.db'}"
@@ -42,17 +46,51 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     return url
 
 
+@pytest.fixture(scope="session")
+def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with all tables; each test has a copy of it, as making the tables takes longer than most tests."""
+    path = tmp_path_factory.mktemp("template") / "jobs.db"
+    Store(Settings(database_url=f"sqlite:///{path}")).close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def postgres_template(postgres_server: PostgresServer) -> str:
+    """Name of a database with all tables, to which nobody is connected any more."""
+    postgres_server.start()
+    url = postgres_server.create_database()
+    Store(Settings(database_url=url)).close()
+    return url.rsplit("/", 1)[-1]
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """Address of a database that has its tables and nothing in them, of each kind in turn."""
+    if request.param == "sqlite":
+        shutil.copy(request.getfixturevalue("sqlite_template"), tmp_path / "jobs.db")
+        yield f"sqlite:///{tmp_path / 'jobs.db'}"
+        return
+    server: PostgresServer = request.getfixturevalue("postgres_server")
+    template: str = request.getfixturevalue("postgres_template")
+    server.start()
+    url = server.create_database(template=template)
+    yield url
+    server.start()
+    server.drop_database(url)
+
+
 @pytest.fixture
 def settings(database_url: str) -> Settings:
-    """Settings with short times."""
+    """Settings with times that no busy machine reaches; a test that needs more time to have passed moves it."""
     return Settings(
         database_url=database_url,
         workers=2,
-        lease_seconds=1.0,
-        heartbeat_seconds=0.2,
-        sweep_seconds=0.1,
+        lease_seconds=600.0,
+        heartbeat_seconds=150.0,
+        sweep_seconds=150.0,
         isolate=False,
-        slice_seconds=60,
+        slice_seconds=600.0,
+        overdue_seconds=600.0,
     )
 
 
@@ -77,10 +115,14 @@ def service(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> Jo
 
 
 @pytest.fixture
-def make_worker(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> MakeWorker:
+def make_worker(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> Iterator[MakeWorker]:
     """Make a worker that the test drives itself; keywords change the settings."""
+    made: list[Worker] = []
 
     def make(**changes: Any) -> Worker:
-        return Worker(store, doorbell, settings.model_copy(update=changes), Identity.new("embedded"))
+        made.append(Worker(store, doorbell, settings.model_copy(update=changes), Identity.new("embedded")))
+        return made[-1]
 
-    return make
+    yield make
+    for worker in made:
+        worker.heartbeat.stop()  # a test that fails leaves none behind, which would disturb others

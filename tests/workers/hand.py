@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from sqlalchemy import update
+
 from geoswarm.solver.calibration import Calibration
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.store.tables import evaluations, jobs, workers
 from tests.workers.problems import calibration, line
 
 PROBLEM = line(stopping={"max_evaluations": 60})
@@ -59,6 +62,13 @@ class Hand:
 
 def runtime_for(store: Store, settings: Settings, **changes: float) -> Runtime:
     return Runtime(store, settings.model_copy(update={"burst_seconds": 0.0} | changes))
+
+
+def pass_time(store: Store, seconds: float) -> None:
+    """Let time pass for leases, workers and jobs; no sleep: a busy machine would sleep through the next lease, too."""
+    for column in (evaluations.c.lease_expires_at, workers.c.seen_at, jobs.c.clock_at, jobs.c.rung_at):
+        earlier = update(column.table).values({column: column - seconds})
+        store.write(lambda connection, earlier=earlier: connection.execute(earlier))  # type: ignore[misc]
 
 
 def finish(hand: Hand) -> None:

@@ -23,7 +23,7 @@ from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from tests.workers.conftest import MakeWorker
+from tests.workers.conftest import ON_SQLITE, MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history
 
 SHORT = line(stopping={"max_evaluations": 60})
@@ -101,6 +101,7 @@ def test_agents_and_workers_mixed_make_the_same_history(
     assert recorded_history(service, job_id) == expected_history(SHORT)
 
 
+@ON_SQLITE
 def test_an_agent_sees_parameters_and_points_only(desk: AgentDesk, service: JobService) -> None:
     problem = line(name="a secret name", observations=[{"series": "y", "points": {"x": [0, 1], "y": [17.25, 31.5]}}])
     job_id, agent = submitted(service, problem), ByHand(desk)
@@ -142,6 +143,7 @@ def test_nobody_brings_results_for_what_was_not_leased_to_the_key(desk: AgentDes
         ByHand(desk, agent.name, key="abcdefabcdef")
 
 
+@ON_SQLITE
 def test_runs_of_other_particles_and_tries_are_left_out(desk: AgentDesk, service: JobService) -> None:
     job_id, agent = submitted(service), ByHand(desk)
     grant = agent.lease(runs=1)
@@ -155,6 +157,7 @@ def test_runs_of_other_particles_and_tries_are_left_out(desk: AgentDesk, service
     assert [e.state for e in service.evaluations(job_id).items] == ["pending"] * 6
 
 
+@ON_SQLITE
 def test_wrong_responses_are_failures(desk: AgentDesk, service: JobService) -> None:
     job_id, agent = submitted(service), ByHand(desk)
     wrong: dict[str, Any] = {"y": [1.0, 2.0]}, {}, {"y": [1e200] * 4}
@@ -189,6 +192,7 @@ def test_needs_name_kinds_and_registered_versions() -> None:
     assert needs_of(combined.forward_model) == "combined formula"
 
 
+@ON_SQLITE
 def test_what_cannot_end_in_time_is_not_leased(desk: AgentDesk, service: JobService) -> None:
     submitted(service)
     agent = ByHand(desk)

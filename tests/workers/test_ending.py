@@ -12,7 +12,7 @@ from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError, QuotaExceededError
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.service.job_service import JobService
-from tests.workers.conftest import MakeWorker
+from tests.workers.conftest import ON_SQLITE, MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history
 
 METHODS: list[dict[str, Any]] = [
@@ -21,6 +21,7 @@ METHODS: list[dict[str, Any]] = [
 ]
 
 
+@ON_SQLITE
 @pytest.mark.parametrize("method", METHODS, ids=["textbook", "accelerated"])
 @pytest.mark.parametrize("burst_seconds", [0.0, 5.0], ids=["single generations", "bursts"])
 def test_a_finished_job_goes_on_as_if_it_had_been_asked_for_more_at_first(
@@ -64,6 +65,7 @@ def test_a_cancelled_job_goes_on_too(service: JobService, make_worker: MakeWorke
     assert recorded_history(service, job_id) == expected_history(line(stopping={"max_evaluations": 60}))
 
 
+@ON_SQLITE
 @pytest.mark.parametrize("method", METHODS, ids=["textbook", "accelerated"])
 @pytest.mark.parametrize(("first", "then"), [(36, 90), (90, 36)], ids=["more", "fewer"])
 def test_a_change_while_a_worker_is_at_it_holds(
@@ -101,6 +103,7 @@ def test_what_would_end_at_once_is_refused(service: JobService, make_worker: Mak
     assert service.problem(job_id)["stopping"] == {"max_evaluations": 36, "target_objective": 1e6}
 
 
+@ON_SQLITE
 def test_a_sampling_keeps_its_points_and_a_failed_job_its_end(service: JobService, make_worker: MakeWorker) -> None:
     sampling = {"kind": "monte_carlo", "samples": 20, "sampling": "sobol", "batch": 10}
     job_id = service.submit(line(method=sampling, stopping={}))[0].id

@@ -95,14 +95,13 @@ def test_the_first_job_of_an_installation(tmp_path: Path, monkeypatch: pytest.Mo
         failures={"policy": "fail"},
     )
     with open_engine(Settings(database_url=f"sqlite:///{tmp_path / 'jobs.db'}", workers=2)) as engine:
-        job = wait_until_ended(engine.service, engine.service.submit(problem)[0].id, 250.0)
+        job = wait_until_ended(engine.service, engine.service.submit(problem)[0].id)
         rows = engine.service.store.read(lambda c: c.execute(events.select().order_by(events.c.id)).all())
     assert (job.state, job.evaluations, job.failed_evaluations) == ("finished", 20, 0)
     found = [(row.kind, json.loads(row.data)) for row in rows]
     kernel_events = [data["seconds"] for kind, data in found if kind == "kernels"]
     assert kernel_events[0] is None
     assert len(kernel_events) == 2
-    assert job.seconds is not None
-    assert kernel_events[1] > job.seconds
-    assert [kind for kind, _ in found].index("kernels") < [kind for kind, _ in found].index("generation")
+    course = [data["state"] if kind == "state" else kind for kind, data in found]
+    assert course[:4] == ["queued", "kernels", "kernels", "running"]  # its seconds are counted from there
     assert [path.name.split("-")[1] for path in (tmp_path / "kernels").glob("*/compiled-*")] == ["oedometer"]

@@ -11,7 +11,7 @@ from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import IdempotencyConflictError, JobNotFoundError, QuotaExceededError
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import line_problem
-from tests.workers.conftest import MakeWorker
+from tests.workers.conftest import ON_SQLITE, MakeWorker
 
 ALICE, BOB, ADMIN = Principal("alice", "submit", "a"), Principal("bob", "submit", "b"), Principal("root", "admin", "r")
 
@@ -36,6 +36,7 @@ def test_owners_see_their_own_jobs_and_administrators_all(service: JobService) -
     assert service.on_behalf_of(Principal("alice", "read")).get(own.id).name == "a"
 
 
+@ON_SQLITE
 @pytest.mark.parametrize(
     "method", ["get", "problem", "cancel", "pause", "resume", "delete", "best", "evaluations", "generations", "events"]
 )

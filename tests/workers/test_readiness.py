@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sqlite3
 import stat
 import threading
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -19,13 +19,13 @@ import pytest
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.hosts.engine import open_engine
-from geoswarm.workers.operations.probe import OneAtATime
+from geoswarm.workers.operations.probe import OneAtATime, Probe
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import live_server
+from tests.integration.engines import wait_for
 from tests.workers.problems import line
-from tests.workers.test_unwritable import wait_until
 
 
 @pytest.fixture
@@ -52,43 +52,82 @@ def locked(path: Path) -> Iterator[None]:
         other.close()
 
 
+class Look:
+    """Answers when it is let."""
+
+    def __init__(self) -> None:
+        self.looks = 0
+        self.go_on = threading.Event()
+        self.go_on.set()
+
+    def __call__(self) -> str:
+        self.looks += 1
+        number = self.looks
+        assert self.go_on.wait(120.0), "nobody let it go on"
+        return f"answer {number}"
+
+
 def test_one_looks_and_the_others_get_the_last_answer() -> None:
-    go_on = threading.Event()
-    looks: list[int] = []
-
-    def look() -> str:
-        looks.append(1)
-        if len(looks) > 1:
-            go_on.wait(60)
-        return f"answer {len(looks)}"
-
-    asked = OneAtATime(look, patience=1.0)
+    look = Look()
+    asked = OneAtATime(look, patience=250.0)
     assert asked.answer() == "answer 1"
+    look.go_on.clear()
     with ThreadPoolExecutor(20) as pool:
-        answers = list(pool.map(lambda _: asked.answer(), range(20)))
-        assert len(looks) == 2
-        assert answers.count("answer 1") == 19
-        assert [answer for answer in answers if "has not answered for" in answer] == ["has not answered for 1 s"]
-        assert "has not answered for" in asked.answer()
-        go_on.set()
-        wait_until(lambda: asked.answer().startswith("answer"), 30)
+        answers = [pool.submit(asked.answer) for _ in range(20)]
+        wait_for(lambda: sum(one.done() for one in answers) == 19, "the answers of those who need not look")
+        assert look.looks == 2
+        look.go_on.set()
+        assert sorted(one.result() for one in answers) == ["answer 1"] * 19 + ["answer 2"]
 
 
-def test_a_locked_file_does_not_make_the_service_unreachable(sqlite_store: Store, tmp_path: Path) -> None:
+def test_a_look_that_takes_too_long_is_told_to_all() -> None:
+    look = Look()
+    asked = OneAtATime(look, patience=0.1)
+    wait_for(lambda: asked.answer().startswith("answer"), "an answer")
+    look.go_on.clear()
+    looks = look.looks
+    with ThreadPoolExecutor(20) as pool:
+        first = asked.answer()
+        answers = [first, *pool.map(lambda _: asked.answer(), range(20))]
+        assert look.looks == looks + 1
+        assert ["has not answered for" in answer for answer in answers] == [True] * 21
+        look.go_on.set()
+        wait_for(lambda: asked.answer().startswith("answer"), "an answer again")
+
+
+def test_a_locked_file_does_not_make_the_service_unreachable(
+    sqlite_store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    under_way: list[int] = []
+    at_once: list[int] = []
+    database = Probe.database
+
+    def counted(self: Probe) -> str:
+        under_way.append(1)
+        at_once.append(len(under_way))
+        try:
+            return database(self)
+        finally:
+            under_way.pop()
+
+    def ready() -> int:
+        return client.get("/health/ready").status_code
+
+    monkeypatch.setattr(Probe, "database", counted)
     service = JobService(sqlite_store, MuteDoorbell())
-    with live_server(service) as server, httpx.Client(base_url=server.url, timeout=60) as client:
-        assert client.get("/health/ready").status_code == 200
-        time.sleep(2.1)
+    with live_server(service) as server, httpx.Client(base_url=server.url, timeout=120) as client:
+        wait_for(lambda: ready() == 200, "a service that is ready")
         with locked(tmp_path / "jobs.db"), ThreadPoolExecutor(60) as pool:
-            began = time.monotonic()
-            asked = [pool.submit(httpx.get, f"{server.url}/health/ready", timeout=60) for _ in range(60)]
+            asked = [pool.submit(httpx.get, f"{server.url}/health/ready", timeout=120) for _ in range(60)]
             assert client.get("/api/v1/jobs").status_code == 200
             assert {one.result().status_code for one in asked} <= {200, 503}
-            assert time.monotonic() - began < 15.0  # it was 20 s for each forty of them
-            answer = client.get("/health/ready")
-            assert answer.status_code == 503
-            assert "has not answered for" in answer.json()["dependencies"]["database"]
-        wait_until(lambda: client.get("/health/ready").status_code == 200, 60)
+            assert max(at_once) == 1  # forty that wait for the file would keep all others out
+            wait_for(lambda: ready() == 503, "the word that the database does not answer")
+            wait_for(
+                lambda: "has not answered for" in client.get("/health/ready").json()["dependencies"]["database"],
+                "the reason",
+            )
+        wait_for(lambda: ready() == 200, "a service that is ready again")
     service.close()
 
 
@@ -106,30 +145,31 @@ def test_a_file_that_was_removed_or_replaced_is_not_used_any_more(
         service.submit(line())
     with pytest.raises(StoreUnavailableError, match=what):
         service.get(kept)
-    assert what in service.health()["database"]
+    wait_for(lambda: what in service.health()["database"], f"the word that the file was {what}")
     with pytest.raises(StoreUnavailableError, match=what):
         Store(sqlite_settings, sqlite_store.file)
     assert path.exists() is (what == "replaced")
     aside.replace(path)
     assert service.get(kept).state == "queued"
-    assert service.health()["database"] == "ok"
+    wait_for(lambda: service.health()["database"] == "ok", "the word that all is well")
     service.close()
 
 
 def test_a_new_worker_makes_no_second_database(sqlite_settings: Settings, tmp_path: Path) -> None:
     path, aside = tmp_path / "jobs.db", tmp_path / "aside.db"
     with open_engine(sqlite_settings) as engine:
-        wait_until(lambda: len(engine.service.workers()) == 1)
-        assert engine.supervisor is not None
-        (first,) = engine.supervisor.pids
+        wait_for(lambda: len(engine.service.workers()) == 1, "a worker")
+        supervisor = engine.supervisor
+        assert supervisor is not None
+        (first,) = supervisor.pids
         path.rename(aside)
         os.kill(first, 9)
-        wait_until(lambda: engine.supervisor is not None and engine.supervisor.pids not in ([], [first]))
-        (second,) = engine.supervisor.pids
-        wait_until(lambda: engine.supervisor is not None and engine.supervisor.pids != [second])  # it has ended itself
+        wait_for(lambda: supervisor.pids not in ([], [first]), "another worker")
+        (second,) = supervisor.pids
+        wait_for(lambda: supervisor.pids != [second], "its end: there is no database")
         assert not path.exists()
         aside.rename(path)
-        wait_until(lambda: [w for w in engine.service.workers() if w.state == "idle"] != [])
+        wait_for(lambda: any(worker.state == "idle" for worker in engine.service.workers()), "a worker that is idle")
 
 
 def test_a_damaged_table_is_told(sqlite_store: Store, sqlite_settings: Settings, tmp_path: Path) -> None:
@@ -142,15 +182,16 @@ def test_a_damaged_table_is_told(sqlite_store: Store, sqlite_settings: Settings,
         file.seek((page - 1) * size)
         file.write(b"\xff" * size)
     store = Store(sqlite_settings)
-    assert "can be reached, but not read" in JobService(store, MuteDoorbell()).health()["database"]
+    service = JobService(store, MuteDoorbell())
+    wait_for(lambda: "can be reached, but not read" in service.health()["database"], "the word of it")
     store.close()
 
 
 def test_a_disk_without_its_reserve_is_told(sqlite_store: Store, sqlite_settings: Settings) -> None:
     settings = sqlite_settings.model_copy(update={"disk_reserve_mb": 1e12})
-    why = JobService(sqlite_store, MuteDoorbell(), settings).health()["database"]
-    assert "MB left; at least 1000000000000 MB" in why
-    assert "GEOSWARM_DISK_RESERVE_MB" in why
+    service = JobService(sqlite_store, MuteDoorbell(), settings)
+    words = re.compile(r"MB left; at least 1000000000000 MB .*GEOSWARM_DISK_RESERVE_MB")
+    wait_for(lambda: words.search(service.health()["database"]) is not None, "the reason")
 
 
 def test_only_its_owner_may_read_the_file(sqlite_store: Store, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.service.statistics import StatisticsService, StoredJob
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from tests.workers.conftest import ON_SQLITE
 from tests.workers.hand import Hand, finish, runtime_for
 from tests.workers.problems import calibration, line
 
@@ -62,6 +63,7 @@ def test_a_long_history_is_read_in_generations_that_stand_for_it(
     assert [(row.generation, row.particle) for row in rows] == [(g, p) for g in numbers if g < 40 for p in range(5)]
 
 
+@ON_SQLITE
 def test_statistics_say_what_they_rest_on(
     monkeypatch: pytest.MonkeyPatch, service: JobService, job: tuple[str, bool]
 ) -> None:
@@ -81,6 +83,7 @@ def test_statistics_say_what_they_rest_on(
     assert found.to_json()["samples"]["left_out"] == stored.samples.left_out
 
 
+@ON_SQLITE
 def test_long_responses_make_fewer_evaluations(
     monkeypatch: pytest.MonkeyPatch, service: JobService, job: tuple[str, bool]
 ) -> None:
@@ -94,6 +97,7 @@ def test_long_responses_make_fewer_evaluations(
     assert any("of its 200 successful evaluations were read" in text for text in analysed(stored))
 
 
+@ON_SQLITE
 def test_a_large_generation_is_thinned(
     monkeypatch: pytest.MonkeyPatch, store: Store, settings: Settings, service: JobService
 ) -> None:

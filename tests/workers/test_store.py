@@ -17,6 +17,11 @@ from geoswarm.workers.store.tables import metadata
 from tests.servers import free_port
 
 
+@pytest.fixture
+def database_url(empty_database_url: str) -> str:
+    return empty_database_url
+
+
 def test_migrations_make_the_tables_that_the_program_uses(store: Store) -> None:
     with store.engine.connect() as connection:
         assert compare_metadata(MigrationContext.configure(connection), metadata) == []
@@ -47,9 +52,10 @@ def test_the_clock_is_utc_and_moves_inside_a_transaction(store: Store) -> None:
         time.sleep(0.02)
         return first, connection.scalar(select(database_now()))
 
+    before = time.time()
     first, second = store.read(twice)
-    assert abs(first - time.time()) < 5.0
-    assert 0.01 < second - first < 2.0
+    assert before - 1.0 < first <= second - 0.01
+    assert second < time.time() + 1.0
 
 
 def test_a_newer_schema_is_refused(settings: Settings) -> None:
@@ -71,11 +77,9 @@ def test_somebody_elses_database_is_refused(settings: Settings) -> None:
 
 def test_unreachable_server_is_one_clear_line_without_password() -> None:
     url = f"postgresql://me:topsecret@127.0.0.1:{free_port()}/jobs"
-    began = time.monotonic()
     with pytest.raises(StoreUnavailableError) as caught:
         Store(Settings(database_url=url))
     message = str(caught.value)
-    assert time.monotonic() - began < 30.0
     assert message.startswith("database postgresql+psycopg://me:***@127.0.0.1")
     assert "refused" in message
     assert "topsecret" not in message

@@ -3,8 +3,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 
+import pytest
 from sqlalchemy import update
 
 from geoswarm.workers.coordinator.runtime import Runtime
@@ -17,7 +17,9 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import jobs, workers
+from tests.integration.engines import wait_for
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from tests.workers.hand import pass_time
 from tests.workers.problems import calibration, line
 
 
@@ -44,12 +46,12 @@ def test_a_forgotten_job_is_rung_for_when_somebody_is_idle(
     sweeper.sweep()
     sweeper.sweep()  # at once after the first: once is enough
     assert doorbell.rings == [job_id]
-    time.sleep(settings.sweep_seconds)
+    pass_time(store, settings.sweep_seconds)
     sweeper.sweep()
     assert doorbell.rings == [job_id, job_id]
     worker.serve(job_id)
     doorbell.rings.clear()
-    time.sleep(settings.sweep_seconds)
+    pass_time(store, settings.sweep_seconds)
     sweeper.sweep()
     assert doorbell.rings == []
     worker.close()
@@ -68,7 +70,7 @@ def test_a_silent_workers_evaluation_goes_to_others(
     sweeper = Sweeper(Runtime(store, settings), doorbell)
     sweeper.sweep()
     assert [e.state for e in service.evaluations(job_id).items] == ["running"] + ["pending"] * 5
-    store.write(lambda c: c.execute(update(workers).values(seen_at=workers.c.seen_at - 60.0)))
+    store.write(lambda c: c.execute(update(workers).values(seen_at=workers.c.seen_at - 2.0 * settings.lease_seconds)))
     doorbell.rings.clear()
     sweeper.sweep()
     assert [e.state for e in service.evaluations(job_id).items] == ["pending"] * 6
@@ -103,10 +105,16 @@ def test_the_clock_of_a_running_job_is_kept(
 ) -> None:
     job_id = service.submit(line())[0].id
     claim_one(make_worker(), job_id)
-    store.write(lambda c: c.execute(update(jobs).values(clock_at=jobs.c.clock_at - 0.6)))
-    Sweeper(Runtime(store, settings), doorbell).sweep()
-    row = store.read(lambda c: c.execute(jobs.select()).one())
-    assert 0.6 <= row.run_seconds < 1.01  # never more than a lease at once
+
+    def counted(passed: float) -> float:
+        before = store.read(lambda c: c.execute(jobs.select()).one()).run_seconds
+        pass_time(store, passed)
+        Sweeper(Runtime(store, settings), doorbell).sweep()
+        return float(store.read(lambda c: c.execute(jobs.select()).one()).run_seconds - before)
+
+    lease = settings.lease_seconds
+    assert 0.6 * lease <= counted(0.6 * lease) <= lease
+    assert counted(10.0 * lease) == pytest.approx(lease, rel=1e-9)  # never more than a lease at once
 
 
 def test_the_sweep_process_frees_what_a_dead_worker_held_and_stops_on_request(
@@ -118,6 +126,8 @@ def test_the_sweep_process_frees_what_a_dead_worker_held_and_stops_on_request(
     worker.identity = identity
     store.write(lambda c: register_worker(c, identity))
     claim_one(worker, job_id)
+    store.write(lambda c: c.execute(update(workers).values(seen_at=workers.c.seen_at - 2.0 * settings.lease_seconds)))
+    settings = settings.model_copy(update={"sweep_seconds": 0.1})
     program = (
         "import sys; from geoswarm.workers.settings import Settings;"
         "from geoswarm.workers.hosts.alone import run_sweep;"
@@ -125,11 +135,8 @@ def test_the_sweep_process_frees_what_a_dead_worker_held_and_stops_on_request(
     )
     process = subprocess.Popen([sys.executable, "-c", program, settings.model_dump_json()], stderr=subprocess.DEVNULL)
     try:
-        deadline = time.monotonic() + 20.0
-        while service.evaluations(job_id, state="running").items and time.monotonic() < deadline:
-            time.sleep(0.05)
-        assert service.evaluations(job_id, state="running").items == []
+        wait_for(lambda: not service.evaluations(job_id, state="running").items, "a sweep that frees the evaluation")
     finally:
         process.terminate()
-        code = process.wait(10)
+        code = process.wait(120.0)
     assert code == 0

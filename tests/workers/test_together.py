@@ -16,6 +16,7 @@ from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from tests.integration.engines import wait_for
 from tests.workers.hand import CALIBRATION, PROBLEM, Hand, runtime_for
 from tests.workers.problems import calibration, expected_history, line, recorded_history
 
@@ -37,7 +38,7 @@ class Slow:
     def __call__(self, _job: str, _calibration: Calibration, brought: Sequence[Asked]) -> list[Exchange]:
         self.served.append([one.worker for one in brought])
         self.begun.set()
-        assert self.go_on.wait(60)
+        assert self.go_on.wait(120.0), "nobody let it go on"
         if any(one.worker == "wrong" for one in brought):
             raise ValueError("that is wrong")
         if any(one.worker == "away" for one in brought):
@@ -59,14 +60,13 @@ def together(names: Sequence[str]) -> tuple[Slow, dict[str, Exchange | Exception
 
     threads = [threading.Thread(target=ask, args=(name,)) for name in names]
     threads[0].start()
-    assert slow.begun.wait(60)
+    assert slow.begun.wait(120.0), "nobody was served"
     for thread in threads[1:]:
         thread.start()
-    while len(shared._waiting["job"]) < len(names) - 1:
-        time.sleep(0.01)
+    wait_for(lambda: len(shared._waiting["job"]) == len(names) - 1, "the others")
     slow.go_on.set()
     for thread in threads:
-        thread.join(60)
+        thread.join(120.0)
     assert shared._waiting == {}
     return slow, found
 
@@ -103,7 +103,8 @@ def test_the_history_is_the_same_however_many_come_at_once(
 
     def counted(job: str, made: Calibration, brought: Sequence[Asked]) -> Sequence[Exchange]:
         batches.append(len(brought))
-        time.sleep(0.01)  # so that others come meanwhile
+        if len(batches) == 1 and threads > 1:
+            wait_for(lambda: len(runtime._together._waiting[job]) > 1, "others that come meanwhile")
         return serve(job, made, brought)
 
     runtime._together._serve = counted

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -13,13 +13,16 @@ import psycopg
 import pytest
 from sqlalchemy import event
 
+from geoswarm.workers.coordinator.work import Exchange, HandIn
 from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.operations.probe import Probe
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from tests.integration.engines import wait_for
 from tests.workers.conftest import RecordingDoorbell
 from tests.workers.problems import expected_history, line, recorded_history
 
@@ -87,16 +90,9 @@ def working(store: Store, settings: Settings) -> Iterator[Worker]:
         yield worker
     finally:  # a thread that is left would keep the process of the tests from ending
         worker.stopping.set()
-        thread.join(30)
+        thread.join(120.0)
         worker.close()
     assert not thread.is_alive()
-
-
-def wait_until(condition: Callable[[], bool], seconds: float = 300.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline, "did not happen in time"
-        time.sleep(0.02)
 
 
 def big() -> Any:
@@ -107,7 +103,7 @@ def big() -> Any:
 
 def test_the_state_is_clear_and_reading_goes_on(service: JobService, switch: Switch) -> None:
     kept = service.submit(line())[0]
-    assert service.health()["database"] == "ok"
+    wait_for(lambda: service.health()["database"] == "ok", "a database that is ready")
     switch.turn(True)
     with pytest.raises(StoreUnavailableError, match=r"full|read-?only|query_only"):
         service.submit(big())
@@ -132,23 +128,47 @@ def test_readiness_tells_that_the_database_takes_nothing_in(store: Store, switch
 
 @pytest.mark.slow
 def test_nothing_is_lost_and_work_goes_on_by_itself(
-    store: Store, service: JobService, settings: Settings, switch: Switch
+    store: Store, service: JobService, settings: Settings, switch: Switch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem = line(stopping={"max_evaluations": 300})
+    problem = line(stopping={"max_evaluations": 120})
     expected = expected_history(problem)
+    run = ClaimRunner.run
+    claims: list[int] = []
+    refused: list[int] = []
+
+    def unwritable_from_the_25th(self: ClaimRunner) -> HandIn:
+        claims.append(1)
+        if len(claims) == 25:
+            switch.turn(True)
+        return run(self)
+
+    def stuck() -> int:
+        """How many have come in when two more exchanges were in vain."""
+        seen = len(refused)
+        wait_for(lambda: len(refused) >= seen + 2, "refused exchanges")
+        return service.get(job_id).evaluations
+
+    monkeypatch.setattr(ClaimRunner, "run", unwritable_from_the_25th)
     with working(
         store, settings.model_copy(update={"burst_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0})
-    ):
+    ) as worker:
+        exchange = worker.runtime.exchange
+
+        def counted(*given: Any, **named: Any) -> Exchange:
+            try:
+                return exchange(*given, **named)
+            except StoreUnavailableError:
+                refused.append(1)
+                raise
+
+        monkeypatch.setattr(worker.runtime, "exchange", counted)
         job_id = service.submit(problem)[0].id
-        wait_until(lambda: service.get(job_id).evaluations > 20)
-        switch.turn(True)
-        time.sleep(0.5)
-        stuck = service.get(job_id).evaluations
-        time.sleep(0.5)
-        assert service.get(job_id).evaluations - stuck <= 12  # some rows still fit into a page
+        before = stuck()
+        assert before > 20
+        assert stuck() - before <= 12  # some rows still fit into a page
         assert service.get(job_id).state == "running"
         switch.turn(False)
-        wait_until(lambda: service.get(job_id).state == "finished")
+        wait_for(lambda: service.get(job_id).state == "finished", "the end of the job")
     assert recorded_history(service, job_id) == expected
 
 

@@ -34,6 +34,11 @@ REVISIONS = sorted(path.name[:4] for path in VERSIONS.glob("[0-9]*.py"))
 RELEASED = sorted({path.name.partition(".")[0] for path in SCHEMAS.glob("*.sql")})
 
 
+@pytest.fixture
+def database_url(empty_database_url: str) -> str:
+    return empty_database_url
+
+
 def fill(database_url: str, revision: str) -> None:
     """Make an old database: a finished job, one in mid-generation, and a queued one."""
     if database_url.startswith("sqlite"):

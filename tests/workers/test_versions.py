@@ -14,6 +14,7 @@ from geoswarm.workers.queries import versions as recording
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from tests.workers.conftest import ON_SQLITE
 from tests.workers.hand import PROBLEM, Hand, finish, runtime_for
 
 Become = Callable[..., None]
@@ -71,6 +72,7 @@ def test_going_on_under_others_warns_once(
     assert [record.message for record in caplog.records] == [f"job {job}: {warning}"]
 
 
+@ON_SQLITE
 def test_each_set_of_versions_is_told_in_a_mixed_group(
     service: JobService, store: Store, settings: Settings, become: Become
 ) -> None:
@@ -87,6 +89,7 @@ def test_each_set_of_versions_is_told_in_a_mixed_group(
     assert len(told(service, job)) == 2
 
 
+@ON_SQLITE
 @pytest.mark.parametrize("python", [".".join([*versions()["python"].split(".")[:2], "99"])])
 def test_a_third_number_of_python_is_no_difference(
     service: JobService, store: Store, settings: Settings, become: Become, python: str

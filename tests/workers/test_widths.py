@@ -58,7 +58,9 @@ def serve_in_any_order(
 
 
 @pytest.mark.parametrize("stopping", [{"max_evaluations": 42}, {"max_evaluations": 200, "stagnation_generations": 4}])
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(
+    ("database_url", "order"), [("sqlite", 1), ("sqlite", 2), ("postgresql", 1)], indirect=["database_url"]
+)
 def test_two_generations_are_out_and_any_order_gives_the_history_of_a_run_in_process(
     store: Store, settings: Settings, service: JobService, stopping: dict[str, int], order: int
 ) -> None:
@@ -105,7 +107,7 @@ def test_generations_follow_the_workers_and_what_was_recorded_gives_the_same_his
     problem = curved(method={"kind": "particle_swarm", "particles": "auto"}, stopping={"max_evaluations": 30})
     job, crew = service.submit(problem)[0].id, [make_worker() for _ in range(4)]
     store.write(lambda connection: see_worker(connection, crew[0].identity))
-    hand = Hand(runtime_for(store, settings, lease_seconds=1000.0), job, crew[0].identity.id, calibration(problem))
+    hand = Hand(runtime_for(store, settings), job, crew[0].identity.id, calibration(problem))
     while service.get(job).state in ("queued", "running"):
         begun = service.get(job).generations
         for worker in crew[1:]:

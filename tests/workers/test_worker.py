@@ -1,12 +1,13 @@
 from __future__ import annotations
 
 import errno
+import itertools
 import time
 from typing import Any
 
 import numpy as np
 import pytest
-from sqlalchemy import select, update
+from sqlalchemy import func, select, update
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Step
@@ -16,14 +17,17 @@ from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.execution.worker import _Turn
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.store import Store
+from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_json
-from geoswarm.workers.store.tables import jobs
-from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from geoswarm.workers.store.tables import evaluations, jobs
+from tests.integration.engines import wait_for
+from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingDoorbell
+from tests.workers.hand import pass_time
 from tests.workers.problems import calibration, expected_history, line, recorded_history
 
 
 def test_a_burst_and_single_steps_give_the_same_history(service: JobService, make_worker: MakeWorker) -> None:
-    problem = line()
+    problem = line(stopping={"max_evaluations": 60})
     expected = expected_history(problem)
     for changes in (
         {},
@@ -37,16 +41,27 @@ def test_a_burst_and_single_steps_give_the_same_history(service: JobService, mak
         worker.serve(job_id)
         assert service.get(job_id).state == "finished"
         assert recorded_history(service, job_id) == expected
-        assert [g.number for g in service.generations(job_id)] == list(range(20))
+        assert [g.number for g in service.generations(job_id)] == list(range(10))
+
+
+class Ticks:
+    """A clock that moves on by a second whenever somebody looks at it."""
+
+    def __init__(self) -> None:
+        self._seconds = itertools.count(1000.0)
+
+    def monotonic(self) -> float:
+        return next(self._seconds)
 
 
 def test_a_time_slice_ends_and_the_job_rings_for_itself(
-    service: JobService, make_worker: MakeWorker, doorbell: RecordingDoorbell
+    service: JobService, make_worker: MakeWorker, doorbell: RecordingDoorbell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("geoswarm.workers.execution.worker.time", Ticks())
     long_job = service.submit(line(stopping={"max_evaluations": 6000}))[0].id
     short_job = service.submit(line())[0].id
     doorbell.rings.clear()
-    worker = make_worker(slice_seconds=0.2, burst_seconds=0.0)
+    worker = make_worker(slice_seconds=30.0, burst_seconds=0.0)
     worker.serve(long_job)
     assert doorbell.rings[-1] == long_job
     assert service.get(long_job).state == "running"
@@ -83,6 +98,7 @@ def test_a_problem_that_cannot_be_built_fails_the_job_not_the_worker(
     assert service.get(other).state == "finished"
 
 
+@ON_SQLITE
 @pytest.mark.usefixtures("misbehaving_models")
 def test_a_model_that_dies_while_it_is_built_fails_its_job_and_no_worker(
     service: JobService, make_worker: MakeWorker, store: Store
@@ -110,6 +126,7 @@ def test_a_model_that_dies_while_it_is_built_fails_its_job_and_no_worker(
     assert service.get(other).state == "finished"
 
 
+@ON_SQLITE
 def test_without_a_process_to_spare_the_work_is_left_to_others(
     service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -133,11 +150,12 @@ def test_without_a_process_to_spare_the_work_is_left_to_others(
     assert recorded_history(service, job_id) == expected_history(line(stopping={"max_evaluations": 12}))
 
 
+@ON_SQLITE
 def test_while_heartbeats_are_late_a_worker_takes_one_claim_at_a_time(
     service: JobService, make_worker: MakeWorker
 ) -> None:
     job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
-    worker = make_worker(single_seconds=0.0, cheap_seconds=0.0, burst_seconds=0.0)
+    worker = make_worker(single_seconds=0.0, cheap_seconds=0.0, burst_seconds=0.0, lease_seconds=0.4)
     worker.heartbeat.late = True
     for number in range(1, 13):
         began = time.monotonic()
@@ -147,6 +165,7 @@ def test_while_heartbeats_are_late_a_worker_takes_one_claim_at_a_time(
     assert service.get(job_id).state == "finished"
 
 
+@ON_SQLITE
 def test_a_bug_in_the_search_fails_the_job_not_the_worker(
     service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -160,26 +179,35 @@ def test_a_bug_in_the_search_fails_the_job_not_the_worker(
     assert (view.state, view.error) == ("failed", "ZeroDivisionError: in the search")
 
 
+@ON_SQLITE
 def test_an_unknown_job_is_no_trouble(make_worker: MakeWorker, doorbell: RecordingDoorbell) -> None:
     make_worker().serve("0123456789abcdef")
     assert doorbell.rings == []
 
 
 def test_the_heartbeat_renews_the_lease_of_a_long_run(
-    service: JobService, make_worker: MakeWorker, monkeypatch: pytest.MonkeyPatch
+    service: JobService, make_worker: MakeWorker, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     job_id = service.submit(line(stopping={"max_evaluations": 6}))[0].id
     original = Calibration.evaluate
     seen: list[int] = []
 
+    def left() -> float:
+        """What is left of the lease [s]."""
+        lease = select(func.max(evaluations.c.lease_expires_at) - database_now())
+        return store.read(lambda connection: connection.execute(lease).scalar_one())
+
     def slow(self: Calibration, parameters: FloatArray) -> Evaluation:
         if not seen:
-            time.sleep(1.6)  # longer than the lease
+            pass_time(store, 2.0 * worker.settings.lease_seconds)
+            wait_for(lambda: left() > 0.0, "a heartbeat that renews the lease")
             seen.append(worker.runtime.expire(job_id, 0, []))
+            worker.heartbeat.settings = worker.settings.model_copy(update={"heartbeat_seconds": 300.0})
+            worker.heartbeat.late = False  # on a busy machine it may have been, and would end the turn
         return original(self, np.asarray(parameters))
 
     monkeypatch.setattr(Calibration, "evaluate", slow)
-    worker = make_worker()
+    worker = make_worker(heartbeat_seconds=0.1, watch_seconds=0.1)
     worker.start()
     worker.serve(job_id)
     worker.close()

@@ -25,7 +25,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import deliveries
-from tests.workers.conftest import MakeWorker
+from tests.workers.conftest import ON_SQLITE, MakeWorker
 from tests.workers.notices.conftest import Receiver
 from tests.workers.problems import line
 
@@ -263,6 +263,7 @@ def test_an_owner_has_so_many_hooks_and_no_more(store: Store, service: JobServic
     hooks.create(receiver.url)
 
 
+@ON_SQLITE
 def test_states_must_be_those_of_an_end(hooks: Hooks) -> None:
     with pytest.raises(HookRefusedError, match="must be one or more of finished, failed, cancelled"):
         hooks.create("https://example.org", states=[])

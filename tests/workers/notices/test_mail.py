@@ -28,7 +28,7 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.servers import free_port
-from tests.workers.conftest import MakeWorker
+from tests.workers.conftest import ON_SQLITE, MakeWorker
 from tests.workers.problems import line
 
 
@@ -171,6 +171,7 @@ def test_a_server_that_is_down_is_told() -> None:
         send_mail(given(free_port(), smtp_security="none"), "anna@example.org", "m-1", "Subject", "Text\n")
 
 
+@ON_SQLITE
 @pytest.mark.parametrize(
     ("address", "words"),
     [
@@ -186,6 +187,7 @@ def test_mistakes_in_an_address_are_named(store: Store, address: str, words: str
         Hooks(store, LOCAL, given(25)).create(address)
 
 
+@ON_SQLITE
 def test_without_a_server_no_e_mail_is_promised(store: Store) -> None:
     with pytest.raises(HookRefusedError, match="sends no e-mail"):
         Hooks(store, LOCAL, NoticeSettings()).create("anna@example.org")
