@@ -47,8 +47,8 @@ __all__ = [
     "free_port",
 ]
 
-START_SECONDS = 30.0
-STOP_SECONDS = 20.0
+START_SECONDS = 120.0
+STOP_SECONDS = 60.0
 POLL_SECONDS = 0.02
 PACKAGES = "postgresql redis-server"
 # Below the kernel's ephemeral range: a client that keeps dialling a stopped server could otherwise be given the

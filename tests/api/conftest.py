@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,6 +21,7 @@ from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from tests.integration.engines import PATIENCE, wait_for
 
 API = "/api/v1"
 
@@ -94,16 +94,14 @@ class LiveServer:
         self.feed = self.server.config.app.state.feed  # type: ignore[union-attr]
         self._thread = threading.Thread(target=self.server.run, kwargs={"sockets": [self.listener]})
         self._thread.start()
-        assert started.wait(10)
+        assert started.wait(PATIENCE)
 
-    def stop(self) -> float:
-        """Stop gracefully and return how long it took [s]."""
-        began = time.monotonic()
+    def stop(self) -> None:
+        """Stop gracefully."""
         self.server.should_exit = True
-        self._thread.join(10)
+        self._thread.join(PATIENCE)
         self.listener.close()
         assert not self._thread.is_alive()
-        return time.monotonic() - began
 
 
 @contextmanager
@@ -121,12 +119,9 @@ def server(service: JobService) -> Iterator[LiveServer]:
         yield running
 
 
-def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+def wait_until(condition: Callable[[], bool], seconds: float = PATIENCE) -> None:
     """Wait for something that happens in another thread."""
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline, "did not happen in time"
-        time.sleep(0.01)
+    wait_for(condition, "what another thread does", seconds)
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +132,7 @@ def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
         yield running
 
 
-def wait_for_end(service: JobService, job_id: str, seconds: float = 60.0) -> Job:
+def wait_for_end(service: JobService, job_id: str, seconds: float = PATIENCE) -> Job:
     """Wait until the workers have ended a job."""
     wait_until(lambda: service.get(job_id).state in ENDED_STATES, seconds)
     return service.get(job_id)

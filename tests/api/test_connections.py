@@ -6,7 +6,6 @@ import os
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -20,10 +19,11 @@ from geoswarm.api.access.connections import LEAST_CONNECTIONS, Phase, most_conne
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
+from tests.integration.engines import PATIENCE
 
 SCRIPT = """
-import os, resource, sys, threading, time
-from geoswarm.api import serve
+import os, resource, sys, threading
+from geoswarm.api import ApiSettings, serve
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.logs import start_logging
 from geoswarm.workers.service.job_service import JobService
@@ -34,13 +34,14 @@ soft, hard = int(sys.argv[1]), int(sys.argv[2])
 resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 def waste():
-    for line in sys.stdin:
+    for _ in sys.stdin:
         files = []
         try:
             while True:
                 files.append(os.open("/dev/null", os.O_RDONLY))
         except OSError:
-            time.sleep(float(line))
+            print("wasted", flush=True)
+        sys.stdin.readline()
         for file in files:
             os.close(file)
 
@@ -48,7 +49,9 @@ threading.Thread(target=waste, daemon=True).start()
 start_logging("warning")
 settings = Settings(database_url="sqlite:///jobs.db")
 store = Store(settings)
-serve(JobService(store, MuteDoorbell(), settings), port=0, on_started=lambda url: print(url, flush=True))
+patient = ApiSettings(head_seconds=10_000)  # who waits for the end of an unfinished head waits for ever
+service = JobService(store, MuteDoorbell(), settings)
+serve(service, port=0, settings=patient, on_started=lambda url: print(url, flush=True))
 store.close()
 """
 
@@ -102,11 +105,9 @@ def test_unfinished_heads_do_not_keep_others_out(tmp_path: Path, soft: int, hard
     with served(tmp_path, soft, hard) as (url, log, _), ExitStack() as attack:
         for number in range(1100):
             attack.enter_context(connect(url, b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Number: %d" % number))
-        began = time.monotonic()
         for _ in range(10):
-            assert httpx.get(f"{url}/health/live", timeout=30).status_code == 200
-            assert httpx.get(f"{url}{API}/jobs", timeout=30).status_code == 200
-        assert time.monotonic() - began < 30
+            assert httpx.get(f"{url}/health/live", timeout=PATIENCE).status_code == 200
+            assert httpx.get(f"{url}{API}/jobs", timeout=PATIENCE).status_code == 200
         assert log.stat().st_size < 2000
 
 
@@ -117,23 +118,26 @@ def test_unfinished_sign_ins_do_not_keep_others_out(service: JobService) -> None
     with live_server(service, settings) as server, ExitStack() as attack:
         for _ in range(120):
             attack.enter_context(connect(server.url, begun))
-        answer = httpx.get(f"{server.url}{API}/jobs", headers={"X-API-Key": key}, timeout=30)
+        answer = httpx.get(f"{server.url}{API}/jobs", headers={"X-API-Key": key}, timeout=PATIENCE)
         assert answer.status_code == 200
 
 
 @pytest.mark.slow
 def test_no_descriptor_left_is_survived_with_a_short_log(tmp_path: Path) -> None:
     with served(tmp_path, 256, 256) as (url, log, process), ExitStack() as waiting:
-        assert httpx.get(f"{url}/health/live", timeout=30).status_code == 200
+        assert httpx.get(f"{url}/health/live", timeout=PATIENCE).status_code == 200
         assert process.stdin is not None
-        process.stdin.write(b"2\n")
+        assert process.stdout is not None
+        process.stdin.write(b"waste\n")
         process.stdin.flush()
-        time.sleep(0.5)
+        assert process.stdout.readline() == b"wasted\n"
         for _ in range(20):
             waiting.enter_context(connect(url, b"GET / HTTP/1.1\r\n"))
-        assert httpx.get(f"{url}/health/live", timeout=30).status_code == 200
+        wait_until(lambda: "no connection can be accepted now: Too many open files" in log.read_text())
+        process.stdin.write(b"give back\n")
+        process.stdin.flush()
+        assert httpx.get(f"{url}/health/live", timeout=PATIENCE).status_code == 200
         text = log.read_text()
-        assert "no connection can be accepted now: Too many open files" in text
         assert "Traceback" not in text
         assert len(text.splitlines()) <= 5
 
@@ -142,7 +146,7 @@ def test_the_head_of_a_request_must_arrive_in_time(service: JobService) -> None:
     with live_server(service, ApiSettings(head_seconds=0.5)) as server:
         silent, begun = connect(server.url, b""), connect(server.url, b"GET / HT")
         with silent, begun:
-            wait_until(lambda: is_closed(silent) and is_closed(begun), 30)
+            wait_until(lambda: is_closed(silent) and is_closed(begun))
 
 
 def test_the_rest_of_an_answered_body_must_come_soon(service: JobService, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,7 +155,7 @@ def test_the_rest_of_an_answered_body_must_come_soon(service: JobService, monkey
         head = b"POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000000\r\n\r\n"
         with connect(server.url, head + b" " * 1000) as raw:
             assert b" 413 " in raw.recv(100_000)
-            wait_until(lambda: is_closed(raw), 30)
+            wait_until(lambda: is_closed(raw))
 
 
 @pytest.mark.slow
@@ -164,8 +168,8 @@ def test_who_does_not_read_an_answer_is_left(service: JobService, monkeypatch: p
         ask = f"GET {API}/jobs/{job}/problem HTTP/1.1\r\nHost: localhost\r\n\r\n"
         connections = server.server.config.connections
         with connect(server.url, ask.encode(), buffer=4096):
-            wait_until(lambda: connections.open == 1, 30)
-            wait_until(lambda: connections.open == 0, 60)
+            wait_until(lambda: connections.open == 1)
+            wait_until(lambda: connections.open == 0)
 
 
 def streams(server: LiveServer, key: str, job: str) -> Iterator[int]:
@@ -189,7 +193,7 @@ def test_event_streams_are_limited_for_each_key_and_in_all(service: JobService) 
         assert "open event streams, 3 of this API key, is reached" in refused.json()["detail"]
         assert refused.headers["retry-after"]
         first.close()  # type: ignore[attr-defined]  # a generator
-        wait_until(lambda: next(third) == 200, 30)
+        wait_until(lambda: next(third) == 200)
         second.close()  # type: ignore[attr-defined]
         third.close()  # type: ignore[attr-defined]
         wait_until(lambda: server.server.config.app.state.streams.taken == 0, 30)  # type: ignore[union-attr]
@@ -207,7 +211,7 @@ def test_unanswered_requests_of_a_key_are_limited(service: JobService) -> None:
             key: lambda key=key: httpx.get(f"{server.url}{API}/jobs", headers={"X-API-Key": key}, timeout=60)
             for key in (alice, ben)
         }
-        wait_until(lambda: ask[alice]().status_code == 429, 30)
+        wait_until(lambda: ask[alice]().status_code == 429)
         assert ask[ben]().status_code == 200
 
 
@@ -216,13 +220,13 @@ def test_when_all_connections_are_being_answered_others_wait(service: JobService
     with live_server(service, ApiSettings(max_connections=16, body_seconds=60)) as server:
         connections = server.server.config.connections
         busy = [connect(server.url, begun) for _ in range(16)]
-        wait_until(lambda: [c.phase for c in connections._live].count(Phase.BUSY) == 16, 30)
+        wait_until(lambda: [c.phase for c in connections._live].count(Phase.BUSY) == 16)
         with connect(server.url, b"GET /health/live HTTP/1.1\r\nHost: localhost\r\n\r\n") as waiting:
             waiting.settimeout(1)
             with pytest.raises(TimeoutError):
                 waiting.recv(1000)
             busy.pop().close()
-            waiting.settimeout(30)
+            waiting.settimeout(60)
             assert waiting.recv(1000).startswith(b"HTTP/1.1 200")
         for raw in busy:
             raw.close()

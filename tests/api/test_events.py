@@ -22,6 +22,7 @@ from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.store.event_bell import insert_events
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
+from tests.integration.engines import PATIENCE
 
 
 def submit(server: LiveServer, **changes: Any) -> str:
@@ -35,7 +36,7 @@ def act(server: LiveServer, job: str, *actions: str) -> None:
 
 def read(server: LiveServer, job: str, query: str = "", headers: dict[str, str] | None = None) -> list[dict[str, str]]:
     """Read a stream to its end."""
-    answer = httpx.get(f"{server.url}{API}/jobs/{job}/events{query}", headers=headers, timeout=30)
+    answer = httpx.get(f"{server.url}{API}/jobs/{job}/events{query}", headers=headers, timeout=PATIENCE)
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"].startswith("text/event-stream")
     return [
@@ -93,7 +94,7 @@ def test_a_last_event_id_that_is_none_is_refused(server: LiveServer, last: str) 
 
 def lines(server: LiveServer, job: str, after: int = 0) -> Iterator[str]:
     url = f"{server.url}{API}/jobs/{job}/events?after={after}"
-    with httpx.stream("GET", url, timeout=10) as answer:
+    with httpx.stream("GET", url, timeout=PATIENCE) as answer:
         yield from answer.iter_lines()
 
 
@@ -144,19 +145,20 @@ def test_many_listeners_share_one_poller_and_leave_nothing_behind(service: JobSe
 
         async def listen_all(count: int) -> list[list[str]]:
             limits = httpx.Limits(max_connections=count)
-            async with httpx.AsyncClient(limits=limits, timeout=30) as client:
+            async with httpx.AsyncClient(limits=limits, timeout=PATIENCE) as client:
 
                 async def listen() -> list[str]:
                     async with client.stream("GET", f"{server.url}{API}/jobs/{job}/events") as answer:
                         return [line async for line in answer.aiter_lines() if line.startswith("data:")]
 
                 async def end() -> None:
-                    await asyncio.sleep(2.0)
+                    while server.feed.listeners < count - 1:
+                        await asyncio.sleep(0.01)
                     before, began = counting.reads, time.monotonic()
                     while counting.reads < before + 5:
                         await asyncio.sleep(0.1)
                     rate = (counting.reads - before) / (time.monotonic() - began)
-                    assert rate <= 20  # ten a second, not ten a listener
+                    assert rate <= 20  # ten a second, and fewer on a busy machine; not ten a listener
                     assert server.feed.watched == 1
                     await client.post(f"{server.url}{API}/jobs/{job}/cancel")
 
@@ -199,6 +201,7 @@ def test_a_batch_is_written_once_for_all() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timing  # how long the loop is held
 def test_many_watchers_of_a_busy_job_do_not_hold_up_the_loop(service: JobService) -> None:
     """200 streams of a job with some 400 generations a second: the loop comes round soon, all hear the end."""
     service.submit(parse_problem(line_problem()))
@@ -249,7 +252,7 @@ def test_many_watchers_of_a_busy_job_do_not_hold_up_the_loop(service: JobService
     gc.collect()
     gc.freeze()  # to look through what other tests left may take half a second, which is not the loop's
     try:
-        heard, longest, texts = asyncio.run(asyncio.wait_for(follow(), 120))
+        heard, longest, texts = asyncio.run(asyncio.wait_for(follow(), PATIENCE))
     finally:
         gc.unfreeze()
     assert len(set(heard)) == 1

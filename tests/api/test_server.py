@@ -6,16 +6,17 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import httpx
 import pytest
 
+import geoswarm.api.server
 from geoswarm.api import ApiSettings, PortInUseError, bind, serve
 from geoswarm.api.server import base_url
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, LiveServer, line_problem
+from tests.integration.engines import PATIENCE
 
 
 def test_a_port_in_use_is_told_before_anything_starts(service: JobService) -> None:
@@ -38,24 +39,28 @@ def test_urls_of_listening_sockets() -> None:
         assert base_url(listener) == f"http://127.0.0.1:{listener.getsockname()[1]}"
 
 
-def test_stopping_ends_open_streams_quickly(service: JobService) -> None:
+def test_stopping_ends_open_streams(service: JobService, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As an end of the stream, not because the time that answers have is over."""
+    monkeypatch.setattr(geoswarm.api.server, "GRACE_SECONDS", 10_000)
     server = LiveServer(service, ApiSettings())
     job = httpx.post(f"{server.url}{API}/jobs", json=line_problem(), timeout=60).json()["id"]
     ended = threading.Event()
     first = threading.Event()
 
     def listen() -> None:
-        with httpx.stream("GET", f"{server.url}{API}/jobs/{job}/events", timeout=20) as answer:
+        with httpx.stream("GET", f"{server.url}{API}/jobs/{job}/events", timeout=PATIENCE) as answer:
             for _ in answer.iter_lines():
                 first.set()
         ended.set()
 
     thread = threading.Thread(target=listen)
     thread.start()
-    assert first.wait(5)
-    assert server.stop() < 2.0
-    assert ended.wait(1)
-    thread.join()
+    try:
+        assert first.wait(PATIENCE)
+    finally:
+        server.stop()
+    thread.join(PATIENCE)
+    assert ended.is_set()
 
 
 def test_a_body_over_the_limit_gets_its_answer_over_a_real_connection(service: JobService) -> None:
@@ -71,7 +76,7 @@ def test_a_body_over_the_limit_gets_its_answer_over_a_real_connection(service: J
 
 
 def test_a_broken_request_gets_no_traceback(server: LiveServer) -> None:
-    with socket.create_connection(server.listener.getsockname()[:2], timeout=5) as raw:
+    with socket.create_connection(server.listener.getsockname()[:2], timeout=60) as raw:
         raw.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: x\r\n\r\n")
         answer = raw.recv(10_000)
     assert answer.startswith(b"HTTP/1.1 400")
@@ -80,12 +85,14 @@ def test_a_broken_request_gets_no_traceback(server: LiveServer) -> None:
 
 SCRIPT = """
 import sys
+import geoswarm.api.server
 from geoswarm.api import serve
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 
+geoswarm.api.server.GRACE_SECONDS = 10_000  # it would wait for an open stream as long
 settings = Settings(database_url="sqlite:///jobs.db")
 store = Store(settings)
 serve(JobService(store, MuteDoorbell(), settings), port=0, on_started=lambda url: print(url, flush=True))
@@ -105,14 +112,12 @@ def test_a_signal_ends_the_process_gracefully_with_an_open_stream(tmp_path: Path
         assert process.stdout is not None
         url = process.stdout.readline().decode().strip()
         job = httpx.post(f"{url}{API}/jobs", json=line_problem(), timeout=60).json()["id"]
-        with httpx.stream("GET", f"{url}{API}/jobs/{job}/events", timeout=20) as answer:
+        with httpx.stream("GET", f"{url}{API}/jobs/{job}/events", timeout=PATIENCE) as answer:
             lines = answer.iter_lines()
             assert next(lines).startswith("retry")
             process.send_signal(number)
-            began = time.monotonic()
             assert all(not line.startswith("Traceback") for line in lines)
-        output, errors = process.communicate(timeout=10)
-        assert time.monotonic() - began < 15.0  # it would wait for the stream for ever
+        output, errors = process.communicate(timeout=PATIENCE)
         assert process.returncode == 0
         assert output.decode().strip() == "closed"
         assert errors.decode() == ""

@@ -140,6 +140,7 @@ def log_size(folder: Path) -> int:
     return (folder / "log").stat().st_size
 
 
+@pytest.mark.timing  # how long a neighbour waits
 @pytest.mark.timeout(900)
 @pytest.mark.slow
 def test_some_attacks_at_once_are_not_noticed(tmp_path: Path) -> None:
@@ -159,6 +160,7 @@ def test_some_attacks_at_once_are_not_noticed(tmp_path: Path) -> None:
         assert log_size(tmp_path) - before < MOST_LOG
 
 
+@pytest.mark.timing  # how long a neighbour waits
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("name", ATTACKS)
@@ -174,6 +176,7 @@ def test_an_attack_is_not_noticed(name: str, tmp_path: Path) -> None:
         assert log_size(tmp_path) - before < MOST_LOG
 
 
+@pytest.mark.timing  # how long a neighbour waits
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
 def test_all_attacks_ten_at_once_are_not_noticed(tmp_path: Path) -> None:

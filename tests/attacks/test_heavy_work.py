@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
+import socket
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import urlsplit
 
-import httpx
 import pytest
 
 from geoswarm.solver.system.processes import descendants
@@ -51,6 +52,7 @@ def test_a_model_that_fails_while_it_is_built_fails_its_request_alone(
 
 
 @pytest.mark.slow
+@pytest.mark.timing  # how long a neighbour waits
 def test_a_neighbour_that_hangs_everything_is_not_noticed(service: Service) -> None:
     attacker, victim = service.key_of("attacker"), service.key_of("victim")
 
@@ -63,26 +65,28 @@ def test_a_neighbour_that_hangs_everything_is_not_noticed(service: Service) -> N
     with watched(service, victim) as seconds, service.client(victim) as client:
         for thread in attacks:
             thread.start()
-        began = time.monotonic()
         job = client.post("/api/v1/jobs", json=bad())
         assert job.status_code == 201, job.text
-        waited = time.monotonic() - began
         place = f"/api/v1/jobs/{job.json()['id']}"
         wait_for(lambda: client.get(place).json()["state"] == "finished", "the victim's job")
         assert client.get(f"{place}/statistics").status_code == 200
         for thread in attacks:
             thread.join()
-    assert waited < 60.0  # a process begins for it; the attacker's hang for minutes in all
     assert len(seconds) > 20
     assert sorted(seconds)[len(seconds) // 2] < 1.0
 
 
-def test_a_request_whose_client_has_left_is_ended(service: Service) -> None:
-    with service.client(service.key_of("impatient"), seconds=2.0) as client, pytest.raises(httpx.TimeoutException):
-        client.post("/api/v1/problems/read", json=bad("hang"))
-    began = time.monotonic()
-    wait_for(lambda: not _hangs(service), "the end of what hangs")
-    assert time.monotonic() - began < 60.0
+def test_a_request_whose_client_has_left_is_ended(tmp_path: Path) -> None:
+    with serving(tmp_path, free_port(), "--workers", "1", GEOSWARM_HEAVY_SECONDS="3600") as service:
+        body = json.dumps(bad("hang"))
+        head = f"POST /api/v1/problems/read HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {service.key}\r\n"
+        head += f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+        with socket.create_connection(("127.0.0.1", urlsplit(service.url).port or 0), timeout=60) as client:
+            client.sendall((head + body).encode())
+            wait_for(lambda: _hangs(service), "a request that hangs")
+        wait_for(lambda: not _hangs(service), "the end of what hangs")
+        with service.client() as other:
+            assert other.post("/api/v1/problems/read", json=bad()).status_code == 200
 
 
 def _hangs(service: Service) -> bool:

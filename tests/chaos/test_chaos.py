@@ -306,7 +306,7 @@ def tries(service: JobService, job_id: str, view: Evaluation) -> list[str]:
 
 def assert_nothing_is_left(fleet: Fleet, database_url: str) -> None:
     """No process of the fleet lives, and none is connected to the database."""
-    wait_for(lambda: not fleet.processes(), "the end of all processes", 10.0)
+    wait_for(lambda: not fleet.processes(), "the end of all processes")
     with psycopg.connect(database_url.replace("+psycopg", "", 1), autocommit=True) as connection:
         others = "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid()"
-        wait_for(lambda: connection.execute(others).fetchone() == (0,), "the end of all connections", 10.0)
+        wait_for(lambda: connection.execute(others).fetchone() == (0,), "the end of all connections")

@@ -39,7 +39,7 @@ def proxy(folder: Path, target: int) -> Iterator[tuple[str, Path]]:
         yield f"https://localhost:{port}", folder / CERTIFICATE
     finally:
         process.terminate()
-        process.wait(20.0)
+        process.wait(60.0)
 
 
 def registered_footing(example: Path, models: Path) -> Problem:

@@ -60,7 +60,7 @@ def serving(folder: Path, variables: Mapping[str, str] | None = None) -> Iterato
             yield reader, url
         finally:
             service.terminate()
-            service.wait(30.0)
+            service.wait(60.0)
 
 
 def answers(url: str) -> bool:

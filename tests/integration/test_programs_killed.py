@@ -21,7 +21,7 @@ from geoswarm.solver.runs.local import CalibrationResult, calibrate
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
-from tests.integration.engines import STEADY, celery_workers, wait_for, wait_until_ended
+from tests.integration.engines import STEADY, Gate, celery_workers, wait_for, wait_until_ended
 from tests.solver.external.zoo import zoo_problem
 
 # parameters, objective, misfits, responses, reason
@@ -31,14 +31,29 @@ FORMS = [pytest.param(3, 24, id="short"), pytest.param(40, 400, id="long", marks
 pytestmark = pytest.mark.timeout(1200)
 
 
+# What a program does first: see Gate.
+TURN = """
+    numbers = os.open({numbers!r}, os.O_WRONLY | os.O_APPEND)
+    os.write(numbers, b".")
+    number = os.lseek(numbers, 0, os.SEEK_CUR)
+    while number > int(Path({gate!r}).read_text()):
+        time.sleep(0.01)
+"""
+
+
 @pytest.fixture
-def problem_of(zoo_models: Path) -> Callable[[int], Problem]:
-    """Problems on a program that takes a tenth of a second, and fails for some values, by their evaluations."""
+def gate(tmp_path: Path) -> Gate:
+    return Gate(tmp_path)
+
+
+@pytest.fixture
+def problem_of(zoo_models: Path, gate: Gate) -> Callable[[int], Problem]:
+    """Problems on a program that waits at the gate, and fails for some values, by their evaluations."""
     program = zoo_models / "exit_3" / "zoo.py"
     text = program.read_text()
     main = "def main() -> None:\n"
     assert main in text
-    program.write_text(text.replace(main, f"{main}    time.sleep(0.1)\n"))
+    program.write_text(text.replace(main, main + TURN.format(numbers=str(gate.numbers), gate=str(gate.file))))
 
     def problem(evaluations: int) -> Problem:
         search: dict[str, Any] = {
@@ -73,8 +88,14 @@ def kill_one(folder: Path, workers: Sequence[int] = ()) -> bool:
     return False
 
 
+def calm(problem: Problem, gate: Gate) -> list[Bits]:
+    """What the undisturbed run gives; the gate is opened for it."""
+    gate.open()
+    return told(calibrate(problem))
+
+
 def told(result: CalibrationResult) -> list[Bits]:
-    """What an undisturbed run gives."""
+    """What a run in process has given."""
     return [
         (
             tuple(one.parameters.tolist()),
@@ -101,7 +122,7 @@ def recorded(service: JobService, job_id: str) -> list[Bits]:
     ]
 
 
-def disturbed(service: JobService, problem: Problem, kills: int, folder: Path) -> list[Bits]:
+def disturbed(service: JobService, problem: Problem, kills: int, folder: Path, gate: Gate) -> list[Bits]:
     """Run a job while evaluation processes and, every third time, whole workers are killed."""
     job_id = service.submit(problem)[0].id
     for number in range(kills):
@@ -113,7 +134,14 @@ def disturbed(service: JobService, problem: Problem, kills: int, folder: Path) -
 
         wait_for(killed, "a program to run")
         done = service.get(job_id).evaluations
-        wait_for(lambda done=done: service.get(job_id).evaluations > done, "progress")  # type: ignore[misc]
+
+        def progress(before: int = done) -> bool:
+            if gate.waiting:
+                gate.let_through()
+            return service.get(job_id).evaluations > before
+
+        wait_for(progress, "progress")
+    gate.open()
     job = wait_until_ended(service, job_id)
     assert job.state == "finished", job.error
     tries = [one.attempts for one in service.iterate_evaluations(job_id)]
@@ -128,11 +156,13 @@ def test_killed_processes_of_a_run_change_nothing(
     kills: int,
     evaluations: int,
     problem_of: Callable[[int], Problem],
+    gate: Gate,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     problem = problem_of(evaluations)
-    calm = told(calibrate(problem))
+    undisturbed = calm(problem, gate)
+    gate.let_through()  # and no more
     monkeypatch.setattr(evaluators, "_START_SECONDS", 0.0)  # processes from the first evaluation on
     done, ended, ones = 0, threading.Event(), list[int]()
 
@@ -142,7 +172,9 @@ def test_killed_processes_of_a_run_change_nothing(
             if kill_one(tmp_path):
                 ones.append(before)
                 while done == before and not ended.wait(0.01):
-                    pass
+                    if gate.waiting:
+                        gate.let_through()
+        gate.open()
 
     def count(_: object) -> None:
         nonlocal done
@@ -156,22 +188,22 @@ def test_killed_processes_of_a_run_change_nothing(
         ended.set()
         killer.join()
     assert len(ones) == kills
-    assert told(result) == calm
-    assert None in {bits[-1] for bits in calm}
-    assert "diverged" in {bits[-1] for bits in calm}
+    assert told(result) == undisturbed
+    assert None in {bits[-1] for bits in undisturbed}
+    assert "diverged" in {bits[-1] for bits in undisturbed}
     assert not programs(tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kills", "evaluations"), FORMS)
 def test_killed_workers_of_the_embedded_engine_change_nothing(
-    kills: int, evaluations: int, problem_of: Callable[[int], Problem], tmp_path: Path
+    kills: int, evaluations: int, problem_of: Callable[[int], Problem], gate: Gate, tmp_path: Path
 ) -> None:
     problem = problem_of(evaluations)
     settings = Settings(database_url=f"sqlite:///{tmp_path / 'jobs.db'}", workers=2, **STEADY)
     with open_engine(settings) as engine:
-        found = disturbed(engine.service, problem, kills, tmp_path)
-    assert found == told(calibrate(problem))
+        found = disturbed(engine.service, problem, kills, tmp_path, gate)
+    assert found == calm(problem, gate)
 
 
 @pytest.mark.slow
@@ -180,6 +212,7 @@ def test_killed_workers_of_celery_change_nothing(
     kills: int,
     evaluations: int,
     problem_of: Callable[[int], Problem],
+    gate: Gate,
     tmp_path: Path,
     fresh_postgres_url: str,
     fresh_redis_url: str,
@@ -187,5 +220,5 @@ def test_killed_workers_of_celery_change_nothing(
     problem = problem_of(evaluations)
     settings = Settings(database_url=fresh_postgres_url, broker_url=fresh_redis_url, **STEADY)
     with open_engine(settings) as engine, celery_workers(settings, concurrency=2):
-        found = disturbed(engine.service, problem, kills, tmp_path)
-    assert found == told(calibrate(problem))
+        found = disturbed(engine.service, problem, kills, tmp_path, gate)
+    assert found == calm(problem, gate)

@@ -7,13 +7,13 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import psycopg
 import pytest
 import redis
 
+from tests.integration.engines import wait_for
 from tests.servers import MissingServerError, PostgresServer, RedisServer, Server, ServerStartError, find_program
 
 REPOSITORY = Path(__file__).parents[2]
@@ -140,16 +140,13 @@ def test_server_ends_with_a_killed_test_run(kind: str) -> None:
         f"import time; from tests.servers import {kind} as S; s = S(); s.start(); print(s.pid, s.folder, flush=True)"
     )
     with subprocess.Popen(
-        [sys.executable, "-c", f"{program}; time.sleep(60)"], cwd=REPOSITORY, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", f"{program}; time.sleep(600)"], cwd=REPOSITORY, stdout=subprocess.PIPE, text=True
     ) as starter:
         assert starter.stdout is not None
         pid, folder = starter.stdout.readline().split()
         assert alive(int(pid))
         os.kill(starter.pid, signal.SIGKILL)
-    deadline = time.monotonic() + 10.0
-    while alive(int(pid)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not alive(int(pid))
+    wait_for(lambda: not alive(int(pid)), "the end of the server")
     subprocess.run(["rm", "-rf", folder], check=True)
 
 

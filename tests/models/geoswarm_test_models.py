@@ -23,6 +23,7 @@ Behaviour = Literal[
     "sleep",
     "wait",
     "uneven",
+    "gated",
     "compute",
     "for_ever",
     "for_ever_once",
@@ -46,6 +47,7 @@ class MisbehavingSpec(ForwardModelSpec):
     above: float = 0.0
     cured: str = ""
     notes: str = ""
+    gate: str = ""
 
     def build(self) -> MisbehavingModel:
         """Build it."""
@@ -87,6 +89,8 @@ class MisbehavingModel:
                     time.sleep(0.002)
             case "uneven":  # a third of the runs take four times as long
                 time.sleep(self.spec.seconds * (4.0 if int(1e9 * values["slope"]) % 3 == 0 else 1.0))
+            case "gated":
+                self._wait_for_the_gate()
             case "compute":
                 self._compute()
             case "for_ever":
@@ -118,6 +122,15 @@ class MisbehavingModel:
             case "chatter":
                 while True:
                     os.write(1, b"still iterating\n" * 4096)
+
+    def _wait_for_the_gate(self) -> None:
+        """Draw the next number, by lengthening ``notes``, and wait until the file ``gate`` lets so many through."""
+        numbers = os.open(self.spec.notes, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        os.write(numbers, b".")
+        number = os.lseek(numbers, 0, os.SEEK_CUR)
+        os.close(numbers)
+        while number > int(Path(self.spec.gate).read_text()):
+            time.sleep(0.01)
 
     def _compute(self) -> None:
         """Use the processor for ``seconds``, whatever the clock says."""

@@ -20,7 +20,7 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import line_problem
-from tests.integration.engines import wait_for
+from tests.integration.engines import PATIENCE, wait_for
 
 
 @pytest.fixture
@@ -98,13 +98,16 @@ def test_prune_every_stays_until_it_is_stopped(url: str) -> None:
     ended("first")
     command = [sys.executable, "-m", "geoswarm", "prune", "--older-than", "9d", "--every", "1s", "--database", url]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        wait_for(lambda: not service.list().items, "the first round")
-        ended("second")
-        wait_for(lambda: not service.list().items, "another round")
-        process.terminate()
-        assert process.stderr is not None
-        assert process.stderr.read() == "geoswarm prune; Ctrl-C stops it.\n"
-        assert process.wait(30) == 0
+        try:
+            wait_for(lambda: not service.list().items, "the first round")
+            ended("second")
+            wait_for(lambda: not service.list().items, "another round")
+            process.terminate()
+            assert process.stderr is not None
+            assert process.stderr.read() == "geoswarm prune; Ctrl-C stops it.\n"
+            assert process.wait(PATIENCE) == 0
+        finally:
+            process.kill()
     store.close()
 
 

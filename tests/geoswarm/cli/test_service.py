@@ -19,6 +19,7 @@ import pytest
 from geoswarm.cli import main
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
+from tests.integration.engines import PATIENCE
 from tests.solver.problems import decay_document
 
 
@@ -39,14 +40,17 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     command = [sys.executable, "-m", "geoswarm", "serve", "--port", "0", "--workers", "1"]
     command += ["--database", f"sqlite:///{folder / 'jobs.db'}"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stderr is not None
-        line = process.stderr.readline()
-        found = re.search(r"geoswarm serves at (http://127\.0\.0\.1:\d+) with 1 worker", line)
-        assert found, line
-        yield Service(found[1], str(problem))
-        process.send_signal(signal.SIGTERM)
-        rest = process.stderr.read()
-        assert process.wait(timeout=30) == 0
+        try:
+            assert process.stderr is not None
+            line = process.stderr.readline()
+            found = re.search(r"geoswarm serves at (http://127\.0\.0\.1:\d+) with 1 worker", line)
+            assert found, line
+            yield Service(found[1], str(problem))
+            process.send_signal(signal.SIGTERM)
+            rest = process.stderr.read()
+            assert process.wait(timeout=PATIENCE) == 0
+        finally:
+            process.kill()
     assert rest == "Stopped.\n"
 
 

@@ -25,6 +25,7 @@ from geoswarm.cli.model.umbridge_server import Bridge, make_server
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import load_problem, parse_problem
 from tests.installation import packages_in
+from tests.integration.engines import PATIENCE, must_end
 from tests.servers import free_port
 from tests.solver.external.test_failures import sleepers
 
@@ -127,7 +128,7 @@ def test_requests_that_are_none() -> None:
 def raw(url: str, request: str) -> bytes:
     """All that a server sends on one connection."""
     host, _, port = url.removeprefix("http://").rpartition(":")
-    with socket.create_connection((host.strip("[]"), int(port)), timeout=20) as connection:
+    with socket.create_connection((host.strip("[]"), int(port)), timeout=60) as connection:
         connection.sendall(request.encode())
         connection.shutdown(socket.SHUT_WR)
         return b"".join(iter(lambda: connection.recv(65536), b""))
@@ -200,7 +201,7 @@ kept = None
 def curve(x, a):
     global kept
     kept = a
-    time.sleep(0.1)
+    time.sleep(0.1)  # so that others come meanwhile
     return kept * x
 """
 
@@ -228,7 +229,7 @@ def test_functions_at_the_same_time_do_not_meet(tmp_path: Path) -> None:
 
 def test_limits_of_the_problem_hold(tmp_path: Path) -> None:
     source = "import time\ndef curve(x, a):\n    time.sleep(600 if a > 1 else 0)\n    return a * x\n"
-    path = of_a_function(tmp_path, source, limits={"seconds_per_evaluation": 1})
+    path = of_a_function(tmp_path, source, limits={"seconds_per_evaluation": 4})
     with command(path, "--port", "0") as (url, _):
         status, found = asked(url, "/Evaluate", input=[[2.0]])
         assert (status, found["error"]["type"]) == (500, "timeout")
@@ -298,7 +299,7 @@ def command(*arguments: str | Path, ending: signal.Signals = signal.SIGTERM) -> 
         yield url, output.read_text
     finally:
         process.send_signal(ending)
-        process.wait(20)
+        must_end(process)
 
 
 def environment(*folders: Path) -> dict[str, str]:
@@ -308,13 +309,13 @@ def environment(*folders: Path) -> dict[str, str]:
 
 
 def waited(look: Any, process: subprocess.Popen[bytes] | None) -> Any:
-    until = time.monotonic() + 60.0
+    until = time.monotonic() + PATIENCE
     while time.monotonic() < until:
         assert process is None or process.poll() is None
         if found := look():
             return found
         time.sleep(0.05)
-    raise AssertionError("nothing in 60 s")
+    raise AssertionError(f"nothing in {PATIENCE} s")
 
 
 @pytest.fixture(scope="module")
@@ -375,7 +376,7 @@ def test_the_example_of_the_page_runs_both_ways_with_the_package(
             assert error.startswith("Model returned error of type InvalidInput: input must be [[final, half]]")
     finally:
         theirs.terminate()
-        theirs.wait(20)
+        must_end(theirs)
     loaded = load_problem(problem)
     assert Calibration(loaded, 1).evaluate_values({"final": 20.0, "half": 10.0}).reason == "not_started"
 

@@ -9,6 +9,7 @@ import json
 import re
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,7 @@ from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import LiveServer, line_problem, live_server
+from tests.integration.engines import PATIENCE
 
 
 def public(kind: type) -> dict[str, Callable[..., object]]:
@@ -108,8 +110,8 @@ def test_steering_and_the_catalogue(server: LiveServer) -> None:
             began = time.monotonic()
             with pytest.raises(WaitTimeoutError):
                 await client.wait(job.id, timeout=0.5)
-            assert 0.5 <= time.monotonic() - began < 30.0  # the job itself may take 600 s
-            waiting = asyncio.create_task(client.wait(job.id, timeout=30))
+            assert time.monotonic() - began >= 0.5
+            waiting = asyncio.create_task(client.wait(job.id, timeout=60))
             await asyncio.sleep(0.2)
             assert (await client.cancel(job.id)).state == "cancelled"
             assert (await waiting).state == "cancelled"
@@ -154,36 +156,35 @@ def test_a_failed_job_raises(server: LiveServer, engine: Engine) -> None:
                 )
             )
             with pytest.raises(JobFailedError, match="the disk is full"):
-                await client.wait(job.id, timeout=2)
+                await client.wait(job.id, timeout=60)
 
     asyncio.run(session())
 
 
-def test_events_survive_a_restart_of_the_service(engine: Engine) -> None:
+def test_events_survive_a_restart_of_the_service(engine: Engine, free_port: int) -> None:
     async def session() -> tuple[list[int], str]:
-        first = live_server(engine.service)
-        server = first.__enter__()
-        port = server.listener.getsockname()[1]
-        async with AsyncClient(server.url, patience=20) as client:
-            job = await client.submit(line_problem(stopping={"max_seconds": 600}))
-            seen: list[int] = []
-            reached = asyncio.Event()
+        with ExitStack() as first:
+            await asyncio.to_thread(first.enter_context, live_server(engine.service, port=free_port))
+            async with AsyncClient(f"http://127.0.0.1:{free_port}", patience=PATIENCE) as client:
+                job = await client.submit(line_problem(stopping={"max_seconds": 600}))
+                seen: list[int] = []
+                reached = asyncio.Event()
 
-            async def follow() -> None:
-                async for event in client.events(job.id):
-                    seen.append(event.id)
-                    if len(seen) > 3:
-                        reached.set()
+                async def follow() -> None:
+                    async for event in client.events(job.id):
+                        seen.append(event.id)
+                        if len(seen) > 3:
+                            reached.set()
 
-            following = asyncio.create_task(follow())
-            await asyncio.wait_for(reached.wait(), 20)
-            await asyncio.to_thread(first.__exit__, None, None, None)
-            second = live_server(engine.service, port=port)
-            await asyncio.to_thread(second.__enter__)
-            engine.service.cancel(job.id)
-            await asyncio.wait_for(following, 30)
-            await asyncio.to_thread(second.__exit__, None, None, None)
-            return seen, job.id
+                following = asyncio.create_task(follow())
+                await asyncio.wait_for(reached.wait(), PATIENCE)
+                await asyncio.to_thread(first.close)
+                with ExitStack() as second:
+                    await asyncio.to_thread(second.enter_context, live_server(engine.service, port=free_port))
+                    engine.service.cancel(job.id)
+                    await asyncio.wait_for(following, PATIENCE)
+                    await asyncio.to_thread(second.close)
+                return seen, job.id
 
     seen, job_id = asyncio.run(session())
     stored: list[int] = []

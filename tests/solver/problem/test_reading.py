@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from pathlib import Path
 
 import numpy as np
@@ -88,10 +87,8 @@ def test_json_that_cannot_be_used(text: str, message: str) -> None:
 def test_what_aliases_repeat_is_counted_before_it_is_built(first: str, level: str) -> None:
     lines = [f"a0: &a0 {first}"]
     lines += [f"a{i}: &a{i} {level.format(', '.join([f'*a{i - 1}'] * 10))}" for i in range(1, 21)]
-    began = time.process_time()
     with pytest.raises(ProblemError, match=r"aliases and merge keys \(\*name, <<\) repeat more than 100000 values"):
-        read_document("\n".join(lines), "yaml")
-    assert time.process_time() - began < 2.0
+        read_document("\n".join(lines), "yaml")  # to build all 10^20 would take for ever
 
 
 def test_merge_keys_are_resolved() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 import sys
@@ -24,7 +25,7 @@ from tests.solver.runner.test_runner import positions
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 
-LIMITS = RunLimits(seconds=2.0, memory_mb=300.0)
+LIMITS = RunLimits(seconds=4.0, memory_mb=300.0)
 PATIENT = RunLimits(seconds=120.0, memory_mb=300.0)  # on a busy machine memory fills slowly
 SLOPES = (-1.0, 1.0, -2.0, 2.0, -3.0)
 
@@ -91,20 +92,21 @@ def test_output_stays_bounded_while_it_is_written(runner: Runner) -> None:
     size = os.fstat(runner._output).st_size
     time.sleep(0.5)
     assert os.fstat(runner._output).st_size == size  # whatever wrote is gone
-    began = time.monotonic()
-    largest = 0
+    sizes: list[int] = []
+
+    def look() -> None:
+        sizes.append(os.fstat(runner._output).st_size)
+
     for outcome in runner.run(
         "writes on",
         bad("write without end"),
         positions(1.0),
         LIMITS,
-        unwanted=lambda: None,
+        unwanted=look,
     ):
-        largest = os.fstat(runner._output).st_size
         assert outcome.evaluation.reason == "timeout"
         assert outcome.log is not None
-    assert time.monotonic() - began < 60.0
-    assert largest < 512 * 2**20
+    assert any(later < earlier for earlier, later in itertools.pairwise(sizes)), sizes  # shortened again and again
 
 
 @pytest.mark.parametrize(
@@ -118,11 +120,12 @@ def test_output_stays_bounded_while_it_is_written(runner: Runner) -> None:
 def test_a_problem_that_cannot_be_built_harms_nobody(
     runner: Runner, monkeypatch: pytest.MonkeyPatch, builds: str, why: str
 ) -> None:
-    monkeypatch.setattr("geoswarm.solver.runner.runner.BUILD_SECONDS", 1.0 if builds == "hang" else 120.0)
     document = bad("good").problem.document()
     document["forward_model"]["builds"] = builds
-    with pytest.raises(BuildError, match=f"could not be built, tried 3 times: .*{why}"):
-        runner.build(f"job {builds}", document, 1, LIMITS)
+    with monkeypatch.context() as patch:
+        patch.setattr("geoswarm.solver.runner.runner.BUILD_SECONDS", 1.0 if builds == "hang" else 120.0)
+        with pytest.raises(BuildError, match=f"could not be built, tried 3 times: .*{why}"):
+            runner.build(f"job {builds}", document, 1, LIMITS)
     assert evaluated(runner, f"job after {builds}", "good") == expected(SLOPES)
 
 

@@ -87,11 +87,11 @@ def test_what_never_ends_is_killed_as_a_whole_and_the_others_go_on(
     made = misbehaving(behaviour=behaviour, notes=str(notes))
     list(runner.run("job", made, positions(-1), RunLimits()))
     began = time.monotonic()
-    outcomes = list(runner.run("job", made, positions(-1, -2, 1, -3), RunLimits(seconds=1.0)))
+    outcomes = list(runner.run("job", made, positions(-1, -2, 1, -3), RunLimits(seconds=4.0)))
     took = time.monotonic() - began
     assert [o.evaluation.reason for o in outcomes] == [None, None, "timeout", None]
-    assert outcomes[2].evaluation.message == ("ran for longer than 1 s (limits.seconds_per_evaluation) and was killed")
-    assert 1.0 < took < 30.0
+    assert outcomes[2].evaluation.message == ("ran for longer than 4 s (limits.seconds_per_evaluation) and was killed")
+    assert took > 4.0
     assert len(noted(notes)) == {"for_ever": 1, "fork": 4, "chatter": 0}[behaviour]
     assert not any(process_exists(pid) for pid in noted(notes))
     if behaviour == "chatter":
@@ -102,9 +102,7 @@ def test_what_never_ends_is_killed_as_a_whole_and_the_others_go_on(
 
 def test_what_eats_memory_is_killed(runner: Runner, tmp_path: Path) -> None:
     made = misbehaving(behaviour="eat", notes=str(tmp_path / "pids"))
-    began = time.monotonic()
     bad, good = runner.run("job", made, positions(1, -1), RunLimits(memory_mb=200))
-    assert time.monotonic() - began < 30.0
     assert (bad.evaluation.reason, good.evaluation.reason) == ("killed_memory", None)
     assert bad.evaluation.message is not None
     assert "more than 200 MiB (limits.memory_mb)" in bad.evaluation.message
@@ -127,23 +125,30 @@ def test_a_process_that_ends_is_one_failed_evaluation(
     assert outcomes[1].evaluation.message == message
 
 
-def test_an_unwanted_evaluation_is_killed_after_its_grace(runner: Runner) -> None:
-    made = misbehaving(behaviour="for_ever")
-    list(runner.run("job", made, positions(-1), RunLimits()))  # the process is ready
-    began = time.monotonic()
-    outcomes = runner.run(
-        "job", made, positions(-1, 1), RunLimits(), unwanted=lambda: 0.3 if time.monotonic() - began > 0.5 else None
-    )
+def test_an_unwanted_evaluation_is_killed_after_its_grace(runner: Runner, tmp_path: Path) -> None:
+    notes = tmp_path / "pids"
+    made = misbehaving(behaviour="for_ever", notes=str(notes))
+    told: list[float] = []
+
+    def unwanted() -> float | None:
+        if not noted(notes):  # the second one is not under way yet
+            return None
+        told.append(time.monotonic())
+        return 0.3
+
+    outcomes = runner.run("job", made, positions(-1, 1), RunLimits(), unwanted=unwanted)
     with pytest.raises(NeverMind) as caught:
         list(outcomes)
     assert caught.value.index == 1
-    assert 0.7 < time.monotonic() - began < 30.0  # the run itself would go on for ever
+    assert time.monotonic() - told[0] >= 0.3
+    assert not any(process_exists(pid) for pid in noted(notes))
 
 
 def test_no_evaluation_is_begun_after_the_budget(runner: Runner) -> None:
-    made = misbehaving(behaviour="sleep", seconds=0.1)
-    outcomes = list(runner.run("job", made, positions(1, 2, 3, 4), RunLimits(), budget=0.15))
-    assert len(outcomes) == 2
+    made = misbehaving(behaviour="sleep", seconds=4.0)
+    list(runner.run("job", made, positions(-1), RunLimits()))  # the process is ready
+    outcomes = list(runner.run("job", made, positions(-1, 1, 2, 3), RunLimits(), budget=4.0))
+    assert len(outcomes) == 2  # one that takes no time, and one that takes all of it
     assert len(list(runner.run("job", made, positions(1, 2, 3, 4), RunLimits(), budget=0.0))) == 1
 
 

@@ -123,17 +123,20 @@ def test_a_routine_that_hangs_is_ended_at_the_limit(tmp_path: Path) -> None:
 def test_an_interrupt_leaves_no_copy_behind(tmp_path: Path) -> None:
     path = problem(tmp_path, HANG)
     code = (
-        "import os, signal, sys, threading\n"
+        "import os, psutil, signal, sys, threading, time\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a background job may ignore it
         "from geoswarm.solver.problem import load_problem\n"
         "from tests.solver.user_laws.test_sections import calculated\n"
         "found = load_problem(sys.argv[1])\n"
         "calculated(found, mode=0.0)\n"
+        "def interrupt():\n"
+        "    while sum(sum(one.cpu_times()[:2]) for one in psutil.Process().children()) < 0.5:\n"
+        "        time.sleep(0.05)\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"  # while the copy hangs
         "try:\n"
-        "    threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "    threading.Thread(target=interrupt).start()\n"
         "    calculated(found)\n"
         "except KeyboardInterrupt:\n"
-        "    import psutil\n"
         "    print('children', len(psutil.Process().children()))\n"
     )
     done = subprocess.run(

@@ -103,6 +103,7 @@ def test_version_1() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_version_2(pyemu: Path) -> None:
     case = read_case(version_2(pyemu))
     assert case.parameters == (
@@ -135,12 +136,14 @@ def test_version_2(pyemu: Path) -> None:
         ("parameters.csv", "none.csv", "none.csv"),
     ],
 )
+@pytest.mark.slow
 def test_what_pyemu_cannot_read_or_reads_in_part_is_refused(pyemu: Path, old: str, new: str, message: str) -> None:
     assert old in VERSION_2
     with pytest.raises(PestControlError, match=message):
         read_case(version_2(pyemu, VERSION_2.replace(old, new)))
 
 
+@pytest.mark.slow
 @pytest.mark.slow
 def test_the_command_makes_a_problem_that_passes_its_check(pyemu: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = version_2(pyemu)
@@ -159,6 +162,7 @@ def test_the_command_makes_a_problem_that_passes_its_check(pyemu: Path, capsys: 
     assert "never overwritten" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.slow
 def test_the_command_says_what_is_left_to_do(pyemu: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = version_2(pyemu, VERSION_2.replace("./Model.sh", "./Model.sh > log"))

@@ -239,8 +239,7 @@ def test_waiting_for_a_slot_is_no_time_of_a_run(workers: int, tmp_path: Path) ->
         assert holder.wait() == 0
     found = [record.evaluation for record in result.history]
     assert [one.reason for one in found] == [None, None], [one.message for one in found]
-    assert sum(one.seconds for one in found) < 8.0
-    assert all(one.seconds > 0.0 for one in found)
+    assert all(0.0 < one.seconds < 8.0 for one in found)  # one that takes longer than 6 s is killed
 
 
 @pytest.mark.slow
@@ -262,7 +261,7 @@ def test_calls_that_a_licence_was_refused_for_are_no_time_of_a_run(tmp_path: Pat
     (one,) = [record.evaluation for record in result.history]
     assert (one.reason, one.message) == (None, None)
     assert (tmp_path / "tries").read_text() == "xxxxx"
-    assert 0.0 < one.seconds < 8.0
+    assert 0.0 < one.seconds < 8.0  # one that takes longer than 6 s is killed
 
 
 HANGING = {

@@ -127,7 +127,7 @@ def test_a_server_that_is_not_there_is_tried_again() -> None:
     with pytest.raises(ForwardError, match=r"cannot be reached: .*\(3 tries\); is the server running") as caught:
         run({"E": 1.0, "nu": 0.3})
     assert caught.value.reason == "not_started"
-    assert 0.2 <= time.monotonic() - began < 10.0
+    assert time.monotonic() - began >= 0.2  # two pauses
 
 
 def test_a_server_that_takes_no_connection_is_tried_again(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,12 +21,16 @@ def test_it_is_the_largest_difference_of_a_coordinate_that_counts() -> None:
 
 
 def test_thousands_of_runs_cost_little() -> None:
-    """Processor time beside what a comparison of all coordinates takes."""
+    """Least processor time of several passes, beside what a comparison of all coordinates takes."""
     random = np.random.default_rng(4)
     points, asked = random.random((20_000, 4)), random.random((200, 4))
-    began = time.process_time()
-    whole = [float(np.abs(points - point).max(axis=1).min()) > 1e-5 for point in asked]
-    between = time.process_time()
-    quick = [not _any_within(points, point, 1e-5) for point in asked]
-    assert quick == whole
-    assert time.process_time() - between < 0.5 * (between - began)
+    spent: list[tuple[float, float]] = []
+    for _ in range(7):
+        began = time.process_time()
+        whole = [float(np.abs(points - point).max(axis=1).min()) > 1e-5 for point in asked]
+        between = time.process_time()
+        quick = [not _any_within(points, point, 1e-5) for point in asked]
+        spent.append((time.process_time() - between, between - began))
+        assert quick == whole
+    of_quick, of_whole = (min(times) for times in zip(*spent, strict=True))
+    assert of_quick < 0.5 * of_whole
