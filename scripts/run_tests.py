@@ -57,7 +57,17 @@ def main() -> int:
     options, further = parser.parse_known_args()
     marks = f"({options.marks})"
     code, failed = look(
-        [*further, "-m", f"{marks} and not timing", "-n", options.jobs, "--dist", "loadfile", str(options.folder)]
+        [
+            *further,
+            "-m",
+            f"{marks} and not timing",
+            "-n",
+            options.jobs,
+            "--dist",
+            "loadfile",
+            "--no-loadscope-reorder",
+            str(options.folder),
+        ]
     )
     goes_on = (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
     if code in goes_on and (files := timing_files(options.folder)):

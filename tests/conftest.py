@@ -25,8 +25,29 @@ os.environ.update(numerics())
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+LONGEST = (
+    "integration",
+    "dashboard",
+    "deployment",
+    "documentation",
+    "attacks",
+    "contracts",
+    "examples",
+    "workers",
+    "api",
+)
+
 from tests import servers  # noqa: E402
 from tests.servers import MissingServerError, PostgresServer, RedisServer  # noqa: E402
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the folders that take longest, so that no process is left with one of them when all others are done.
+
+    The order within a folder stays: a browser or a service that its tests share is started once a process.
+    """
+    first = {name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: first.get(item.nodeid.split("/")[1], len(first)) if "/" in item.nodeid else -1)
 
 
 def pytest_collection_finish() -> None:

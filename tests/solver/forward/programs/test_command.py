@@ -228,6 +228,7 @@ def hold_slots(folder: Path, seconds: float) -> subprocess.Popen[bytes]:
     return process
 
 
+@pytest.mark.timing
 @pytest.mark.parametrize("workers", [1, 2])
 def test_waiting_for_a_slot_is_no_time_of_a_run(workers: int, tmp_path: Path) -> None:
     """The slot is held for longer than a run may take; the measured time is that of the run alone."""
@@ -243,6 +244,7 @@ def test_waiting_for_a_slot_is_no_time_of_a_run(workers: int, tmp_path: Path) ->
 
 
 @pytest.mark.slow
+@pytest.mark.timing
 def test_calls_that_a_licence_was_refused_for_are_no_time_of_a_run(tmp_path: Path) -> None:
     """Four refusals with pauses of 2 s, while a run may take 6 s."""
     code = (
