@@ -43,7 +43,9 @@ class Noise:
 
 
 def known_noise(problem: Problem, deviations: Mapping[str, float] | float) -> Noise:
-    """Take the standard deviations from the user, one number for all series or one each, base units.
+    """Take the standard deviations of readings from the user, one number for all series or one each, base units.
+
+    Like ``error`` of the problem file it is that of a reading; that of a mean of readings follows from it.
 
     Raises
     ------
@@ -57,7 +59,7 @@ def known_noise(problem: Problem, deviations: Mapping[str, float] | float) -> No
     wrong = [f"{name}: {value:g}" for name, value in values.items() if not (np.isfinite(value) and value > 0)]
     if wrong:
         raise StatisticsError(f"the standard deviation of noise must be above 0, got {', '.join(wrong)}")
-    return _judged({name: float(values[name]) for name in names})
+    return _judged({o.series: float(values[o.series]) * o.mean_error for o in problem.observations})
 
 
 def problem_noise(problem: Problem) -> Noise | None:

@@ -63,6 +63,8 @@ class Observation:
         Points marked as gross errors, each of shape (q,), base units: shown, but in no misfit.
     readings
         Number of readings behind x and y: points may be means of several.
+    mean_error
+        Standard deviation of a point over that of a reading, from ``points.independent``; 1 where that is not known.
     """
 
     series: str
@@ -84,6 +86,7 @@ class Observation:
     gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
     gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
     readings: float = 0.0
+    mean_error: float = 1.0
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -132,8 +135,15 @@ class Observation:
 
 def _share(points: Points, chosen: BoolArray) -> float:
     """Share of the readings behind the chosen points in all but the gross errors."""
-    count = np.ones(len(points.x)) if points.readings is None else np.array(points.readings)
+    count = points.counts
     return float(count[chosen].sum() / np.delete(count, points.gross_errors).sum())
+
+
+def _mean_error(points: Points, chosen: BoolArray) -> float:
+    """Standard deviation of a chosen point over that of a reading: a point may be a mean."""
+    if points.independent is None:
+        return 1.0
+    return math.sqrt(int(chosen.sum()) / max(points.independent * _share(points, chosen), 1.0))
 
 
 def build_observations(
@@ -214,7 +224,7 @@ def _build(
     if message is not None:
         return None, [Issue(place, message)]
     y = y[kept]
-    count = np.ones(len(kept)) if points.readings is None else np.array(points.readings, dtype=np.float64)[kept]
+    count = points.counts[kept]
     # thinning does not weigh: equation (2) is a mean over points
     weights = count / count.mean() if points.weight is None else np.array(points.weight, dtype=np.float64)[kept]
     if not weights.any():
@@ -222,8 +232,9 @@ def _build(
     for array in (x, y, weights, gross_x, gross_y):
         array.flags.writeable = False
     deviation = _difference(section.error, units["y"], info)
-    if deviation is not None and points.independent is not None:  # error is that of a reading, a point may be a mean
-        deviation *= math.sqrt(len(x) / max(points.independent * _share(points, chosen), 1.0))
+    mean_error = _mean_error(points, chosen)
+    if deviation is not None:
+        deviation *= mean_error
     loss, wrong = _loss(section, deviation, units["y"], info)
     if wrong is not None:
         return None, [Issue(f"{path}.loss_scale", wrong)]
@@ -250,6 +261,7 @@ def _build(
             gross_x=gross_x,
             gross_y=gross_y,
             readings=float(count.sum()),
+            mean_error=mean_error,
         ),
         [],
     )

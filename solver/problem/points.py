@@ -6,6 +6,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import ObservationSection
@@ -54,6 +57,11 @@ class Points:
     notes: tuple[str, ...] = ()
     x_heading: Heading | None = field(default=None, compare=False)
     y_heading: Heading | None = field(default=None, compare=False)
+
+    @property
+    def counts(self) -> FloatArray:
+        """Number of readings behind each point."""
+        return np.ones(len(self.x)) if self.readings is None else np.array(self.readings, dtype=np.float64)
 
     def document(self) -> dict[str, Any]:
         """The ``points`` section."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.preparation import independent_readings
 
@@ -122,3 +124,12 @@ def test_no_more_readings_are_independent_than_there_are(more: dict[str, Any]) -
     observation = {"series": "q", "points": {"x": [1, 2], "y": [3, 6], **more}, "error": 20.0}
     with pytest.raises(ProblemError, match=r"points\.independent.* at most as many can be independent"):
         problem([observation], None)
+
+
+def test_noise_that_is_given_afterwards_is_that_of_a_reading_as_error_is() -> None:
+    noise = 24.0 * np.random.default_rng(5).standard_normal(len(X))  # no less than the error that is stated
+    made = problem([readings(noise, resample={"every": 10})], None)
+    stated, given = problem_noise(made), known_noise(made, {"q": 20.0, "p": 0.1})
+    assert stated is not None
+    assert given.deviations == stated.deviations
+    assert given.deviations["q"] == pytest.approx(20.0 / math.sqrt(10.0), rel=0.02)
