@@ -18,14 +18,22 @@ from tests.dashboard.conftest import Opened
 from tests.dashboard.layout import check_layout, leaf_through
 from tests.dashboard.test_job import SOON, counted, state
 from tests.dashboard.test_stream import goes_on
-from tests.integration.engines import LONG, wait_for
+from tests.integration.engines import wait_for
 from tests.servers import free_port
+from tests.workers.problems import line
 
 Visit = Callable[..., Opened]
 
 MOST = 6000
-JOB: dict[str, Any] = LONG.document() | {"name": "interrupted", "stopping": {"max_evaluations": MOST}}
-"""Seconds of work, in steps that the workers report one by one."""
+X = [0.006 * i for i in range(500)]
+JOB: dict[str, Any] = line(
+    name="interrupted",
+    forward_model={"kind": "formula", "series": {"y": "a * x + b" + " + 0*sin(exp(a*x))" * 45}},
+    observations=[{"series": "y", "points": {"x": X, "y": [2.0 * x + 1.0 for x in X]}}],
+    method={"kind": "particle_swarm", "particles": 10, "acceleration": "none"},
+    stopping={"max_evaluations": MOST},
+).document()
+"""Seconds of work: some 1.5 ms an evaluation."""
 
 
 @dataclass(frozen=True, slots=True)
