@@ -74,7 +74,7 @@ def test_every_test_asserts() -> None:
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_"):
                 text = ast.unparse(node)
                 if not re.search(
-                    r"\bassert|\b(assert_|check_|expect|wait_until)\w*\(|pytest\.(raises|warns|fail)", text
+                    r"\bassert|\b(assert_|check_|expect|wait_for|wait_until)\w*\(|pytest\.(raises|warns|fail)", text
                 ):
                     silent.append(f"{label(path)}::{node.name}")
     assert silent == []

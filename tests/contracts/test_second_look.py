@@ -85,8 +85,9 @@ def test_what_fails_again_is_red(tmp_path: Path, tests: list[str], green: bool, 
     for number, text in enumerate(tests):
         (tmp_path / f"test_{number}.py").write_text(text)
     command = [sys.executable, str(ROOT / "scripts" / "run_tests.py"), "--jobs", "1", "--folder", "."]
+    outer = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")}
     only = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdist.plugin"}  # others take seconds to load
-    ran = subprocess.run(command, cwd=tmp_path, env=os.environ | only, capture_output=True, text=True, check=False)
+    ran = subprocess.run(command, cwd=tmp_path, env=outer | only, capture_output=True, text=True, check=False)
     assert (ran.returncode == 0) is green, ran.stdout
     *above, last = ran.stdout.splitlines()
     if green:

@@ -79,7 +79,7 @@ def guarded_context(browser: Browser, origin: str, **options: Any) -> Iterator[t
     """A browser profile of its own on one server; at the end nothing may have gone wrong in it."""
     defaults: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}, "reduced_motion": "reduce"}
     context = browser.new_context(base_url=origin, **(defaults | options))
-    context.set_default_timeout(30_000)
+    context.set_default_timeout(120_000)
     guard = Guard(origin)
     guard.watch(context)
     try:

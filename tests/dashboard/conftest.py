@@ -24,7 +24,7 @@ from tests.dashboard.browser import Guard, chromium, guarded_context
 from tests.integration.engines import celery_workers
 from tests.servers import PostgresServer, RedisServer
 
-expect.set_options(timeout=30_000)  # for what a busy machine takes its time for; a miss is told all the same
+expect.set_options(timeout=120_000)  # a busy machine takes its time; below the limit of pytest, so that a miss is told
 
 
 @dataclass

@@ -60,7 +60,7 @@ def test_a_theme_is_kept_and_the_first_stop_of_the_keyboard_skips_to_the_content
 def test_a_job_is_seen_to_the_end_without_a_reload(embedded: Site, visit: Visit) -> None:
     view, _ = embedded.service.submit(parse_problem(line_problem(stopping={"max_evaluations": 600})))
     page, _ = visit(embedded, f"/jobs/{view.id}")
-    expect(page.locator("h1 .state")).to_have_text("finished", timeout=30_000)
+    expect(page.locator("h1 .state")).to_have_text("finished")
     assert embedded.service.get(view.id).state == "finished"
 
 
@@ -97,7 +97,7 @@ def test_owners_see_their_own_jobs_only(full: Site, visit: Visit) -> None:
         [page.locator("body").get_attribute("data-static"), line_problem(name="confidential")],
     )
     page.goto(f"/jobs/{made['id']}")
-    expect(page.locator("h1 .state")).to_have_text("finished", timeout=30_000)
+    expect(page.locator("h1 .state")).to_have_text("finished")
     other, guard = visit(full, f"/jobs/{made['id']}", key=full.key("bob"))
     guard.allow("404")
     expect(other.locator("h1")).to_have_text("Job not found")

@@ -60,7 +60,7 @@ def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
     page.keyboard.press("Space")
     view, _ = embedded.service.submit(parse_problem(textbook(name="just-now")))
     row = page.locator(f"tr[data-job='{view.id}']")
-    expect(row.locator(".state")).to_have_text("finished", timeout=30_000)
+    expect(row.locator(".state")).to_have_text("finished")
     expect(box).to_be_checked()
     expect(box).to_be_focused()
     assert page.locator("#chosen").inner_text() == "1 job chosen; choose at least one more to compare."

@@ -15,7 +15,7 @@ from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_statistics import ended
 
 Visit = Callable[..., Opened]
-SOON = 90_000
+SOON = 240_000
 
 
 @pytest.fixture(scope="module")

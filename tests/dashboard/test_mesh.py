@@ -36,7 +36,7 @@ def job(embedded: Site) -> str:
 
 def opened(visit: Visit, site: Site, job: str, **options: Any) -> Page:
     page, _ = visit(site, f"/jobs/{job}/mesh", **options)
-    expect(page.locator("#told")).to_contain_text("Largest displacement", timeout=30_000)
+    expect(page.locator("#told")).to_contain_text("Largest displacement")
     return page
 
 

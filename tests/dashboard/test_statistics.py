@@ -188,7 +188,7 @@ def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) ->
 def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> None:
     page.get_by_role("button", name="Sensitivities at the optimum").click()
     expect(page.locator("#uncertainty li")).to_contain_text("Sensitivities at the optimum")
-    expect(page.locator("#uncertainty .state")).to_have_text("finished", timeout=30_000)
+    expect(page.locator("#uncertainty .state")).to_have_text("finished")
     expect(page.locator("#uncertainty table")).to_contain_text("Standard error")
     assert page.locator("#uncertainty tbody tr").count() == 3
 

@@ -29,7 +29,7 @@ def follow(page: Page, job: str) -> str:
     """Fix phi and mu*, start, return the new job; the PDF of the first one is downloaded on the way."""
     page.goto(f"/jobs/{job}")
     page.get_by_role("link", name="Statistics").first.click()
-    expect(page.locator("#verdicts .card")).to_have_count(5, timeout=30_000)
+    expect(page.locator("#verdicts .card")).to_have_count(5)
     with page.expect_download(timeout=60_000) as download:
         page.get_by_role("link", name="Report (PDF)").click()
     assert download.value.suggested_filename == f"report-{job}.pdf"
@@ -58,7 +58,7 @@ def test_two_parameters_are_fixed_with_keys_and_workers(full: Site, visit: Visit
     made = follow(page, job)
     assert alice.get(made).free_parameters == ["lambda_star", "kappa_star", "c"]
     check_follow_up(alice.problem(made))
-    expect(page.locator("h1 .state")).to_have_text("finished", timeout=60_000)
+    expect(page.locator("h1 .state")).to_have_text("finished")
 
 
 @pytest.mark.slow
