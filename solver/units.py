@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from functools import cache, lru_cache
 from typing import Any
@@ -14,6 +15,7 @@ from geoswarm.solver.arrays import FloatArray
 __all__ = ["UnitError", "base_unit", "convert", "same_unit"]
 
 _MAX_LENGTH = 50
+_TIMES = re.compile(r"(0\.\d{1,9}|10{1,6}|1(?=/))(?:/([1-9]\d{0,8}))? +([^\d\s*/].*)", re.ASCII)
 _MOST_DIGITS = 100  # of a factor to root units; whole numbers of a million digits take a third of a second
 _DIMENSIONLESS = frozenset({"", "1", "-", "dimensionless"})
 _EXAMPLES = {
@@ -51,15 +53,23 @@ def base_unit(unit: str) -> str:
     UnitError
         The unit is unknown or has an offset.
     """
-    if _canonical(unit) not in COMMON:
-        _root(unit, "m, kPa, kN, day, degree, 1")
+    plain = _split(_canonical(unit))[1]
+    if plain not in COMMON:
+        _root(plain, "m, kPa, kN, day, degree, 1")
     for base in _BASES:
         try:
-            convert(0.0, unit, base)
+            convert(0.0, plain, base)
         except UnitError:
             continue
         return base
-    return unit
+    return plain
+
+
+def _split(unit: str) -> tuple[Fraction, str]:
+    """Factor and plain unit of one such as ``0.01 mm`` or ``1/100 mm``, the step of a dial gauge."""
+    found = _TIMES.fullmatch(unit)
+    times = Fraction(1) if found is None else Fraction(found[1]) / Fraction(found[2] or 1)
+    return (times, found[3]) if found is not None and times else (Fraction(1), unit)
 
 
 def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:
@@ -73,7 +83,8 @@ def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     if same_unit(unit, base):
         return array
-    factor = _factor(_canonical(unit), _canonical(base))
+    (times, plain), (base_times, base_plain) = _split(_canonical(unit)), _split(_canonical(base))
+    factor = _factor(plain, base_plain) * times / base_times
     # Two roundings of whole numbers keep 1440 min exactly one day, which one rounded factor would not.
     with np.errstate(all="ignore"):
         return np.asarray(array * float(factor.numerator) / float(factor.denominator))

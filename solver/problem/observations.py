@@ -298,29 +298,43 @@ def _unit(
 
     ``unitless``: a formula or a program, whose series without a unit take the numbers as they are.
     """
-    if heading is None or (heading.unit is None and not heading.dates):
+    if heading is None:
         return given, None
-    if heading.dates and given is not None and not same_unit(given, "day"):
-        message = f"column '{heading.name}' holds dates, which are read as days: leave {axis}_unit out, not {given}"
-        return given, message
-    if given is not None or heading.unit is None:
+    column = f"column '{heading.name}'"
+    if given is not None:
+        if heading.dates and not same_unit(given, "day"):
+            return given, f"{column} holds dates, which are read as days: leave {axis}_unit out, not {given}"
+        if heading.in_cells and heading.unit is not None and not same_unit(given, heading.unit):
+            return given, f"the cells of {column} are in {heading.unit}: leave {axis}_unit out, not {given}"
         return given, None
-    try:
-        convert([1.0], heading.unit, base)
-    except UnitError:
-        if not heading.certain or (unitless and same_unit(base, "1")):
-            return None, None
+    if heading.dates or heading.in_cells:
+        named = [(heading.unit, True)]
+    else:
+        named = [(one.unit, one.certain) for one in heading.named] or [(heading.unit, heading.certain)]
+    fitting = list(dict.fromkeys(unit for unit, _ in named if unit is not None and _fits(unit, base)))
+    if len({float(convert(1.0, unit, base)) for unit in fitting}) > 1:
+        return None, f"{column} names several units, {' and '.join(fitting)}; {axis}_unit says which holds"
+    if fitting:
+        return fitting[0], None
+    if unitless and same_unit(base, "1"):
+        return None, None
+    if heading.unit is not None and any(certain for unit, certain in named if unit is not None):
         if same_unit(base, "1"):
-            return (
-                None,
-                f"column '{heading.name}' is in {heading.unit}, but the series has no unit; name another column",
-            )
+            return None, f"{column} is in {heading.unit}, but the series has no unit; name another column"
         other = "series has" if axis == "y" else "series needs"
-        return (
-            None,
-            f"column '{heading.name}' is in {heading.unit}, but the {other} {base}; name another, or give {axis}_unit",
-        )
-    return heading.unit, None
+        return None, f"{column} is in {heading.unit}, but the {other} {base}; name another, or give {axis}_unit"
+    strange = next((one.text for one in heading.named if one.unit is None), None)
+    if strange is not None:
+        return None, f"{column} names '{strange}', which is not a known unit; {axis}_unit says what the numbers are in"
+    return None, None
+
+
+def _fits(unit: str, base: str) -> bool:
+    try:
+        convert(1.0, unit, base)
+    except UnitError:
+        return False
+    return True
 
 
 def _checked_x(

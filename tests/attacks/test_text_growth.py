@@ -24,7 +24,7 @@ from geoswarm.solver.problem.tables.cells import read_cells
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import guess_unit, units_in_comments
 from geoswarm.solver.problem.tables.lines import lines_of
-from geoswarm.solver.problem.tables.reading import TableError, cell_number, table_rows
+from geoswarm.solver.problem.tables.reading import TableError, cell_number, table_lines, table_rows
 from geoswarm.solver.problem.text.json_places import duplicate_place
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean, typeset
@@ -134,7 +134,7 @@ CASES: dict[str, tuple[Eater, Callable[[int], Any]]] = {
     "table: rows of words": (read_csv, as_bytes(repeated("a,32.13.2024\n", "x,y\n"))),
     "table: rows too long": (read_csv, as_bytes(repeated("1,2,3\n", "x,y\n"))),
     "table: quotes": (read_csv, as_bytes(repeated('"', "x,y\n"))),
-    "table: rows": (lambda text: table_rows(text, "a"), repeated("1;2\n", "x;y\n")),
+    "table: rows": (lambda text: table_rows(table_lines(text, "a"), "a", ";"), repeated("1;2\n", "x;y\n")),
     "workbook: many cells": (lambda content: read_cells(content, "a"), workbook),
     "workbook: a format of brackets": (
         lambda content: read_cells(content, "a"),

@@ -3,15 +3,30 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from geoswarm.solver.problem.tables.dates import moment_in
-from geoswarm.solver.problem.tables.packed import FORMULA, Cell
-from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError, cell_number, decoded, table_rows
+from geoswarm.solver.problem.tables.blocks import Block, begin, is_reading
+from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
+from geoswarm.solver.problem.tables.packed import Cell
+from geoswarm.solver.problem.tables.reading import (
+    BLANKS,
+    MAX_TABLE_BYTES,
+    SEPARATORS,
+    TableError,
+    cell_number,
+    decoded,
+    refuse_surplus,
+    table_lines,
+    table_rows,
+)
 from geoswarm.solver.problem.tables.workbooks import read_workbook
 
-__all__ = ["Sheet", "file_content", "number_in", "read_cells"]
+__all__ = ["Sheet", "file_content", "number_in", "read_cells", "without_units"]
+
+_SAMPLE = 2000
+"""Lines that choose the separator."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +76,10 @@ def file_content(path: Path) -> bytes:
         raise TableError(f"{path} cannot be read: {reason}") from None
 
 
-def read_cells(content: bytes, name: str, sheet: str | None = None, *, numbers: bool = False) -> Sheet:
-    """Read a CSV file or one sheet of a workbook (XLSX, ODS); which of them it is follows from the content.
+def read_cells(
+    content: bytes, name: str, sheet: str | None = None, *, numbers: bool = False, wanted: Iterable[str] = ()
+) -> Sheet:
+    """Read a table of text or one sheet of a workbook (XLSX, ODS); which of them it is follows from the content.
 
     Parameters
     ----------
@@ -72,18 +89,21 @@ def read_cells(content: bytes, name: str, sheet: str | None = None, *, numbers: 
         Of a workbook; the first one with cells unless given.
     numbers
         Whether the first sheet with a row of numbers is meant where none is given, not a cover before it.
+    wanted
+        Headings by which the table is found where a file holds several.
 
     Raises
     ------
     TableError
         It cannot be read.
     """
+    wanted = list(wanted)
     if len(content) > MAX_TABLE_BYTES:
         raise TableError(f"{name} is larger than {MAX_TABLE_BYTES} bytes")
     if content.startswith(b"PK"):
         sheets, chosen, found = read_workbook(content, name, sheet, _has_numbers if numbers else None)
         rows = [(line, cells) for line, cells in enumerate(found, start=1) if any(cell != "" for cell in cells)]
-        return _below_header(tuple(sheets), chosen, "", rows, _below_title(rows))
+        return _sheet(tuple(sheets), chosen, "", rows, begin(rows, wanted), _first_numbers(rows))
     if content.startswith(b"\xd0\xcf\x11\xe0"):
         raise TableError(f"{name} is a workbook of the old form (.xls); save it as .xlsx, .ods or .csv")
     text = decoded(content)
@@ -92,43 +112,90 @@ def read_cells(content: bytes, name: str, sheet: str | None = None, *, numbers: 
     if sheet is not None:
         raise TableError(f"{name} is not a workbook, so it has no sheet '{sheet}'")
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
-    rows = [(line, list[Cell](cells)) for line, cells in table_rows(text, name)]
-    return _below_header((), None, comments, rows, rows)
+    lines = table_lines(text, name)
+    separator, block = _separated(lines, name, wanted)
+    rows = [(line, list[Cell](cells)) for line, cells in table_rows(lines, name, separator)]
+    read = _sheet((), None, comments, rows, block, 0)
+    width = len(read.header) or len(rows[0][1]) if rows else 0
+    refuse_surplus(read.rows, width, name, separator)
+    return read
+
+
+def _separated(lines: list[tuple[int, str]], name: str, wanted: list[str]) -> tuple[str, Block | None]:
+    """The separator with which the most rows look like those of a table, and where that begins."""
+    best: tuple[tuple[bool, int, int], str, Block] | None = None
+    for separator in SEPARATORS:
+        try:
+            rows = table_rows(lines[:_SAMPLE], name, separator)
+        except TableError:
+            continue
+        block = begin(rows, wanted)
+        if block is not None:
+            merit = (block.named, block.length, block.width)
+            if best is None or merit > best[0]:
+                best = merit, separator, block
+    if best is not None:
+        return best[1], best[2]
+    first = lines[0][1] if lines else ""
+    return next((sign for sign in ";\t" if sign in first), _without_heading(lines)), None
+
+
+def _without_heading(lines: list[tuple[int, str]]) -> str:
+    """Blanks where they separate the numbers of the first line, and no comma does."""
+    cells = lines[0][1].split() if lines else []
+    return BLANKS if len(cells) > 1 and all(cell_number(cell) is not None for cell in cells) else ","
 
 
 def _has_numbers(rows: list[list[Cell]]) -> bool:
     """Whether a row has two numbers, dates or formulas, as readings have."""
-    return any(sum(_is_reading(cell) for cell in row) >= 2 for row in rows)
+    return any(sum(is_reading(cell) for cell in row) >= 2 for row in rows)
 
 
-def _is_reading(cell: Cell) -> bool:
-    return number_in(cell) is not None or str(cell).startswith(FORMULA) or moment_in(cell) is not None
-
-
-def _below_title(rows: list[tuple[int, list[Cell]]]) -> list[tuple[int, list[Cell]]]:
-    """Sheets often begin with titles: leave out what stands above the heading of the first row of numbers."""
+def _first_numbers(rows: list[tuple[int, list[Cell]]]) -> int:
+    """Sheets often begin with titles: place of the row above the first row of numbers."""
     for index, (_, row) in enumerate(rows):
-        numbers = sum(_is_reading(cell) for cell in row)
-        if numbers >= min(2, max(len(row), 1)):
-            return rows[max(index - 1, 0) :]
-    return rows
+        if sum(is_reading(cell) for cell in row) >= min(2, max(len(row), 1)):
+            return max(index - 1, 0)
+    return 0
 
 
-def _below_header(
+def _sheet(
     sheets: tuple[str, ...],
     sheet: str | None,
     comments: str,
-    every: list[tuple[int, list[Cell]]],
     rows: list[tuple[int, list[Cell]]],
+    block: Block | None,
+    first: int,
 ) -> Sheet:
-    grid = dict(every)
+    """What is read; ``first`` is the place of the headings where no table was found."""
+    grid = dict(rows)
     if not rows:
         return Sheet(sheets, sheet, comments, 1, [], [], grid)
-    line, first = rows[0]
-    filled = [cell for cell in first if cell != ""]
-    if filled and all(number_in(cell) is not None for cell in filled):
-        return Sheet(sheets, sheet, comments, line, [], rows, grid)
-    return Sheet(sheets, sheet, comments, line, [str(cell).strip() for cell in first], rows[1:], grid)
+    if block is not None and not _only_numbers(rows[0][1]):
+        return Sheet(sheets, sheet, comments, rows[block.place][0], block.header, rows[block.below :], grid)
+    line, cells = rows[first]
+    if _only_numbers(cells):
+        return Sheet(sheets, sheet, comments, line, [], rows[first:], grid)
+    return Sheet(sheets, sheet, comments, line, [str(cell).strip() for cell in cells], rows[first + 1 :], grid)
+
+
+def _only_numbers(row: list[Cell]) -> bool:
+    filled = [cell for cell in row if cell != ""]
+    return bool(filled) and all(number_in(cell) is not None for cell in filled)
+
+
+def without_units(cells: Sequence[Cell]) -> tuple[list[Cell], str | None]:
+    """Cells without the unit that each of them ends with, such as ``0,1 %``, and that unit; 0 needs none.
+
+    The cells themselves and None where they have no unit, or several.
+    """
+    split = [number_with_unit(cell) if isinstance(cell, str) and cell else None for cell in cells]
+    units = {known_unit(one[1])[0] for one in split if one is not None}
+    plain = any(one is None and number_in(cell) not in (None, 0.0) for one, cell in zip(split, cells, strict=True))
+    unit = units.pop() if len(units) == 1 and not plain else None
+    if unit is None:
+        return list(cells), None
+    return [cell if one is None else one[0] for one, cell in zip(split, cells, strict=True)], unit
 
 
 def number_in(cell: Cell) -> float | None:

@@ -8,12 +8,13 @@ from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
-from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells
-from geoswarm.solver.problem.tables.dates import DATES_ACCEPTED, DateForm, day_of, moment_in, time_of_day
-from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_in_comments
+from geoswarm.solver.problem.tables.blocks import is_reading
+from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells, without_units
+from geoswarm.solver.problem.tables.dates import DATES_ACCEPTED, DateForm, day_of, elapsed_days, moment_in, time_of_day
+from geoswarm.solver.problem.tables.headings import Named, units_in_comments, units_of
 from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, number_of, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
-from geoswarm.solver.problem.tables.picking import Picked, column_of, is_range, names_used, picked, rows_where
+from geoswarm.solver.problem.tables.picking import Picked, column_of, is_cells, is_range, names_used, picked, rows_where
 from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
@@ -21,6 +22,7 @@ from geoswarm.solver.problem.tables.workbooks import named_cells
 __all__ = ["Columns", "Heading", "Table", "read_table", "table_of"]
 
 _MOST_MESSAGES = 10
+_FIRST = 3
 _NO_MARK = frozenset({"", "0", "no", "nein", "false", "ok", "-"})
 
 
@@ -28,13 +30,18 @@ _NO_MARK = frozenset({"", "0", "no", "nein", "false", "ok", "-"})
 class Heading:
     """A heading and the unit that it, or a comment, names; ``certain`` when the unit stands in brackets.
 
-    ``dates``: the column holds dates, which are read as days.
+    ``dates``: the column holds dates, which are read as days. ``in_cells``: the cells themselves have this unit.
+    ``named`` are all units that it may name, also what stands in place of one and is not known. ``first`` are the first
+    values.
     """
 
     name: str
     unit: str | None = None
     certain: bool = False
     dates: bool = False
+    in_cells: bool = False
+    named: tuple[Named, ...] = ()
+    first: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,8 +142,9 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
         Missing or unreadable file, missing column, or cells that are no finite numbers.
     """
     quick = None if _needs_cells(columns) else plain_numbers(content)
-    sheet = read_cells(content, name, columns.sheet) if quick is None else quick[0]
     wanted = columns.wanted()
+    names = [text for text in (*wanted.values(), *columns.where) if not is_cells(text)]
+    sheet = read_cells(content, name, columns.sheet, wanted=names) if quick is None else quick[0]
     if content.startswith(b"PK"):
         sheet = _named(content, name, columns, sheet, wanted)
     if not sheet.header and not sheet.rows:
@@ -158,8 +166,16 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
     else:
         values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
         found = Table(values["x"], values["y"], values.get("weight"), inputs=_inputs(values))
-    x_heading = _heading(sheet, reader.columns["x"], found.zero is not None)
-    return replace(found, x_heading=x_heading, y_heading=_heading(sheet, reader.columns["y"], False))
+    headings = {
+        role: replace(
+            _heading(sheet, reader.columns[role], role == "x" and found.zero is not None, reader.units.get(role)),
+            first=tuple(values[:_FIRST]),
+        )
+        for role, values in (("x", found.x), ("y", found.y))
+    }
+    if "y_minus" in reader.columns:
+        _same_units(name, headings["y"], _heading(sheet, reader.columns["y_minus"], False, reader.units.get("y_minus")))
+    return replace(found, x_heading=headings["x"], y_heading=headings["y"])
 
 
 def _needs_cells(columns: Columns) -> bool:
@@ -200,15 +216,27 @@ def _picked(sheet: Sheet, rows: list[tuple[int, list[Cell]]], role: str, text: s
         raise TableError(f"{error}; say which it is: {role}_column: {suggested}") from None
 
 
-def _heading(sheet: Sheet, column: Picked, dates: bool) -> Heading:
+def _heading(sheet: Sheet, column: Picked, dates: bool, in_cells: str | None) -> Heading:
     name = column.name
     if dates:
         return Heading(name, "day", certain=True, dates=True)
-    unit = guess_unit(name)[1]
-    if unit is not None:
-        return Heading(name, unit, certain=name.rstrip().endswith(("]", ")", "}")))
+    named = units_of(column.heading or name)
+    if in_cells is not None:
+        return Heading(name, in_cells, certain=True, in_cells=True, named=named)
     commented = units_in_comments(sheet.comments).get(name)
-    return Heading(name, None if commented is None else known_unit(commented)[0])
+    if not named and commented is not None:
+        named = tuple(replace(one, certain=False) for one in units_of(f"x [{commented}]") if one.unit is not None)
+    known = [one for one in named if one.unit is not None]
+    best = next((one for one in known if one.certain), known[0] if known else None)
+    return Heading(name, named=named) if best is None else Heading(name, best.unit, best.certain, named=named)
+
+
+def _same_units(name: str, y: Heading, other: Heading) -> None:
+    """Refuse to subtract columns of different units."""
+    if y.unit is not None and other.unit is not None and y.unit != other.unit and (y.certain or other.certain):
+        raise TableError(
+            f"{name}: column '{y.name}' is in {y.unit} and y_minus, '{other.name}', in {other.unit}; give them one unit"
+        )
 
 
 def _inputs(values: Mapping[str, list[float]]) -> dict[str, list[float]]:
@@ -228,6 +256,7 @@ class _Reader:
         self._wanted = wanted
         self._messages: list[tuple[int, str]] = []
         self._incomplete: set[int] = set()
+        self.units: dict[str, str] = {}
         first = columns["x"]
         for one in columns.values():
             if len(one.cells) != len(first.cells):
@@ -240,9 +269,7 @@ class _Reader:
         filled = [i for i in range(len(first.cells)) if any(cells[i][1] != "" for cells in needed)]
         self.columns = columns
         if len(filled) < len(first.cells):
-            self.columns = {
-                role: Picked(one.name, [one.cells[i] for i in filled], one.place) for role, one in columns.items()
-            }
+            self.columns = {role: replace(one, cells=[one.cells[i] for i in filled]) for role, one in columns.items()}
 
     def table(self) -> Table:
         """All columns as numbers."""
@@ -250,15 +277,24 @@ class _Reader:
         if not x.cells:
             raise TableError(f"{self._name}: the cells of {x.name} are all empty")
         moments = None
-        if wanted.dates is not None or wanted.time is not None or self._looks_like_dates(x):
+        elapsed = None
+        if wanted.dates is None and wanted.time is None:
+            elapsed = elapsed_days([cell for _, cell in x.cells])
+        if elapsed is not None:
+            self.units["x"] = "day"
+            self.columns["x"] = x = replace(
+                x, cells=[(line, value) for (line, _), value in zip(x.cells, elapsed, strict=True)]
+            )
+        elif wanted.dates is not None or wanted.time is not None or self._looks_like_dates(x):
             moments = self._moments(x)
         elif wanted.origin is not None:
             raise _no_dates(self._name, x)
         values = {
-            role: self._numbers(one)
+            role: self._numbers(role, one)
             for role, one in self.columns.items()
             if role not in ("gross_error", "x_time") and not (role == "x" and moments is not None)
         }
+        self._refuse_headings()
         self._raise_errors()
         kept = [i for i in range(len(x.cells)) if i not in self._incomplete]
         if not kept:
@@ -306,8 +342,12 @@ class _Reader:
             moments.append(moment or datetime.min)  # those without one are not used
         return moments
 
-    def _numbers(self, column: Picked) -> list[float]:
+    def _numbers(self, role: str, column: Picked) -> list[float]:
         sign = self._wanted.decimal
+        cells, unit = without_units([cell for _, cell in column.cells])
+        if unit is not None:
+            self.units[role] = unit
+            column = replace(column, cells=[(line, cell) for (line, _), cell in zip(column.cells, cells, strict=True)])
         if sign is None:
             self._ask(column)
         values = []
@@ -340,6 +380,18 @@ class _Reader:
         elif what == "not a finite number" and (moment_in(cell, "day_first") or moment_in(cell, "month_first")):
             problem += "; x_dates: day_first or month_first says how a date is written"
         self._messages.append((line, f"{self._name} line {line}, column {column.name}: {problem}"))
+
+    def _refuse_headings(self) -> None:
+        """Refuse to leave out rows of words directly below the names: they may say what the numbers are."""
+        first = next((i for i in range(len(self.columns["x"].cells)) if i not in self._incomplete), 0)
+        for i in range(first):
+            cells = [one.cells[i] for one in self.columns.values() if one.cells[i][1] != ""]
+            if not any(is_reading(cell) for _, cell in cells):
+                told = ", ".join(str(cell)[:50] for _, cell in cells)
+                raise TableError(
+                    f"{self._name} line {cells[0][0]}: '{told}' stands between the names and the first row of "
+                    "numbers; if these are unknown units, give x_unit and y_unit and delete the row, else delete it"
+                )
 
     def _raise_errors(self) -> None:
         if not self._messages:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Literal, TypeAlias
 
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["DATES_ACCEPTED", "DateForm", "day_of", "moment_in", "time_of_day"]
+__all__ = ["DATES_ACCEPTED", "DateForm", "day_of", "elapsed_days", "moment_in", "time_of_day"]
 
 DateForm: TypeAlias = Literal["day_first", "month_first", "serial"]
 """How dates are written that can be read in several ways: 03/04/2024, or a number of days as spreadsheets count."""
@@ -23,6 +24,7 @@ _NUMBERS = re.compile(
     re.ASCII,
 )
 _CLOCK = re.compile(r"(\d{1,2}):(\d{1,2})(?::(\d{1,2})(?:[.,]\d{1,6})?)?\s?([AaPp][Mm])?", re.ASCII)
+_ELAPSED = re.compile(r"(\d{1,5}):([0-5]?\d):([0-5]?\d(?:[.,]\d{1,6})?)", re.ASCII)
 _ZERO = datetime(1899, 12, 30)
 _LARGEST_SERIAL = 2_958_465.0  # the last day of the year 9999
 _CENTURY = 70  # 69 is 2069, 70 is 1970
@@ -75,6 +77,20 @@ def time_of_day(cell: Cell) -> timedelta | None:
         return _clock(found[1], found[2], found[3] or "0", found[4])
     moment = moment_in(cell)
     return None if moment is None else moment - day_of(moment)
+
+
+def elapsed_days(cells: Sequence[Cell]) -> list[float] | None:
+    """Return times such as 25:30:00 in days, where they cannot be times of day: they begin at 0, or pass 24 hours.
+
+    None for anything else; empty cells are 0.
+    """
+    found = [_ELAPSED.fullmatch(cell) if isinstance(cell, str) else None for cell in cells]
+    if not any(found) or any(one is None and cell != "" for one, cell in zip(found, cells, strict=True)):
+        return None
+    seconds = [
+        0.0 if one is None else int(one[1]) * 3600 + int(one[2]) * 60 + float(one[3].replace(",", ".")) for one in found
+    ]
+    return [one / 86400.0 for one in seconds] if seconds[0] == 0.0 or max(seconds) >= 86400.0 else None
 
 
 def day_of(moment: datetime) -> datetime:

@@ -1,79 +1,289 @@
-"""The units that headings and comments of a file of measurements name."""
+"""The units that headings, units rows and comments of a file of measurements name, German or English."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
 
-from geoswarm.solver.units import UnitError, convert
+from geoswarm.solver.units import UnitError, base_unit
 
-__all__ = ["guess_unit", "known_unit", "units_in_comments"]
+__all__ = ["Named", "guess_unit", "is_unit", "known_unit", "number_with_unit", "units_in_comments", "units_of"]
 
 BASES = ("day", "m", "kPa", "degree", "dimensionless")
-ALIASES = {
-    "sec": "s",
-    "secs": "s",
-    "second": "s",
-    "seconds": "s",
-    "mins": "min",
-    "minute": "min",
-    "minutes": "min",
-    "hr": "h",
-    "hrs": "h",
-    "hour": "h",
-    "hours": "h",
-    "d": "day",
-    "days": "day",
-    "weeks": "week",
-    "years": "year",
-    "a": "year",
-    "µm": "um",
-    "μm": "um",
-    "kn/m2": "kN/m^2",
-    "kn/m²": "kN/m^2",
-    "kn/m^2": "kN/m^2",
-    "mn/m²": "MPa",
-    "n/mm²": "MPa",
-    "kpa": "kPa",
-    "mpa": "MPa",
-    "°": "degree",
-    "deg": "degree",
-    "percent": "%",
-    "-": "dimensionless",
-    "1": "dimensionless",
-    "–": "dimensionless",
+_WORDS = {
+    "s": "sec secs second seconds sek sekunde sekunden",
+    "min": "mins minute minutes minuten",
+    "h": "hr hrs hour hours std stunde stunden",
+    "day": "d days tag tage tagen",
+    "week": "weeks woche wochen",
+    "month": "months monat monate",
+    "year": "a years jahr jahre yr yrs",
+    "ms": "millisecond milliseconds millisekunde millisekunden",
+    "um": "µm μm micron microns micrometer micrometers micrometre micrometres mikrometer mikron",
+    "mm": "millimeter millimeters millimetre millimetres",
+    "cm": "centimeter centimeters centimetre centimetres zentimeter",
+    "m": "meter meters metre metres",
+    "inch": "inches zoll",
+    "ft": "feet foot",
+    "Pa": "pascal",
+    "mH2O": "mh2o mws",
+    "cmH2O": "cmh2o cmws",
+    "kPa": "kilopascal",
+    "MPa": "megapascal",
+    "kN/m^2": "kn/m2",
+    "N/mm^2": "n/mm2",
+    "kgf/cm^2": "kg/cm2 kgf/cm2 kp/cm2 ksc",
+    "kgf/m^2": "kg/m2 kgf/m2 kp/m2",
+    "kgf/mm^2": "kg/mm2 kgf/mm2 kp/mm2",
+    "tf/m^2": "t/m2 tf/m2 mp/m2 tsm",
+    "lbf/ft^2": "psf lb/ft2 lbf/ft2 lbs/ft2",
+    "kip/ft^2": "ksf kips/ft2",
+    "force_ton/ft^2": "tsf ton/ft2 tons/ft2",
+    "psi": "lb/in2 lbf/in2 lbs/in2",
+    "degree": "° deg degrees grad altgrad",
+    "rad": "radian radians",
+    "%": "percent prozent pct vol.-% vol-% vol.% vol% v.-%",
+    "permille": "‰ promille permil o/oo",
+    "um/m": "µm/m μm/m µε με microstrain ustrain µstrain",
+    "dimensionless": "- – — 1 dimensionslos unitless",
 }
-"""What laboratories write, and what the registry of units (or a problem file) calls it."""
+ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {"per mille": "permille"}
+"""What laboratories write, in lower case, and what the registry of units (or a problem file) calls it."""
 
-_BRACKETS = re.compile(r"^(?P<label>.*?)\s*[\[({](?P<unit>[^\])}]{0,20})[\])}]\s*$")
-_BEHIND = re.compile(r"^(?P<label>.+?)(?:\s+in\s+|\s*/\s*|\s*,\s*|_)(?P<unit>[^\s,]{1,20})$", re.IGNORECASE)
+_ATOMS = frozenset(
+    re.findall(
+        r"\S+",
+        "nm um mm cm dm m km in inch ft s ms min h hr d day week month year Pa hPa kPa MPa GPa bar mbar atm torr "
+        "mH2O cmH2O mmHg N kN MN kgf tf lbf kip force_ton psi ksi g kg mg Mg t degree deg rad mrad permille ppm "
+        "ml cl l A mA V mV kV Hz % dimensionless",
+    )
+)
+"""What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""
+
+_FACTOR = re.compile(
+    r"(?P<factor>1\s?/\s?10{1,6}|(?:(?:1\s?)?[x×*·]\s?)?10(?:\^[-−]?|[-−])\d|1[eE][-+]?\d{1,2}|\d{1,6}(?:[.,]\d{1,6})?)"
+    r"(?:\s*[x×*·]\s*|\s*)(?P<unit>.*)"
+)
+_SMALL = re.compile(
+    r"1\s?/\s?10|0[.,]\d|\D{0,4}10\^?[-−]|1[eE]-"
+)  # what a dial gauge divides by; "in 5 m depth" is a place
+_EXPONENT = re.compile("(?<![⁰¹²³⁴⁵⁶⁷⁸⁹⁻])(?=[⁰¹²³⁴⁵⁶⁷⁸⁹⁻])")
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_BRACKETS = re.compile(r"\[[^\[\](){}]{0,40}\]|\([^\[\](){}]{0,40}\)|\{[^\[\](){}]{0,40}\}")
+_IN = re.compile(r"(?:^|\s)(?:in|unit:?|einheit:?)\s+(?=\S)", re.IGNORECASE)
+_BEHIND = re.compile(r"(?<=.)\s*[/,_:;|]\s*(?=[^\s,/]{1,20}(?:\s[^\s,/]{1,20})?$)|\s[-–]\s(?=\S{1,20}$)")
+_VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-].{0,19})")
 _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of a word only: linear in the text
+_STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
+_SYMBOLS = frozenset("tglAVN")  # in round brackets: time, test A
+_STEP_BEFORE = re.compile(r"(?:1/10+|0[.,]\d+|10\^?-\d)_")
+_LONGEST = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A unit that a text names.
+
+    Parameters
+    ----------
+    unit
+        As a problem file writes it; None for what stands where a unit stands and is not known.
+    base
+        Base unit of its dimension.
+    certain
+        Whether it stands in brackets or behind ``in``.
+    text
+        As it stands.
+    label
+        The rest of the text.
+    """
+
+    unit: str | None
+    base: str | None
+    certain: bool
+    text: str
+    label: str
 
 
 def guess_unit(heading: str) -> tuple[str, str | None, str | None]:
-    """Split a heading such as ``settlement [mm]`` or ``time in min`` into label, unit and base unit."""
-    heading = " ".join(heading.split())
-    found = _BRACKETS.match(heading)
-    if found is None or not found["label"]:
-        found = _BEHIND.match(heading)
-    if found is not None:
-        unit, base = known_unit(found["unit"])
-        if unit is not None:
-            return found["label"], unit, base
-    return heading, None, None
+    """Split a heading such as ``settlement [mm]`` or ``time in min`` into label, unit and base unit.
+
+    >>> guess_unit("Setzung [1/100 mm] (korr.)")
+    ('Setzung (korr.)', '0.01 mm', 'm')
+    """
+    named = [one for one in units_of(heading) if one.unit is not None and one.base in BASES]
+    best = next((one for one in named if one.certain), named[0] if named else None)
+    return (" ".join(heading.split()), None, None) if best is None else (best.label, best.unit, best.base)
 
 
 def known_unit(text: str) -> tuple[str | None, str | None]:
     """Return a unit as a problem file writes it and its base unit; None twice for what is no unit."""
-    unit = ALIASES.get(text.strip().lower(), text.strip())
-    if not unit:
+    unit, base = _known(" ".join(text.split()))
+    return (unit, base) if base in BASES else (None, None)
+
+
+@lru_cache(maxsize=4096)
+def units_of(heading: str) -> tuple[Named, ...]:
+    """All units that a heading names, in square brackets first; also what stands in such brackets and is not known."""
+    heading = " ".join(heading.split())
+    if len(heading) > _LONGEST:
+        return ()
+    found: list[Named] = []
+    plain = _BRACKETS.sub(" ", heading)
+    for bracket in sorted(_BRACKETS.finditer(heading), key=lambda one: "[{(".index(one[0][0])):
+        inner = re.sub(r"^(in|unit:?|einheit:?)\s+", "", bracket[0][1:-1].strip(), flags=re.IGNORECASE)
+        unit, base = _known(inner)
+        label = " ".join((heading[: bracket.start()] + " " + heading[bracket.end() :]).split())
+        if unit is not None and (bracket[0][0] != "(" or inner not in _SYMBOLS):
+            found.append(Named(unit, base, True, inner, label or heading))
+        elif inner and (bracket[0][0] != "(" or _is_no_unit(inner)):
+            found.append(Named(None, None, True, inner, heading))
+    if not found:
+        found = list(_outside(" ".join(plain.split()), heading))
+    return tuple(dict.fromkeys(found))
+
+
+def _outside(text: str, heading: str) -> Iterable[Named]:
+    """Units in a text without brackets: behind ``in``, a slash or comma, or among the words."""
+    if _STEP_BEFORE.search(text) is not None:
+        text = text.replace("_", " ")
+    for found in _IN.finditer(text):
+        words = text[found.end() :].split()
+        for count in range(min(3, len(words)), 0, -1):
+            given = " ".join(words[:count]).strip(",;:")
+            unit, base = _known(given, small=True)
+            if unit is not None:
+                label = " ".join([*text[: found.start()].split(), *words[count:]]) or heading
+                yield Named(unit, base, len(given) > 1, given, label)
+                return
+            if _is_no_unit(given):
+                yield Named(None, None, True, given, heading)
+                return
+    unit, base = _known(text, small=True)
+    if unit is not None and base in BASES and len(text) > 1:
+        yield Named(unit, base, False, text, heading)
+        return
+    words = text.split()
+    if len(words) > 1 and (one := _among(words, heading)) is not None:
+        yield one
+        return
+    for found in _BEHIND.finditer(text):
+        given = text[found.end() :]
+        unit, base = _known(given, small=True)
+        if unit is not None or _is_no_unit(given):
+            yield Named(unit, base, unit is None, given, text[: found.start()].rstrip() or heading)
+            return
+    if len(words) > 1:
+        unit, base = _known(words[-1], small=True)
+        if unit is not None:
+            yield Named(unit, base, False, words[-1], " ".join(words[:-1]))
+
+
+def _among(words: list[str], heading: str) -> Named | None:
+    """The longest unit of one to three words anywhere; single letters are symbols, ``in`` joins words."""
+    for count in (3, 2, 1):
+        for start in range(len(words) - count, -1, -1):
+            given = " ".join(words[start : start + count]).strip(",;:")
+            if (len(given) < 2 and given not in "%‰") or given.casefold() == "in" or given[:1] in "/,-–|":
+                continue
+            unit, base = _known(given, small=True)
+            if unit is not None:
+                label = " ".join(words[:start] + words[start + count :]).strip(" ,;:/-–|_") or heading
+                return Named(unit, base, False, given, label)
+            if count == 1 and _is_no_unit(given):
+                return Named(None, None, True, given, heading)
+    return None
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of any dimension, or stands for the steps of an instrument."""
+    return _known(" ".join(text.split()))[0] is not None or _is_no_unit(text)
+
+
+def _is_no_unit(text: str) -> bool:
+    """Whether a word stands for readings in steps of an instrument, which only its calibration makes a unit."""
+    return _STEPS.fullmatch(text) is not None
+
+
+@lru_cache(maxsize=4096)
+def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
+    """A unit as a problem file writes it, and the base of its dimension, any; ``small``: only factors below 1."""
+    text = _EXPONENT.sub("^", text.strip()).translate(_RAISED)
+    if not text or len(text) > 40:
         return None, None
-    for base in BASES:
-        try:
-            convert([1.0], unit, base)
-        except UnitError:
-            continue
-        return unit, base
-    return None, None
+    factor = ""
+    unit = _spelled(text)
+    if unit is None and (found := _FACTOR.fullmatch(text)) is not None and found["unit"]:
+        unit = _spelled(found["unit"])
+        value = _factor(found["factor"])
+        if unit is None or unit == "dimensionless" or (small and _SMALL.match(text) is None) or not value:
+            return None, None
+        factor = f"{value} "
+    elif unit is None and (found := _FACTOR.fullmatch(text)) is not None and _SMALL.match(text) and not small:
+        value = _factor(found["factor"])
+        return {"0.01": "%", "0.001": "permille"}.get(value, f"{value} dimensionless"), "dimensionless"
+    if unit is None:
+        return None, None
+    try:
+        return factor + unit, base_unit(unit)
+    except UnitError:
+        return None, None
+
+
+def _factor(text: str) -> str:
+    """A factor as a decimal number: ``1/100``, ``10^-2``, ``0,01`` and ``1e-2`` are all 0.01."""
+    plain = re.sub(r"^1?\s?[x×*·]\s?", "", text.replace("−", "-").replace(",", ".")).replace(" ", "")
+    if "/" in plain:
+        value = 1.0 / float(plain.partition("/")[2])
+    elif (power := re.fullmatch(r"10\^?(-\d)|10\^(\d)", plain)) is not None:
+        value = 10.0 ** int(power[1] or power[2])
+    else:
+        value = float(plain)
+    return f"{value:.12g}" if 1e-6 <= value < 1.0 or value in (10.0, 100.0, 1000.0) else ""
+
+
+def _spelled(text: str) -> str | None:
+    """A unit without a factor in the words of the registry; None for what is none."""
+    plain = text.strip().rstrip(".:").replace("·", "*").replace("^", "").replace("**", "")
+    for given in (plain, plain.casefold()):
+        if given in ALIASES and not (len(plain) == 1 and plain.isupper() and plain not in "HD"):
+            return ALIASES[given]
+    if plain in ("H", "S"):
+        return {"H": "h", "S": "s"}[plain]
+    caseless = {
+        "kpa": "kPa",
+        "mpa": "MPa",
+        "psi": "psi",
+        "bar": "bar",
+        "mm": "mm",
+        "cm": "cm",
+        "min": "min",
+        "ksi": "ksi",
+    }
+    if plain.casefold() in caseless and plain not in ("mPa", "Mm"):
+        return caseless[plain.casefold()]
+    spelled = re.sub(r"(?<=[A-Za-z])(?=-?\d)", "^", re.sub("[µμ](?=[a-zA-Z])", "u", plain))
+    spelled = re.sub(r"(?<![A-Za-z])(kp|kgf)(?![A-Za-z])", "kgf", spelled)
+    atoms = re.findall(r"[A-Za-z_%°‰]+(?:\^2O)?", spelled)
+    if (
+        not atoms
+        or any(atom not in _ATOMS for atom in atoms)
+        or re.fullmatch(r"[A-Za-z_%^0-9/*().\- ]+", spelled) is None
+    ):
+        return None
+    if " " in spelled or re.match(r"\d", spelled):
+        return None
+    return spelled
+
+
+def number_with_unit(cell: str) -> tuple[str, str] | None:
+    """Split a cell such as ``12,5 %`` into the number and what stands behind it; None for what is no such cell."""
+    found = _VALUE.fullmatch(cell) if len(cell) <= 60 and cell[-1:].isascii() | (cell[-1:] in "°‰²³") else None
+    if found is None or _known(found[2])[0] is None:
+        return None
+    return found[1], found[2]
 
 
 def units_in_comments(comments: str) -> dict[str, str]:

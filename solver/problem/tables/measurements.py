@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells
+from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_in_comments
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, two_readings
@@ -149,6 +149,9 @@ def _column(
     label, unit, base = guess_unit(heading)
     if unit is None and heading in commented:
         unit, base = known_unit(commented[heading])
+    cells, in_cells = without_units(cells)
+    if in_cells is not None:
+        unit, base = known_unit(in_cells)
     filled = [cell for cell in cells if cell != ""]
     kind, doubt = _kind([cell for cell in filled if not str(cell).startswith(FORMULA)], body)
     values: tuple[float | None, ...] = ()

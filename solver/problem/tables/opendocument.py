@@ -75,7 +75,8 @@ def _value(parts: PackedParts, cell: ElementTree.Element) -> Cell:
     if kind is None and formula is not None:
         return formula_text(formula.partition("=")[2])
     if kind in ("float", "percentage", "currency"):
-        return float(cell.get(f"{_OFFICE}value", ""))
+        value = float(cell.get(f"{_OFFICE}value", ""))
+        return f"{100.0 * value:.15g} %" if kind == "percentage" else value
     if kind == "date":
         return parts.short(cell.get(f"{_OFFICE}date-value", "").replace("T", " "))
     if kind == "time":

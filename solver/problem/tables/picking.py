@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import dropwhile, takewhile
 
+from geoswarm.solver.problem.tables.blocks import is_reading, key, unit_of_cell
 from geoswarm.solver.problem.tables.cells import Sheet, number_in
 from geoswarm.solver.problem.tables.headings import guess_unit
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_number
 from geoswarm.solver.problem.tables.reading import TableError
 
-__all__ = ["Picked", "column_of", "is_range", "names_used", "picked", "rows_where"]
+__all__ = ["Picked", "column_of", "is_cells", "is_range", "names_used", "picked", "rows_where"]
 
 _ADDRESS = re.compile(r"\$?([A-Za-z]{1,3})\$?(\d{1,7})(?::\.?\$?([A-Za-z]{1,3})\$?(\d{1,7}))?", re.ASCII)
 _LETTERS = re.compile(r"\$?([A-Za-z]{1,3}):\$?([A-Za-z]{1,3})", re.ASCII)
@@ -23,11 +25,15 @@ Rows = list[tuple[int, list[Cell]]]
 
 @dataclass(frozen=True, slots=True)
 class Picked:
-    """Cells of a column with their lines; ``place`` is that of the column in the rows, None for a range."""
+    """Cells of a column with their lines; ``place`` is that of the column in the rows, None for a range.
+
+    ``heading`` is what stands above, or before, a range.
+    """
 
     name: str
     cells: list[tuple[int, Cell]]
     place: int | None = None
+    heading: str = ""
 
 
 def is_range(wanted: str) -> bool:
@@ -35,10 +41,15 @@ def is_range(wanted: str) -> bool:
     return _ADDRESS.fullmatch(wanted) is not None and ":" in wanted
 
 
+def is_cells(wanted: str) -> bool:
+    """Whether a column is told by its cells or letter."""
+    return is_range(wanted) or _LETTERS.fullmatch(wanted) is not None
+
+
 def column_of(sheet: Sheet, wanted: str) -> list[int]:
     """Places of the columns with a heading, or with a heading that is this before its unit, or of a letter (B:B)."""
     for headings in (sheet.header, [guess_unit(name)[0] for name in sheet.header]):
-        found = [index for index, name in enumerate(headings) if _key(name) == _key(wanted)]
+        found = [index for index, name in enumerate(headings) if key(name) == key(wanted)]
         if found:
             return found
     letters = _LETTERS.fullmatch(wanted)
@@ -70,14 +81,14 @@ def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
         name = sheet.header[place] if place < len(sheet.header) else wanted
         return Picked(name or wanted, [(line, _cell(row, place)) for line, row in rows], place)
     if not found and is_range(wanted):
-        return Picked(wanted, _range(sheet, wanted, file))
+        return _range(sheet, wanted, file)
     what = "there are several columns" if found else "there is no column"
     header = f"the header has: {', '.join(sheet.header)}" if sheet.header else "there is no line of headings"
     remedy = "; say which by its letter, B:B, or its cells, B5:B30" if found else ""
     raise TableError(f"{file} line {sheet.header_line}: {what} '{wanted}'; {header}{remedy}")
 
 
-def _range(sheet: Sheet, wanted: str, file: str) -> list[tuple[int, Cell]]:
+def _range(sheet: Sheet, wanted: str, file: str) -> Picked:
     address = _ADDRESS.fullmatch(wanted)
     assert address is not None
     first, last = column_number(address[1]), column_number(address[3] or address[1])
@@ -88,8 +99,24 @@ def _range(sheet: Sheet, wanted: str, file: str) -> list[tuple[int, Cell]]:
     if bottom > known or last >= MAX_COLUMNS:
         raise TableError(f"{file}: cells {wanted} reach beyond the sheet, whose last row is {known}")
     if first == last:
-        return [(line, _cell(sheet.grid.get(line, []), first)) for line in range(top, bottom + 1)]
-    return [(top, _cell(sheet.grid.get(top, []), place)) for place in range(first, last + 1)]
+        cells = [(line, _cell(sheet.grid.get(line, []), first)) for line in range(top, bottom + 1)]
+        before = [_cell(sheet.grid.get(line, []), first) for line in range(top - 1, 0, -1)]
+    else:
+        cells = [(top, _cell(sheet.grid.get(top, []), place)) for place in range(first, last + 1)]
+        before = [_cell(sheet.grid.get(top, []), place) for place in range(first - 1, -1, -1)]
+    return Picked(wanted, cells, heading=_heading(before))
+
+
+def _heading(before: list[Cell]) -> str:
+    """Name and unit of a range from the cells above it, or before it in its row, the nearest first."""
+    words = list(dropwhile(lambda cell: cell == "" or (is_reading(cell) and unit_of_cell(cell) is None), before))
+    found: list[str] = []
+    for cell in takewhile(lambda cell: isinstance(cell, str) and cell != "", words):
+        unit = unit_of_cell(cell)
+        found.insert(0, str(cell) if unit is None else f"[{unit}]")
+        if unit is None:
+            break
+    return " ".join(found)
 
 
 def names_used(
@@ -146,12 +173,8 @@ def _same(entry: Cell, value: str | float) -> bool:
     wanted = value if isinstance(value, float) else number_in(value)
     if number is not None and wanted is not None:
         return number == wanted
-    return _key(str(entry)) == _key(str(value))
+    return key(str(entry)) == key(str(value))
 
 
 def _cell(row: list[Cell], place: int) -> Cell:
     return row[place] if place < len(row) else ""
-
-
-def _key(cell: str) -> str:
-    return " ".join(cell.split()).casefold()

@@ -1,17 +1,22 @@
-"""The text of CSV files: comma, semicolon or tab, ``#`` comments, decimal comma beside semicolons."""
+"""The text of tables: comma, semicolon, tab or blanks between cells, ``#`` comments, decimal comma or point."""
 
 from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Sequence
 
 __all__ = [
+    "BLANKS",
     "MAX_CELL_CHARACTERS",
     "MAX_LINE_CHARACTERS",
     "MAX_TABLE_BYTES",
+    "SEPARATORS",
     "TableError",
     "cell_number",
     "decoded",
+    "refuse_surplus",
+    "table_lines",
     "table_rows",
 ]
 
@@ -24,6 +29,14 @@ MAX_LINE_CHARACTERS = 100_000
 MAX_CELL_CHARACTERS = 32_767
 """Longest text in a cell, as in spreadsheet programs."""
 
+BLANKS = " "
+WIDE_BLANKS = "  "
+SEPARATORS = (";", "\t", ",", WIDE_BLANKS, BLANKS)
+"""What may stand between cells: semicolon, tab, comma, at least two blanks or a tab, any blanks."""
+
+_WIDE = re.compile(r"\s*\t\s*|\s{2,}")
+_BRACKET = re.compile(r"\[[^\]\[]*\]|\([^()]*\)")
+_NAMED = re.compile(r"(?<=[^\s\])])\s+(?=[\[(])")
 _MOST_DIGITS = 1100  # a float written out in full has 1075 at most
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
@@ -38,22 +51,26 @@ class TableError(Exception):
 
 
 def decoded(content: bytes) -> str:
-    """Text of a table: UTF-8 or UTF-16 with its mark, else Latin-1."""
+    """Text of a table: UTF-8 or UTF-16 with its mark, else Windows-1252 or Latin-1."""
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):  # spreadsheets call this "Unicode text"
         return content.decode("utf-16", errors="replace")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return content.decode("latin-1")  # older spreadsheets; numbers and most headers are the same in both
+        pass
+    try:
+        return content.decode("cp1252")  # older spreadsheets
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
 
 
-def table_rows(text: str, name: str) -> list[tuple[int, list[str]]]:
-    """Rows of a table that are neither empty nor comments: number of the line and its cells, the header first.
+def table_lines(text: str, name: str) -> list[tuple[int, str]]:
+    """Lines of a table that are neither empty nor comments, with their numbers.
 
     Raises
     ------
     TableError
-        Quotes are not closed or the like, a line or a cell is too long, or a row has more cells than the first one.
+        A line is too long.
     """
     lines = []
     for number, line in enumerate(text.splitlines(), start=1):
@@ -63,39 +80,77 @@ def table_rows(text: str, name: str) -> list[tuple[int, list[str]]]:
             )
         if _counts(line):
             lines.append((number, line))
-    if not lines:
-        return []
-    header = lines[0][1]
-    delimiter = next((sign for sign in ";\t" if sign in header), ",")
-    reader = csv.reader((line for _, line in lines), delimiter=delimiter, skipinitialspace=True, strict=True)
+    return lines
+
+
+def table_rows(lines: Sequence[tuple[int, str]], name: str, separator: str) -> list[tuple[int, list[str]]]:
+    """Cells of each line, with the number of the line where they begin.
+
+    Parameters
+    ----------
+    separator
+        One of :data:`SEPARATORS`.
+
+    Raises
+    ------
+    TableError
+        Quotes are not closed or the like, or a cell is too long.
+    """
+    if separator in (BLANKS, WIDE_BLANKS):
+        return [(number, _split(line, separator)) for number, line in lines]
+    reader = csv.reader(
+        (line for _, line in lines), delimiter=separator, skipinitialspace=separator != "\t", strict=True
+    )
     rows: list[tuple[int, list[str]]] = []
+    begins = 0
     try:
-        for (number, _), cells in zip(lines, reader, strict=False):
+        for cells in reader:
+            number = lines[begins][0]
+            begins = reader.line_num  # a line break may stand in quotes
             longest = max(map(len, cells), default=0)
             if longest > MAX_CELL_CHARACTERS:
                 what = f"a cell of {longest} characters; at most {MAX_CELL_CHARACTERS} are accepted"
                 raise TableError(f"{name} line {number} has {what}")
             rows.append((number, [cell.strip() for cell in cells]))
     except csv.Error as error:
-        raise TableError(f"{name} line {lines[min(len(rows), len(lines) - 1)][0]}: {error}") from None
-    _refuse_surplus(rows, name, delimiter)
+        raise TableError(f"{name} line {lines[min(begins, len(lines) - 1)][0]}: {error}") from None
     return rows
 
 
-def _refuse_surplus(rows: list[tuple[int, list[str]]], name: str, delimiter: str) -> None:
-    """Refuse rows that go on behind the last heading: a number was split there, and its rest would be dropped."""
-    width = len(rows[0][1])
-    wrong = [(line, cells) for line, cells in rows if len(cells) > width and any(cells[width:])]
+def _split(line: str, separator: str) -> list[str]:
+    """Cells of a line between blanks; a unit in brackets belongs to the name before it."""
+    if separator == WIDE_BLANKS:
+        return _WIDE.split(line.strip())
+    if _BRACKET.match(line.lstrip()) is None:
+        line = _BRACKET.sub(lambda found: found[0].replace(" ", "\0").replace("\t", "\0"), _NAMED.sub("\0", line))
+    return [cell.replace("\0", " ") for cell in line.split()]
+
+
+def refuse_surplus(rows: Sequence[tuple[int, Sequence[str | float]]], width: int, name: str, separator: str) -> None:
+    """Refuse rows that go on behind the last heading, and where blanks separate, rows of another length.
+
+    A number was split there, and its rest would be dropped; between blanks an empty cell cannot be seen.
+    """
+    blank = separator in (BLANKS, WIDE_BLANKS)
+    wrong = [
+        (line, cells)
+        for line, cells in rows
+        if (len(cells) > width and any(cells[width:])) or (blank and len(cells) < width)
+    ]
     if not wrong:
         return
-    if width == 1:
-        remedy = f"is line {rows[0][0]} the line of headings? Lines above it begin with #"
-    elif delimiter == ",":
+    if blank:
+        remedy = "where cells are empty, or hold blanks, separate the columns by semicolons or tabs"
+    elif width == 1:
+        remedy = (
+            f"semicolon, tab, comma and blanks were tried as separators; is line {rows[0][0] - 1} the line of headings?"
+        )
+    elif separator == ",":
         remedy = "a comma inside a number (1,234) splits it: leave it out, or separate the columns by semicolons"
     else:
         remedy = "give every column a heading"
     messages = [
-        f"{name} line {line}: {len(cells)} cells under {width} headings ({', '.join(cells)[:80]}); {remedy}"
+        f"{name} line {line}: {len(cells)} cells under {width} headings ({', '.join(map(str, cells))[:80]}); {remedy}"
         for line, cells in wrong[:3]
     ]
     raise TableError(*messages, *([f"{name}: {len(wrong) - 3} more such lines"] if len(wrong) > 3 else []))

@@ -25,7 +25,12 @@ __all__ = ["named_cells", "read_workbook"]
 
 _MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 _RELATION = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
-_DATE_FORMATS = frozenset({*range(14, 23), *range(45, 48)})  # numbers of the formats that every program has built in
+_BUILT_IN = {  # formats that every program has
+    **{9: "0%", 10: "0.00%", 18: "h:mm", 19: "h:mm:ss", 20: "h:mm", 21: "h:mm:ss", 45: "mm:ss", 46: "[h]:mm:ss"},
+    **dict.fromkeys((14, 15, 16, 17, 22, 47), "yyyy-mm-dd"),
+}
+_ELAPSED = re.compile(r"\[(?:h+|m+|s+)\]", re.IGNORECASE)
+_LITERAL = re.compile(r'"([^"]*)"')
 _QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches to the end: linear in the text
 _SECONDS_A_DAY = 86400
 
@@ -150,10 +155,10 @@ class _Workbook:
         settings = book.find(f"{_MAIN}workbookPr")
         since_1904 = settings is not None and settings.get("date1904") in ("1", "true")
         texts = [self._text(one) for one in part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
-        dates = _date_styles(part("xl/styles.xml", optional=True))
-        return names, *_chosen(wanted, names, lambda sheet: self._rows(sheets[sheet], texts, dates, since_1904), suits)
+        styles = _styles(part("xl/styles.xml", optional=True))
+        return names, *_chosen(wanted, names, lambda sheet: self._rows(sheets[sheet], texts, styles, since_1904), suits)
 
-    def _rows(self, place: str, texts: list[str], dates: set[int], since_1904: bool) -> Iterator[list[Cell]]:
+    def _rows(self, place: str, texts: list[str], styles: list[str], since_1904: bool) -> Iterator[list[Cell]]:
         left, line = MAX_CELLS, 0
         for row in self._parts.part(place).iter(f"{_MAIN}row"):
             blank = int(row.get("r") or line + 1) - line - 1  # empty rows are not stored
@@ -168,13 +173,13 @@ class _Workbook:
                 if column >= MAX_COLUMNS:
                     break
                 cells += [""] * (column - len(cells))
-                cells.append(self._value(cell, texts, dates, since_1904))
+                cells.append(self._value(cell, texts, styles, since_1904))
             left -= len(cells)
             if left < 0:
                 raise self._parts.too_many()
             yield cells
 
-    def _value(self, cell: ElementTree.Element, texts: list[str], dates: set[int], since_1904: bool) -> Cell:
+    def _value(self, cell: ElementTree.Element, texts: list[str], styles: list[str], since_1904: bool) -> Cell:
         kind = cell.get("t", "n")
         if kind == "inlineStr":
             holder = cell.find(f"{_MAIN}is")
@@ -187,8 +192,8 @@ class _Workbook:
             return texts[int(stored)]
         if kind != "n":  # a formula's text, an error, true or false, a date in ISO 8601
             return self._parts.short(stored.strip())
-        value = float(stored)
-        return _date(value, since_1904) if int(cell.get("s", "0")) in dates else value
+        style = int(cell.get("s", "0"))
+        return _as_shown(float(stored), styles[style] if style < len(styles) else "", since_1904)
 
     def _text(self, holder: ElementTree.Element) -> str:
         """Text of all runs; phonetic hints beside them are left out."""
@@ -208,18 +213,35 @@ def _column(reference: str | None, following: int) -> int:
     return max(column_number(letters.group()), following)
 
 
-def _date_styles(styles: ElementTree.Element) -> set[int]:
-    """Numbers of the cell styles that show a number as a date or time."""
-    own = {
-        int(one.get("numFmtId", "0")): _shows_date(one.get("formatCode", "")) for one in styles.iter(f"{_MAIN}numFmt")
-    }
+def _styles(styles: ElementTree.Element) -> list[str]:
+    """What each cell style shows of a number: ``date``, ``elapsed``, the unit behind it, or nothing more."""
+    own = {int(one.get("numFmtId", "0")): one.get("formatCode", "") for one in styles.iter(f"{_MAIN}numFmt")}
+    shown = {number: _shown(code) for number, code in (_BUILT_IN | own).items()}
     formats = styles.find(f"{_MAIN}cellXfs")
-    numbers = [int(style.get("numFmtId", "0")) for style in (formats if formats is not None else ())]
-    return {place for place, number in enumerate(numbers) if own.get(number, number in _DATE_FORMATS)}
+    return [shown.get(int(style.get("numFmtId", "0")), "") for style in (formats if formats is not None else ())]
 
 
-def _shows_date(code: str) -> bool:
-    return re.search(r"[ymdhs]", _QUOTED.sub("", code), re.IGNORECASE) is not None
+def _shown(code: str) -> str:
+    code = code.split(";")[0]
+    plain = _QUOTED.sub("", code)
+    if _ELAPSED.search(code) is not None:
+        return "elapsed"
+    if re.search(r"[ymdhs]", plain, re.IGNORECASE) is not None:
+        return "date" if re.search(r"[yd]", plain, re.IGNORECASE) is not None else "clock"
+    return "%" if "%" in plain else " ".join(" ".join(_LITERAL.findall(code)).split())
+
+
+def _as_shown(value: float, style: str, since_1904: bool) -> Cell:
+    """A number as people see it: with its unit where the format adds one."""
+    if not style:
+        return value
+    if style == "date" or (style == "clock" and value >= 1.0):
+        return _date(value, since_1904)
+    if style == "clock":
+        return _date(value, False)[11:] if value >= 0.0 else value
+    if style == "elapsed":
+        return f"{value:.15g} day"
+    return f"{100.0 * value:.15g} %" if style == "%" else f"{value:.15g} {style}"
 
 
 def _date(serial: float, since_1904: bool) -> str:

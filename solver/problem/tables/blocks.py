@@ -1,0 +1,175 @@
+"""Where a table begins in the rows of a file: below titles and preambles, with its headings and their units.
+
+A table is a row of names, then perhaps rows of units, then rows with at least two readings below the names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
+from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit
+from geoswarm.solver.problem.tables.numerals import two_readings
+from geoswarm.solver.problem.tables.packed import FORMULA, Cell
+from geoswarm.solver.problem.tables.reading import cell_number
+
+__all__ = ["Block", "Rows", "begin", "is_reading", "key", "unit_of_cell"]
+
+Rows = Sequence[tuple[int, Sequence[Cell]]]
+"""Rows of a file that are not empty, with the numbers of their lines."""
+
+_DEEPEST = 1000
+"""Rows within which the headings are looked for."""
+_MOST_SPARSE = 20
+_MOST_HEADINGS = 4
+_LONG_ENOUGH = 3
+_SAMPLE = 2000
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A table: place of the row of names in the rows, its headings with their units, place of the first row below.
+
+    ``length`` counts the rows that look like those of a table, ``width`` its columns of readings; ``named`` says
+    whether it has all the columns that are wanted.
+    """
+
+    place: int
+    header: list[str]
+    below: int
+    length: int
+    width: int
+    named: bool = False
+
+
+def key(cell: str) -> str:
+    """What two headings have in common that are the same to a reader."""
+    return " ".join(cell.split()).casefold()
+
+
+def is_reading(cell: Cell) -> bool:
+    """Whether a cell holds a number, with its unit or without, a date, a time of day or a formula."""
+    if isinstance(cell, float):
+        return True
+    if not cell or not (cell[0].isdigit() or cell[0] in "+-.,=("):
+        return False
+    return (
+        cell_number(cell) is not None
+        or cell.startswith(FORMULA)
+        or bool(two_readings(cell))
+        or any(moment_in(cell, form) is not None for form in ("day_first", "month_first"))
+        or time_of_day(cell) is not None
+        or number_with_unit(cell) is not None
+    )
+
+
+def unit_of_cell(cell: Cell) -> str | None:
+    """The text of a unit that has a cell of its own, with brackets or without; None for what is none."""
+    text = cell.strip() if isinstance(cell, str) else ""
+    if not text:
+        return None
+    if text[:1] in "[({" and text[-1:] in "])}":
+        inner = text[1:-1].strip()
+        return inner if inner and (text[0] == "[" or is_unit(inner)) else None
+    return text if is_unit(text) else None
+
+
+def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
+    """Whether a row holds units: no reading, and one in brackets or of several letters, or all are units."""
+    units = [(cell, unit_of_cell(cell)) for cell in row if cell != ""]
+    if any(unit is None and is_reading(cell) for cell, unit in units):
+        return False
+    sure = (
+        unit for cell, unit in units if unit is not None and (cell != unit or not (unit[0].isdigit() or unit in "-–—"))
+    )
+    return any(len(unit) > 1 or unit in "%‰°" for unit in sure) or (
+        letters and any(unit not in "-–—1" for _, unit in units if unit) and all(unit is not None for _, unit in units)
+    )
+
+
+def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
+    """Find the table: the first with all columns that are wanted, by name; else the first of some length.
+
+    None where no row of names stands above rows of readings.
+    """
+    names = {key(name) for name in wanted}
+    longest: Block | None = None
+    readings = [_readings(row) for _, row in rows[:_SAMPLE]]
+    for place, (_, row) in enumerate(rows[:_DEEPEST]):
+        if readings[place] or not any(cell != "" for cell in row) or _is_units(row):
+            continue
+        block = _block(rows, readings, place, names)
+        if block is None:
+            continue
+        if block.named:
+            return block
+        if longest is None or longest.length < min(block.length, _LONG_ENOUGH):
+            longest = block
+    return longest
+
+
+def _below_names(rows: Rows, place: int, index: int) -> bool:
+    """Whether each cell of a row stands below a name."""
+    return all(_at(rows[place][1], column) != "" for column, cell in enumerate(rows[index][1]) if cell != "")
+
+
+def _block(rows: Rows, readings: Sequence[frozenset[int]], place: int, names: set[str]) -> Block | None:
+    below = place + 1
+    for index in range(below, min(below + _MOST_HEADINGS, len(readings))):
+        if readings[index] and not _is_units(rows[index][1]):
+            break
+        if _is_units(rows[index][1], letters=_below_names(rows, place, index)):
+            below = index + 1
+    header = _header(rows, place, below)
+    places = {index for index, name in enumerate(header) if name}
+    named = bool(names) and all(any(name in _keys(heading) for heading in header) for name in names)
+    columns: frozenset[int] = frozenset()
+    for found in readings[below : below + _MOST_SPARSE]:
+        if not found and not named:
+            break
+        columns = found & places
+        if len(columns) >= 2:
+            break
+    if len(columns) < 2:
+        return None
+    length = 0
+    for found in readings[below:]:
+        length += columns <= found
+        if not found and not named:
+            break
+    return Block(place, header, below, length, len(columns), named)
+
+
+def _readings(row: Sequence[Cell]) -> frozenset[int]:
+    return frozenset(index for index, cell in enumerate(row) if cell != "" and is_reading(cell))
+
+
+def _keys(heading: str) -> tuple[str, str]:
+    return key(heading), key(guess_unit(heading)[0])
+
+
+def _header(rows: Rows, place: int, below: int) -> list[str]:
+    """Names with their units; a name left empty is that of the row directly above, as in merged cells."""
+    line, row = rows[place]
+    above = rows[place - 1] if place else (0, [])
+    over = above[1] if above[0] == line - 1 and not _readings(above[1]) else []
+    units = [row for _, row in rows[place + 1 : below] if _is_units(row, letters=True)]
+    if _is_units(over):
+        units.append(over)
+        over = []
+    elif sum(cell != "" for cell in over) < 2:  # a title
+        over = []
+    header = []
+    for index in range(max(len(row), *(len(one) for one in units), 0)):
+        name = str(_at(row, index)).strip() or str(_at(over, index)).strip()
+        for one in units:
+            unit = str(_at(one, index)).strip()
+            if unit:
+                name = f"{name} [{unit_of_cell(unit) or unit}]".strip()
+        header.append(name)
+    return header
+
+
+def _at(row: Sequence[Cell], index: int) -> Cell:
+    return row[index] if index < len(row) else ""
