@@ -5,11 +5,12 @@ Times within an increment are not in these groups, nor how long an increment too
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from geoswarm.solver.ags.specimens import Specimen, details_of, specimen_of
+from geoswarm.solver.ags.specimens import Specimen, details_of, orphans_of, specimen_of
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
 from geoswarm.solver.problem.tables.reading import cell_number
 
@@ -17,6 +18,7 @@ __all__ = ["CompressionTest", "Increment", "compression_tests"]
 
 _MISMATCH = 0.0015
 """Void ratio, given to three decimals, by which the start of an increment may differ from the end of the one before."""
+_SLACK = 1.0 + 1e-9
 _SHOWN = 40
 _DENSEST = 100.0
 """Density of particles, Mg/m3, above which it is in another unit."""
@@ -124,6 +126,7 @@ def compression_tests(file: AgsFile) -> tuple[list[CompressionTest], list[tuple[
                 tests.append(_test(names, general, row, details, rows))
             except AgsError as error:
                 without.append((specimen_of(general, row), str(error)))
+        without += orphans_of(file, names.general, names.details)
     return tests, without
 
 
@@ -177,12 +180,25 @@ def _in_order(names: _Names, details: AgsGroup, rows: list[AgsRow], notes: list[
 
 
 def _increments(names: _Names, details: AgsGroup, rows: list[AgsRow]) -> Iterator[Increment]:
+    after, before = (_step(details, rows, heading) for heading in (names.after, names.before))
     for position, row in enumerate(rows, start=1):
         stress = details.number(row, names.stress, "kPa", least=0.0, default_unit="kPa")
         if stress is None:
             raise details.error(row, names.stress, "a number of at least 0 kPa is accepted")
         void_ratio = details.number(row, names.after, "", above=0.0)
+        if void_ratio is not None and before < after and position < len(rows):  # the next one begins at the same
+            start = details.number(rows[position], names.before, "", above=0.0)
+            if start is not None and abs(start - void_ratio) <= _SLACK * 0.5 * after:
+                void_ratio = start
         yield Increment(details.text(row, names.increment) or str(position), stress, void_ratio)
+
+
+def _step(details: AgsGroup, rows: list[AgsRow], heading: str) -> float:
+    """Last decimal that a column is given to, by its cells and its TYPE, such as ``3DP``."""
+    places = [len(details.text(row, heading).replace(",", ".").partition(".")[2]) for row in rows]
+    kind = details.types[details.headings.index(heading)] if details.types and heading in details.headings else ""
+    stated = re.fullmatch(r"(\d)DP", kind.strip())
+    return float(10.0 ** -max(*places, 0 if stated is None else int(stated[1])))
 
 
 def _initial(names: _Names, general: AgsGroup, row: AgsRow, details: AgsGroup, rows: list[AgsRow]) -> tuple[float, str]:
@@ -211,13 +227,15 @@ def _initial(names: _Names, general: AgsGroup, row: AgsRow, details: AgsGroup, r
 
 
 def _gaps(names: _Names, details: AgsGroup, rows: list[AgsRow]) -> Iterator[str]:
-    """Increments that begin elsewhere than the one before has ended."""
+    """Increments that begin elsewhere than the one before has ended, beyond rounding."""
+    after, before = (_step(details, rows, heading) for heading in (names.after, names.before))
+    rounding = 0.0 if after == before else 0.5 * max(after, before)
     for earlier, later in pairwise(rows):
         end, start = (
             details.number(earlier, names.after, "", above=0.0),
             details.number(later, names.before, "", above=0.0),
         )
-        if end is not None and start is not None and abs(end - start) > _MISMATCH:
+        if end is not None and start is not None and abs(end - start) > max(_MISMATCH, _SLACK * rounding):
             yield (
                 f"increment {details.text(later, names.increment)} begins at the void ratio {start:g}, and the one "
                 f"before has ended at {end:g} (line {later.line})"

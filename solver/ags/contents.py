@@ -26,7 +26,7 @@ _MOST_NAMES = 20
 class Contents:
     """Tests and readings of a file by their IDs; ``without`` are tests of which nothing can be made, with reasons.
 
-    ``specimens`` are the keys of the specimens by their IDs.
+    ``specimens`` are the keys of the specimens by their IDs; ``damaged`` are rows that break the format, by group.
     """
 
     file: str
@@ -35,6 +35,7 @@ class Contents:
     readings: tuple[tuple[str, Readings], ...]
     without: tuple[tuple[str, str], ...]
     specimens: Mapping[str, Specimen] = field(default_factory=dict)
+    damaged: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +78,7 @@ def contents_of(file: AgsFile) -> Contents:
         tuple((one.instrument, one) for one in readings_of(file)),
         tuple((ids[specimen], reason) for specimen, reason in (*broken, *unclear)),
         {id: specimen for specimen, id in ids.items()},
+        file.damaged,
     )
 
 
@@ -160,6 +162,7 @@ def entries(contents: Contents) -> list[Entry]:
         found.append(Entry(name, kind, told, one.location, one.depth, size, use, why))
     for name, reason in contents.without:
         found.append(Entry(name, "not usable", reason, *_place(contents, name), 0, "nothing", reason))
+    found += [Entry(group, "damaged row", reason, "", "", 0, "nothing", reason) for group, reason in contents.damaged]
     return found
 
 
@@ -172,7 +175,8 @@ def _place(contents: Contents, id: str) -> tuple[str, str]:
 def strength_in_words(tests: Sequence[ShearTest]) -> str:
     """What Mohr circles of some tests give, all of total or all of effective stresses."""
     if all(test.drainage == "total" for test in tests):
-        values = [0.5 * one.deviator_stress for test in tests for one in test.failures]
+        failures = [one for test in tests for one in test.failures]
+        values = [0.5 * one.deviator_stress if one.undrained is None else one.undrained for one in failures]
         told = ", ".join(number(value, 3, plain=True) for value in values)
         return f"undrained shear strength {told} kPa"
     try:

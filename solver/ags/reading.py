@@ -7,6 +7,7 @@ double quotes and separated by commas; a quote inside is doubled; a cell holds n
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,6 +23,16 @@ MAX_COLUMNS = 500
 """Headings of a group."""
 
 _KINDS = ("GROUP", "HEADING", "UNIT", "TYPE", "DATA")
+
+
+_READ = frozenset(("CONG", "CONS", "ESCG", "ESCT", "TREG", "TRET", "TRIG", "TRIT", "MOND", "MONG"))
+"""Groups of which a row is never left out."""
+_MOST_LINES = 50
+"""Lines of a row with line breaks inside its cells."""
+
+
+class _DamagedError(AgsError):
+    """A row breaks the format."""
 
 
 @dataclass(slots=True)
@@ -66,17 +77,56 @@ def read_ags(content: bytes, name: str) -> AgsFile:
     if b"\0" in content:
         raise AgsError(f"{name} is not a text file; give a file in the AGS 4 format")
     groups: dict[str, _Open] = {}
-    for number, line in enumerate(_decoded(content).split("\n"), start=1):
-        cells = _cells(line.removesuffix("\r"), name, number)
-        if cells:
-            _take(groups, cells, name, number)
+    damaged: list[tuple[str, str]] = []
+    lines = [line.removesuffix("\r") for line in _decoded(content).split("\n")]
+    number = 0
+    while number < len(lines):
+        following = 1
+        try:
+            cells = _cells(lines[number], name, number + 1)
+            if cells:
+                _take(groups, cells, name, number + 1)
+        except _DamagedError as error:
+            group = groups[next(reversed(groups))] if groups else None
+            cells, following = _repaired(lines, number, group)
+            if group is None or (not cells and group.name in _READ):
+                raise
+            done = "mended" if cells else "left out"
+            damaged.append((group.name, f"{error}; the row of group {group.name} is {done}"))
+            if cells:
+                _take(groups, cells, name, number + 1)
+        number += following
     if not groups:
         raise AgsError(f"{name} contains no groups; give a file in the AGS 4 format")
     found = {
         one.name: AgsGroup(name, one.name, one.line, one.headings, one.units, one.types, tuple(one.rows))
         for one in groups.values()
     }
-    return AgsFile(name, found)
+    return AgsFile(name, found, tuple(damaged))
+
+
+def _repaired(lines: list[str], number: int, group: _Open | None) -> tuple[list[str], int]:
+    """Cells of a damaged row of data, none where they cannot be told, and the number of its lines.
+
+    A line break inside a cell, or a quote that is not doubled, costs nothing if the row then has a cell for each
+    heading.
+    """
+    text, count = lines[number], 1
+    if group is None or not group.headings or not text.lstrip().startswith('"DATA"'):
+        return [], 1
+    for line in lines[number + 1 : number + 1 + _MOST_LINES]:
+        if not line.strip() or line.lstrip('" ').startswith(_KINDS) or _row(text, group):
+            break
+        text, count = f"{text} {line}", count + 1
+    return _row(text, group), count
+
+
+def _row(text: str, group: _Open) -> list[str]:
+    plain = text.strip()
+    if len(plain) < 2 or not plain.startswith('"') or not plain.endswith('"') or len(plain) > MAX_LINE_CHARACTERS:
+        return []
+    cells = re.split(r'"\s*,\s*"', plain[1:-1])
+    return [cell.replace('""', '"') for cell in cells] if len(cells) == len(group.headings) + 1 else []
 
 
 def _decoded(content: bytes) -> str:
@@ -100,7 +150,7 @@ def _cells(line: str, name: str, number: int) -> list[str]:
         (cells,) = csv.reader([line], skipinitialspace=True, strict=True)
     except csv.Error as error:
         told = f"{name} line {number}: {error}; cells in double quotes, with a quote inside doubled, are accepted"
-        raise AgsError(told) from None
+        raise _DamagedError(told) from None
     longest = max(map(len, cells), default=0)
     if longest > MAX_CELL_CHARACTERS:
         raise AgsError(
@@ -113,7 +163,7 @@ def _take(groups: dict[str, _Open], cells: list[str], name: str, number: int) ->
     """Take a line into its group."""
     kind, values = cells[0].strip(), tuple(cells[1:])
     if kind not in _KINDS:
-        raise AgsError(
+        raise (_DamagedError if groups else AgsError)(
             f"{name} line {number} begins with '{visible(kind[:40])}'; {', '.join(_KINDS)} are accepted in the AGS 4 "
             "format"
         )
@@ -142,7 +192,9 @@ def _take(groups: dict[str, _Open], cells: list[str], name: str, number: int) ->
     if not group.headings:
         raise AgsError(f"{where}: {kind} comes before HEADING")
     if len(values) != len(group.headings):
-        raise AgsError(f"{where}: {len(values)} cells of {kind} under {len(group.headings)} headings")
+        raise (_DamagedError if kind == "DATA" else AgsError)(
+            f"{where}: {len(values)} cells of {kind} under {len(group.headings)} headings"
+        )
     if kind == "UNIT":
         group.units = values
     elif kind == "TYPE":

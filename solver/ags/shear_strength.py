@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from geoswarm.solver.ags.specimens import Specimen, details_of, specimen_of
+from geoswarm.solver.ags.specimens import Specimen, details_of, orphans_of, specimen_of
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
 from geoswarm.solver.classical.errors import NoEvaluationError
 from geoswarm.solver.classical.mohr_circles import Strength, mohr_circles
@@ -49,6 +49,8 @@ class Failure:
         Secant modulus at half the deviator stress, kPa.
     void_ratio
         At the beginning.
+    undrained
+        Undrained shear strength, kPa, as the file gives it.
     """
 
     number: str
@@ -62,6 +64,7 @@ class Failure:
     rate: float | None
     modulus: float | None
     void_ratio: float | None
+    undrained: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +91,7 @@ def shear_tests(file: AgsFile) -> tuple[list[ShearTest], list[tuple[Specimen, st
     Raises
     ------
     AgsError
-        Details belong to no test, or a test is there twice.
+        A general group is missing, or a test is there twice.
     """
     tests: list[ShearTest] = []
     without: list[tuple[Specimen, str]] = []
@@ -98,6 +101,7 @@ def shear_tests(file: AgsFile) -> tuple[list[ShearTest], list[tuple[Specimen, st
                 tests.append(read(above, row, below, rows))
             except AgsError as error:
                 without.append((specimen_of(above, row), str(error)))
+        without += orphans_of(file, general, details)
     return tests, without
 
 
@@ -171,12 +175,13 @@ def _total(general: AgsGroup, row: AgsRow, details: AgsGroup, rows: Sequence[Ags
     failures = []
     for position, one in enumerate(rows, start=1):
         deviator = details.number(one, "TRIT_DEVF", "kPa", above=0.0, default_unit="kPa")
+        strength = details.number(one, "TRIT_CU", "kPa", above=0.0, default_unit="kPa")
         if deviator is None:
             deviator = 2.0 * details.needed(one, "TRIT_CU", "kPa", default_unit="kPa")
         cell = details.number(one, "TRIT_CELL", "kPa", least=0.0, default_unit="kPa")
         strain = details.number(one, "TRIT_STRN", "", least=0.0, default_unit="%")
         number = details.text(one, "TRIT_TESN") or str(position)
-        failures.append(Failure(number, deviator, strain, None, None, None, None, cell, None, None, None))
+        failures.append(Failure(number, deviator, strain, None, None, None, None, cell, None, None, None, strength))
     return ShearTest(
         specimen_of(general, row),
         "TRIG/TRIT",

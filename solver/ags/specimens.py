@@ -7,14 +7,17 @@ from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
+from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["KEYS", "Specimen", "details_of", "ids_of", "rows_by_specimen", "specimen_of"]
+__all__ = ["KEYS", "Specimen", "details_of", "ids_of", "orphans_of", "rows_by_specimen", "specimen_of"]
 
 KEYS = ("LOCA_ID", "SAMP_TOP", "SAMP_REF", "SAMP_TYPE", "SAMP_ID", "SPEC_REF", "SPEC_DPTH")
 """Headings that say which specimen it is."""
 
 _SHORT = ("LOCA_ID", "SAMP_REF", "SAMP_ID", "SPEC_REF", "SPEC_DPTH")
 """Those of them that an ID has, unless two specimens then have the same."""
+
+_DEPTHS = ("SAMP_TOP", "SPEC_DPTH")
 
 Specimen: TypeAlias = tuple[str, ...]
 """The cells under :data:`KEYS`."""
@@ -26,20 +29,33 @@ def specimen_of(group: AgsGroup, row: AgsRow) -> Specimen:
 
 
 def rows_by_specimen(group: AgsGroup) -> dict[Specimen, list[AgsRow]]:
-    """Return the rows of a group by specimen, in the order of the file."""
+    """Return the rows of a group by specimen, in the order of the file; ``4`` and ``4.00`` are one depth."""
     found: dict[Specimen, list[AgsRow]] = {}
     for row in group.rows:
-        found.setdefault(specimen_of(group, row), []).append(row)
+        key = tuple(
+            str(depth) if name in _DEPTHS and (depth := cell_number(cell)) is not None else cell
+            for name, cell in zip(KEYS, specimen_of(group, row), strict=True)
+        )
+        found.setdefault(key, []).append(row)
     return found
 
 
+def _says_something(group: AgsGroup, row: AgsRow) -> bool:
+    """Whether a row has a cell of its own, besides the keys and the number of a stage."""
+    return any(
+        cell.strip()
+        for heading, cell in zip(group.headings, row.cells, strict=True)
+        if heading not in KEYS and not heading.endswith(("_TESN", "_INCN")) and heading != "FILE_FSET"
+    )
+
+
 def details_of(file: AgsFile, general: str, details: str) -> Iterable[tuple[AgsGroup, AgsRow, AgsGroup, list[AgsRow]]]:
-    """Give each test of a pair of groups: its row in the general group, and those of its details.
+    """Give each test of a pair of groups: its row in the general group, and those of its details that say something.
 
     Raises
     ------
     AgsError
-        Details belong to no test, or a test is there twice.
+        The general group is missing, or a test is there twice.
     """
     above, below = file.groups.get(general), file.groups.get(details)
     if above is None or below is None:
@@ -51,18 +67,31 @@ def details_of(file: AgsFile, general: str, details: str) -> Iterable[tuple[AgsG
     left = rows_by_specimen(below)
     for specimen, rows in rows_by_specimen(above).items():
         if len(rows) > 1:
+            twice = _full(specimen_of(above, rows[1]))
             raise AgsError(
-                f"{file.name} line {rows[1].line}: group {general} has the specimen {_full(specimen)} of line "
+                f"{file.name} line {rows[1].line}: group {general} has the specimen {twice} of line "
                 f"{rows[0].line} again; one row a specimen is accepted"
             )
-        found = left.pop(specimen, None)
+        found = [row for row in left.get(specimen, ()) if _says_something(below, row)]
         if found:
             yield above, rows[0], below, found
-    for specimen, rows in left.items():
-        raise AgsError(
-            f"{file.name} line {rows[0].line}: group {details}: the specimen {_full(specimen)} is not in group "
-            f"{general}; the same {', '.join(KEYS)} as there are accepted"
+
+
+def orphans_of(file: AgsFile, general: str, details: str) -> list[tuple[Specimen, str]]:
+    """Return the specimens of details that the general group does not have, with the reason why they make no test."""
+    above, below = file.groups.get(general), file.groups.get(details)
+    if above is None or below is None:
+        return []
+    known = rows_by_specimen(above)
+    return [
+        (
+            specimen_of(below, rows[0]),
+            f"{file.name} line {rows[0].line}: group {details}: the specimen {_full(specimen_of(below, rows[0]))} is "
+            f"not in group {general}; the same {', '.join(KEYS)} as there are accepted",
         )
+        for specimen, rows in rows_by_specimen(below).items()
+        if specimen not in known
+    ]
 
 
 def ids_of(specimens: Sequence[Specimen]) -> dict[Specimen, str]:

@@ -127,10 +127,14 @@ class AgsGroup:
 
 @dataclass(frozen=True, slots=True)
 class AgsFile:
-    """A file: its name and its groups by their names."""
+    """A file: its name and its groups by their names; ``damaged`` are lines that break the format, with what was done.
+
+    Each is the name of a group and a sentence.
+    """
 
     name: str
     groups: Mapping[str, AgsGroup]
+    damaged: tuple[tuple[str, str], ...] = ()
 
 
 def _pint(unit: str) -> str:

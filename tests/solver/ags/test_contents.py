@@ -107,8 +107,59 @@ def test_details_belong_to_a_test_that_is_there_once() -> None:
     rows = compression([["1", 1.0, 25.0, 0.9]])
     with pytest.raises(AgsError, match=r"group CONG has the specimen BH1/4.50/3/U/1/4.60 of line .* again"):
         contents(**{**rows, "CONG": rows["CONG"].rstrip() + "\r\n" + rows["CONG"].rstrip().splitlines()[-1] + "\r\n"})
-    with pytest.raises(AgsError, match=r"group CONS: the specimen BH1/4.50/3/U/9/4.60 is not in group CONG"):
-        contents(**{**rows, "CONS": rows["CONS"].replace('"1","4.60"', '"9","4.60"')})
+    orphan = contents(**{**rows, "CONS": rows["CONS"].replace('"1","4.60"', '"9","4.60"')}).without
+    assert "group CONS: the specimen BH1/4.50/3/U/9/4.60 is not in group CONG" in orphan[0][1]
+    same = contents(**{**rows, "CONS": rows["CONS"].replace('"4.50"', '"4.5"').replace('"4.60"', '"4.600"')})
+    assert [id for id, _ in same.compression] == ["BH1/3/1/4.60"]
+    assert same.without == ()
+
+
+def test_rows_without_a_cell_of_their_own_are_passed_over() -> None:
+    kept = contents().shear
+    empty = '"DATA","BH2","9.00","7","U","","3","9.10"'
+    tests = content().decode()
+    group, _, after = tests.partition('"GROUP","TRIT"')
+    assert after
+    lines = after.split("\r\n")
+    width = lines[1].count(",")
+    at = next(place for place, line in enumerate(lines) if line.startswith('"DATA"'))
+    lines.insert(at, empty + ',""' * (width - 7))
+    found = contents_of(read_ags((group + '"GROUP","TRIT"' + "\r\n".join(lines)).encode(), "a.ags"))
+    assert [test for _, test in found.shear] == [test for _, test in kept]
+
+
+def test_the_more_precise_of_two_void_ratios_counts() -> None:
+    rows = compression([["1", 0.366, 50.0, 0.36], ["2", 0.359, 98.0, 0.35], ["3", 0.346, 198.0, 0.33]])
+    rows["CONS"] = rows["CONS"].replace('"0DP","3DP"', '"0DP","2DP"')
+    ((_, test),) = contents(**rows).compression
+    assert [one.void_ratio for one in test.increments] == [0.359, 0.346, 0.33]
+    assert not any("begins at the void ratio" in note for note in test.notes)
+    rows = compression([["1", 0.366, 50.0, 0.36], ["2", 0.351, 98.0, 0.35]])
+    rows["CONS"] = rows["CONS"].replace('"0DP","3DP"', '"0DP","2DP"')
+    ((_, other),) = contents(**rows).compression
+    assert [one.void_ratio for one in other.increments] == [0.36, 0.35]
+    assert any("increment 2 begins at the void ratio 0.351" in note for note in other.notes)
+
+
+@pytest.mark.parametrize(
+    ("row", "done"),
+    [
+        ('"DATA","BH1","Soft CLAY.\r\nRootlets, to 0.3 m."', "mended"),
+        ('"DATA","BH1","with 2" gravel, firm"', "mended"),
+        ('"DATA","BH1","Soft CLAY', "left out"),
+        ('"DATA","BH1","Soft CLAY","and more"', "left out"),
+    ],
+)
+def test_a_damaged_remark_costs_that_remark(row: str, done: str) -> None:
+    remarks = f'"GROUP","GEOL"\r\n"HEADING","LOCA_ID","GEOL_DESC"\r\n{row}\r\n"DATA","BH2","SAND"\r\n\r\n'
+    file = read_ags(remarks.encode() + content(), "a.ags")
+    assert len(file.groups["GEOL"].rows) == (2 if done == "mended" else 1)
+    found = contents_of(file)
+    assert [id for id, _ in found.compression] == [id for id, _ in contents().compression]
+    (damaged,) = [entry for entry in entries(found) if entry.kind == "damaged row"]
+    assert damaged.id == "GEOL"
+    assert damaged.what.startswith("a.ags line 3: ")
+    assert damaged.what.endswith(f"the row of group GEOL is {done}")
 
 
 def test_shear_tests_give_the_strength_that_they_were_made_with() -> None:

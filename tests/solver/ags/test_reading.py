@@ -69,8 +69,11 @@ def test_encodings() -> None:
         (b'"GROUP","A"\r\n"HEADING","B"\r\n"HEADING","C"\r\n', "line 3: group A has a second row HEADING"),
         (b'"GROUP","A"\r\n"GROUP","A"\r\n', "line 2: group A is there already, in line 1"),
         (b'"GROUP"\r\n', "line 1: GROUP and one name is accepted"),
-        (b'"GROUP","A"\r\n"HEADING","B"\r\n"DATA","1","2"\r\n', "line 3: group A: 2 cells of DATA under 1 headings"),
-        (b'"GROUP","A"\r\n"HEADING","B"\r\n"DATA","1\r\n', "line 3: .*cells in double quotes"),
+        (
+            b'"GROUP","CONG"\r\n"HEADING","B"\r\n"DATA","1","2"\r\n',
+            "line 3: group CONG: 2 cells of DATA under 1 headings",
+        ),
+        (b'"GROUP","CONG"\r\n"HEADING","B"\r\n"DATA","1\r\n', "line 3: .*cells in double quotes"),
     ],
 )
 def test_what_is_no_ags_4_is_told(content_: bytes, message: str) -> None:
