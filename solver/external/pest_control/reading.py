@@ -12,6 +12,7 @@ import importlib
 import io
 import math
 import re
+import tempfile
 import warnings
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,14 @@ from geoswarm.solver.external.pest_control.case import (
     PestPair,
     PestParameter,
 )
-from geoswarm.solver.external.pest_control.sections import Sections, left_out, sections_of
+from geoswarm.solver.external.pest_control.sections import (
+    Sections,
+    external_files,
+    left_out,
+    plain_text,
+    sections_of,
+    with_exponents,
+)
 from geoswarm.solver.system.extras import needs_extra
 
 __all__ = ["read_case"]
@@ -57,15 +65,16 @@ def read_case(path: Path) -> PestCase:
         pyEMU is not installed, or the file cannot be read or understood.
     """
     try:
-        text = path.read_bytes().decode("utf-8", errors="replace")
+        text = _decoded(path.read_bytes())
     except OSError as error:
         raise PestControlError(f"{path}: {error.strerror or error}") from None
     try:
         sections = sections_of(text)
     except PestControlError as error:
         raise PestControlError(f"{path} {error}") from None
-    control = _control(path)
+    control = _control(path, plain_text(text))
     _complete(path, sections, control)
+    _counted(path, sections, control)
     return PestCase(
         path,
         tuple(_parameter(row, path) for row in control.parameter_data.to_dict("records")),
@@ -77,20 +86,40 @@ def read_case(path: Path) -> PestCase:
     )
 
 
-def _control(path: Path) -> Any:
-    """The ``Pst`` of pyEMU, which prints its doubts and has its own classes for nothing: any of its errors is told."""
+def _decoded(content: bytes) -> str:
+    """UTF-8, with its mark or without, else Latin-1."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def _control(path: Path, text: str) -> Any:
+    """The ``Pst`` of pyEMU, which prints its doubts and has its own classes for nothing: any of its errors is told.
+
+    It reads a copy with the text in its own form: exponents with e, small letters.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             pst = importlib.import_module("pyemu").Pst
     except ImportError:
         raise PestControlError(needs_extra("reading control files of PEST", "pyemu")) from None
-    with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+    with (
+        contextlib.redirect_stdout(io.StringIO()),
+        warnings.catch_warnings(),
+        tempfile.TemporaryDirectory() as folder,
+    ):
         warnings.simplefilter("ignore")
+        copy = Path(folder) / path.name
+        copy.write_text(text)
+        for name in external_files(text):
+            if (path.parent / name).is_file():
+                Path(folder, name).write_text(with_exponents(_decoded((path.parent / name).read_bytes())))
         try:
-            return pst(str(path), parse_metadata=False)
+            return pst(str(copy), parse_metadata=False)
         except Exception as error:  # noqa: BLE001  pyEMU raises Exception itself
-            told = re.sub(r"^error reading ctrl file '.*?': ", "", str(error))
+            told = re.sub(r"^error reading ctrl file '.*?': ", "", str(error).replace(folder, str(path.parent)))
         gc.collect()  # closes what pyEMU has left open, without a warning
     raise PestControlError(f"{path} cannot be read as a PEST control file: {told[:500]}")
 
@@ -116,6 +145,25 @@ def _complete(path: Path, sections: Sections, control: Any) -> None:
                 f"section '* {empty}' is empty, and what follows was not read" if present and empty else "there is none"
             )
             raise PestControlError(f"{path}: no {what} file was found ({why}); at least one is needed")
+
+
+def _counted(path: Path, sections: Sections, control: Any) -> None:
+    """Compare the counts of the control data, version 1, with what the sections hold."""
+    words = [line.split() for line in sections.get("control data", [])]
+    if len(words) < 3 or not all(all(word.isdigit() for word in line[:2]) for line in words[1:3]):
+        return
+    stated = (*words[1][:2], *words[2][:2])
+    for name, count, found, what in zip(
+        ("NPAR", "NOBS", "NTPLFLE", "NINSFLE"),
+        stated,
+        (control.parameter_data, control.observation_data, control.model_input_data, control.model_output_data),
+        ("parameters", "observations", "template files", "instruction files"),
+        strict=True,
+    ):
+        if int(count) != len(found):
+            raise PestControlError(
+                f"{path}: {name} is {count}, but the file has {len(found)} {what}; correct one of them"
+            )
 
 
 def _columns(control: Any) -> list[str]:

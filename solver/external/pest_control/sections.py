@@ -6,7 +6,7 @@ import re
 
 from geoswarm.solver.external.pest_control.case import PestControlError
 
-__all__ = ["Sections", "left_out", "sections_of"]
+__all__ = ["Sections", "external_files", "left_out", "plain_text", "sections_of", "with_exponents"]
 
 Sections = dict[str, list[str]]
 """Lines by heading in lower case, without ``external`` and ``keyword``; ``++`` holds options of PEST++."""
@@ -27,6 +27,7 @@ _IN_WORDS = {
     "pareto": "the Pareto mode is not carried over: one problem has one objective",
     "parameter groups": "increments of parameter groups are not needed: the search takes no derivatives",
 }
+_FORTRAN = re.compile(r"(?<![\w.])([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)(?![\w.])", re.ASCII)
 _FIRST = ("restart", "norestart")
 _KEYWORD = re.compile(r"\s*(external|keyword)$")
 
@@ -54,6 +55,44 @@ def sections_of(text: str) -> Sections:
             current = found.setdefault(heading.replace("regularization", "regularisation"), [])
         else:
             current.append(line)
+    return found
+
+
+def with_exponents(text: str) -> str:
+    """Numbers of Fortran as others write them: ``1.0D+02`` is 1.0e+02."""
+    return _FORTRAN.sub(r"\1e\2", text)
+
+
+def plain_text(text: str) -> str:
+    """A control file in small letters, but for names of files and commands, and with exponents that pyEMU reads."""
+    lines, heading = [], ""
+    for line in text.splitlines():
+        plain = line.strip()
+        if plain.startswith("*"):
+            heading = " ".join(plain.removeprefix("*").lower().split())
+            line = f"* {heading}"
+        elif plain.startswith(("#", PLUS)):
+            pass
+        elif not heading:
+            line = line.lower() if plain[:3].lower() == "pcf" else line
+        elif heading in ("parameter data", "observation data"):
+            first, *rest = plain.lower().split(maxsplit=1) or [""]
+            line = " ".join([first, *map(with_exponents, rest)])
+        elif heading in ("control data", "parameter groups", "observation groups"):
+            line = with_exponents(line.lower())
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def external_files(text: str) -> list[str]:
+    """Names of the files of data that a control file of version 2 has beside it."""
+    found, external = [], False
+    for line in text.splitlines():
+        words = line.split()
+        if line.startswith("*"):
+            external = words[-1] == "external"
+        elif external and words and not line.startswith(("#", PLUS)):
+            found.append(re.split(r"[/\\]", words[0])[-1])
     return found
 
 

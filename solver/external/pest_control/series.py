@@ -52,7 +52,7 @@ def series_of(case: PestCase, read: Mapping[str, Sequence[str]]) -> tuple[list[P
     Raises
     ------
     PestControlError
-        An observation is read by no instruction file, or by two.
+        An observation is read by no instruction file, or by two, or is read and not in the control file.
     """
     owner = _owners(case, read)
     found: list[PestSeries] = []
@@ -95,8 +95,12 @@ def _owners(case: PestCase, read: Mapping[str, Sequence[str]]) -> dict[str, str]
         for name in names:
             if name in owner:
                 raise PestControlError(f"observation {name} is read by {owner[name]} and by {file}; once is accepted")
-            if name in known:
-                owner[name] = file
+            if name not in known:
+                raise PestControlError(
+                    f"{file} reads {name}, which is not in the observation data of {case.path}; add it there, or "
+                    "remove it from the instruction file"
+                )
+            owner[name] = file
     missing = [one.name for one in case.observations if one.name not in owner]
     if missing:
         raise PestControlError(

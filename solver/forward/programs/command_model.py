@@ -277,6 +277,8 @@ class ProgramRun:
             write_input_file(target, template.fill(values))
         for name, kind in spec.write.items():
             folder.write(name, parameter_text(kind, parameters))
+        for name in self._outputs:  # many programs write into a folder, and do not make it
+            (folder.path / name).parent.mkdir(parents=True, exist_ok=True)
 
     def _refuse_old_pieces(self, folder: Path, before: Mapping[str, FileState]) -> None:
         """Results on a mesh may be named in a new file and lie in old ones."""

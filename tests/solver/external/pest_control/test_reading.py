@@ -131,7 +131,7 @@ def test_version_2(pyemu: Path) -> None:
             "is empty, and what",
         ),
         ("1.5 2.0", "1.5 -2.0", "weight of observation hds_time:1.0 must be at least 0, got -2"),
-        ("1.5 2.0", "1.5d0 2.0", "cannot be read as a PEST control file: .*1.5d0"),
+        ("1.5 2.0", "1.5x0 2.0", "cannot be read as a PEST control file: .*1.5x0"),
         ("1.5 2.0", "nan 2.0", "OBSVAL of hds_time:1.0 must be a finite number, got nan"),
         ("parameters.csv", "none.csv", "none.csv"),
     ],
@@ -141,6 +141,106 @@ def test_what_pyemu_cannot_read_or_reads_in_part_is_refused(pyemu: Path, old: st
     assert old in VERSION_2
     with pytest.raises(PestControlError, match=message):
         read_case(version_2(pyemu, VERSION_2.replace(old, new)))
+
+
+VERSION_1 = """\
+pcf
+* control data
+restart estimation
+2 3 1 0 1
+1 1 single point 1 0 0
+5.0 2.0 0.3 0.03 10
+3.0 3.0 0.001
+0.1
+30 0.01 3 3 0.01 3
+1 1 1
+* parameter groups
+g relative 0.01 0.0 switch 2.0 parabolic
+* parameter data
+a log factor 2.0 0.1 100.0 g 1.0 0.0 1
+b none relative 1.0 0.0 10.0 g 1.0 0.0 1
+* observation groups
+obs
+* observation data
+y_1 3.1 1.0 obs
+y_2 4.9 2.0 obs
+y_4 9.2 0.5 obs
+* model command line
+sh model.sh
+* model input/output
+m.tpl m.in
+m.ins out/m.out
+"""
+
+
+def line_case(folder: Path, text: str | bytes = VERSION_1) -> Path:
+    """y = a x + b at x = 1, 2 and 4, by a program that writes into a folder and does not make it."""
+    (folder / "m.tpl").write_text("ptf ~\n~a         ~\n~b         ~\n")
+    (folder / "m.ins").write_text("pif ~\nl1 w !y_1!\nl1 w !y_2!\nl1 w !y_4!\n")
+    script = "a, b = (float(v) for v in open('m.in'))\n"
+    script += "open('out/m.out', 'w').writelines(f'{x} {a * x + b}\\n' for x in (1, 2, 4))\n"
+    (folder / "model.py").write_text(script)
+    (folder / "m.pst").write_bytes(text.encode() if isinstance(text, str) else text)
+    return folder / "m.pst"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "text",
+    [
+        VERSION_1,
+        VERSION_1.replace("100.0", "1.0D+02").replace("3.1", "3.1D0"),
+        "\n".join(line if line.startswith(("m.", "sh")) else line.upper() for line in VERSION_1.splitlines()),
+        b"\xef\xbb\xbf" + VERSION_1.encode(),
+        VERSION_1.replace("* parameter data", "# Höhe\n* parameter data").encode("latin-1"),
+    ],
+)
+def test_any_case_exponents_and_encodings(pyemu: Path, text: str | bytes) -> None:
+    case = read_case(line_case(pyemu, text))
+    assert [(one.name, one.value, one.lower, one.upper, one.transform) for one in case.parameters] == [
+        ("a", 2.0, 0.1, 100.0, "log"),
+        ("b", 1.0, 0.0, 10.0, "none"),
+    ]
+    assert [(one.name, one.value, one.weight) for one in case.observations] == [
+        ("y_1", 3.1, 1.0),
+        ("y_2", 4.9, 2.0),
+        ("y_4", 9.2, 0.5),
+    ]
+
+
+@pytest.mark.slow
+def test_folders_of_outputs_are_made(pyemu: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = line_case(pyemu, VERSION_1.replace("sh model.sh", f"{sys.executable} model.py"))
+    assert main(["import", "pest", str(path), "--output", "made"]) == 0
+    capsys.readouterr()
+    assert main(["evaluate", "made/problem.yaml"]) == 0
+    assert "objective  0.06" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("2 3 1 0 1", "3 4 1 0 1", "NPAR is 3, but the file has 2 parameters"),
+        ("2 3 1 0 1", "2 4 1 0 1", "NOBS is 4, but the file has 3 observations"),
+        ("1 1 single", "2 1 single", "expecting 2 template files"),
+        ("y_4 9.2 0.5 obs\n", "", "NOBS is 3, but the file has 2 observations"),
+    ],
+)
+def test_counts_that_disagree_are_named(pyemu: Path, old: str, new: str, message: str) -> None:
+    assert old in VERSION_1
+    with pytest.raises(PestControlError, match=message):
+        read_case(line_case(pyemu, VERSION_1.replace(old, new)))
+
+
+@pytest.mark.slow
+def test_an_observation_that_only_an_instruction_file_has_is_named(
+    pyemu: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = line_case(pyemu, VERSION_1.replace("y_4 9.2 0.5 obs\n", "").replace("2 3 1 0 1", "2 2 1 0 1"))
+    assert main(["import", "pest", str(path), "--output", "made"]) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert "m.ins reads y_4, which is not in the observation data of" in told
 
 
 @pytest.mark.slow
