@@ -89,19 +89,25 @@ further part of `kind: combined`. Objectives are in the series' base units squar
 Inside, units are kN, m, day and degree. `x_unit` and `y_unit` name the units of the data and may be any unit of the
 right dimension: `s`, `min`, `h`, `day`, `um`, `mm`, `cm`, `m`, `Pa`, `kPa`, `MPa`, `bar`, `kN/m^2`, `%` ...
 
-Without them the unit in a heading holds, such as `settlement [mm]` or `time in min`, or in a comment (`# x in min, y
-in mm`); without that, the series' base unit.
+Without them, points in the problem file have the base unit of the series, and the columns of a file have the unit that
+the file names: in the heading (`settlement [mm]`, `Setzung 1/100 mm (korr.)`, `Zeit in Minuten`), in a row of units
+below the names, in each cell (`0.5 %`), in the format of the cells, or in a comment (`# x in min, y in mm`). German and
+English words and units such as `kg/cm2`, `t/m²`, `psf` and `‰` are known. A unit that is not known, several units in
+one heading, a unit of another dimension and a column without any unit are errors; only numbers without dimension need
+none.
 
 ### CSV and XLSX files
 
-The problem file, the command line and the form at `/new` read files alike. The first line of a CSV file that is
-neither empty nor a `#` comment is the header; in a workbook it is the line above the first row of numbers, of the
-first sheet with cells or of `sheet`. It names the columns `x`, `y` and, if wanted, `weight`, in any order and in
-upper or lower case; other columns are ignored. Columns of other names are given by `x_column`, `y_column` and
-`weight_column`, with or without the unit in the heading. A column of dates (`2024-03-01 08:30`, `01.03.2024 08:30`)
-can be x: days since `x_origin`, or since the first reading. Columns of a CSV file are separated by comma, semicolon
-or tab; next to semicolons or tabs, and in quotes, numbers may have a decimal comma. A row with more cells than
-headings is refused: a comma inside a number has split it. The file's path is relative to the problem file.
+The problem file, the command line and the form at `/new` read files alike. The header is the first line with the
+columns that are asked for, above rows of numbers; titles, lines of a machine and `#` comments above it do not matter. A
+workbook is read from its first sheet with cells, or from `sheet`. The header names the columns `x`, `y` and, if wanted,
+`weight`, in any order and in upper or lower case; other columns are ignored. Columns of other names are given by
+`x_column`, `y_column` and `weight_column`, with or without the unit in the heading. A column of dates
+(`2024-03-01 08:30`, `01.03.2024 08:30`) can be x: days since `x_origin`, or since the first reading. Columns of a text
+file are separated by comma, semicolon, tab or blanks; except next to commas, and in quotes, numbers may have a decimal
+comma. Between blanks an empty cell cannot be seen: each row must then have as many cells as the header. Times such as
+`25:30:00` are days, and cells formatted as per cent are in %. A row with more cells than headings is refused: a comma
+inside a number has split it. The file's path is relative to the problem file.
 
 ### Readings in disorder, or very many
 

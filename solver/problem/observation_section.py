@@ -133,10 +133,14 @@ class ObservationSection(Section):
         None, description="leave out rows that lack one of the required numbers; otherwise they are errors"
     )
     x_unit: str | None = Field(
-        None, description="unit of x in the data; that of its heading, or the series' base unit, if absent"
+        None,
+        description="unit of x in the data; if absent, that of its heading in the file "
+        "(required there, except for numbers without dimension), or the base unit of the series for points",
     )
     y_unit: str | None = Field(
-        None, description="unit of y in the data; that of its heading, or the series' base unit, if absent"
+        None,
+        description="unit of y in the data; if absent, that of its heading in the file "
+        "(required there, except for numbers without dimension), or the base unit of the series for points",
     )
     y_zero: Literal["first"] | ZeroReading | None = Field(
         None,

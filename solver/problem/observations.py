@@ -22,10 +22,12 @@ from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
 from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["Observation", "build_observations", "preparation_issues"]
+__all__ = ["Observation", "build_observations", "preparation_issues", "unit_of_data"]
 
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
 _LEAST_SCALE = 1e-150  # of a loss: its square is an ordinary number
+_USUAL = {"m": "mm", "day": "min"}
+"""Units that laboratories write, as examples."""
 _MOST_ISSUES = 100
 _MOST_NAMES = 50  # known series that a message lists
 
@@ -192,7 +194,7 @@ def _build(
         ("x", points.x, section.x_unit, info.x_unit, points.x_heading),
         ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
-        unit, wrong = _unit(axis, given, base, heading, unitless=info.x_quantity == "x")
+        unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x")
         units[axis] = unit
         if wrong is not None:
             issues.append(Issue(f"{path}.{axis}_{'unit' if given else 'column'}", wrong))
@@ -291,7 +293,7 @@ def _loss(
     return Loss(section.loss, scale), None
 
 
-def _unit(
+def unit_of_data(
     axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool
 ) -> tuple[str | None, str | None]:
     """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong.
@@ -326,7 +328,17 @@ def _unit(
     strange = next((one.text for one in heading.named if one.unit is None), None)
     if strange is not None:
         return None, f"{column} names '{strange}', which is not a known unit; {axis}_unit says what the numbers are in"
-    return None, None
+    if same_unit(base, "1"):
+        return None, None
+    shown = ", ".join(number(value) for value in heading.first)
+    return None, (
+        f"{column} ({shown}, ...) has no unit; write it behind the name, '{heading.name} [{_usual(base)}]', or give "
+        f"{axis}_unit: {_usual(base)}"
+    )
+
+
+def _usual(base: str) -> str:
+    return _USUAL.get(base, base)
 
 
 def _fits(unit: str, base: str) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
-from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit
+from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit, without_brackets
 from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.reading import cell_number
@@ -145,8 +145,8 @@ def _readings(row: Sequence[Cell]) -> frozenset[int]:
     return frozenset(index for index, cell in enumerate(row) if cell != "" and is_reading(cell))
 
 
-def _keys(heading: str) -> tuple[str, str]:
-    return key(heading), key(guess_unit(heading)[0])
+def _keys(heading: str) -> tuple[str, ...]:
+    return key(heading), key(guess_unit(heading)[0]), key(without_brackets(heading))
 
 
 def _header(rows: Rows, place: int, below: int) -> list[str]:

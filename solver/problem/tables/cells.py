@@ -14,6 +14,7 @@ from geoswarm.solver.problem.tables.reading import (
     BLANKS,
     MAX_TABLE_BYTES,
     SEPARATORS,
+    WIDE_BLANKS,
     TableError,
     cell_number,
     decoded,
@@ -130,6 +131,9 @@ def _separated(lines: list[tuple[int, str]], name: str, wanted: list[str]) -> tu
         except TableError:
             continue
         block = begin(rows, wanted)
+        if block is not None and separator in (BLANKS, WIDE_BLANKS):
+            cells = len(rows[block.below][1])  # blanks inside a name, or empty cells
+            block = block if cells == len(block.header) else None
         if block is not None:
             merit = (block.named, block.length, block.width)
             if best is None or merit > best[0]:

@@ -9,7 +9,16 @@ from functools import lru_cache
 
 from geoswarm.solver.units import UnitError, base_unit
 
-__all__ = ["Named", "guess_unit", "is_unit", "known_unit", "number_with_unit", "units_in_comments", "units_of"]
+__all__ = [
+    "Named",
+    "guess_unit",
+    "is_unit",
+    "known_unit",
+    "number_with_unit",
+    "units_in_comments",
+    "units_of",
+    "without_brackets",
+]
 
 BASES = ("day", "m", "kPa", "degree", "dimensionless")
 _WORDS = {
@@ -116,6 +125,11 @@ def guess_unit(heading: str) -> tuple[str, str | None, str | None]:
     named = [one for one in units_of(heading) if one.unit is not None and one.base in BASES]
     best = next((one for one in named if one.certain), named[0] if named else None)
     return (" ".join(heading.split()), None, None) if best is None else (best.label, best.unit, best.base)
+
+
+def without_brackets(heading: str) -> str:
+    """A heading without what stands in brackets, in which remarks and units are."""
+    return " ".join(_BRACKETS.sub(" ", heading[:_LONGEST]).split())
 
 
 def known_unit(text: str) -> tuple[str | None, str | None]:

@@ -9,7 +9,7 @@ from itertools import dropwhile, takewhile
 
 from geoswarm.solver.problem.tables.blocks import is_reading, key, unit_of_cell
 from geoswarm.solver.problem.tables.cells import Sheet, number_in
-from geoswarm.solver.problem.tables.headings import guess_unit
+from geoswarm.solver.problem.tables.headings import guess_unit, without_brackets
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_number
 from geoswarm.solver.problem.tables.reading import TableError
 
@@ -48,7 +48,8 @@ def is_cells(wanted: str) -> bool:
 
 def column_of(sheet: Sheet, wanted: str) -> list[int]:
     """Places of the columns with a heading, or with a heading that is this before its unit, or of a letter (B:B)."""
-    for headings in (sheet.header, [guess_unit(name)[0] for name in sheet.header]):
+    labels = [guess_unit(name)[0] for name in sheet.header]
+    for headings in (sheet.header, labels, [without_brackets(name) for name in sheet.header]):
         found = [index for index, name in enumerate(headings) if key(name) == key(wanted)]
         if found:
             return found

@@ -12,6 +12,7 @@ __all__ = [
     "MAX_LINE_CHARACTERS",
     "MAX_TABLE_BYTES",
     "SEPARATORS",
+    "WIDE_BLANKS",
     "TableError",
     "cell_number",
     "decoded",
@@ -35,8 +36,8 @@ SEPARATORS = (";", "\t", ",", WIDE_BLANKS, BLANKS)
 """What may stand between cells: semicolon, tab, comma, at least two blanks or a tab, any blanks."""
 
 _WIDE = re.compile(r"\s*\t\s*|\s{2,}")
-_BRACKET = re.compile(r"\[[^\]\[]*\]|\([^()]*\)")
-_NAMED = re.compile(r"(?<=[^\s\])])\s+(?=[\[(])")
+_BRACKET = re.compile(r"\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\}")
+_NAMED = re.compile(r"(?<=\S)\s+(?=[\[({])")
 _MOST_DIGITS = 1100  # a float written out in full has 1075 at most
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)

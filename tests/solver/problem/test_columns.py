@@ -63,7 +63,7 @@ def test_a_comment_may_name_units(tmp_path: Path) -> None:
 
 
 def test_a_heading_with_a_unit_that_does_not_fit(tmp_path: Path) -> None:
-    text = "x,force [kPa]\n1,2\n"
+    text = "x [day],force [kPa]\n1,2\n"
     said = mistakes(tmp_path, "a.csv", text, y_column="force")
     assert said == (
         "observations[0].y_column: column 'force [kPa]' is in kPa, but the series has m; name another, or give y_unit"
@@ -109,11 +109,11 @@ def test_dates_are_days(dates: tuple[str, ...], keys: dict[str, str], days: list
 
 def test_dates_that_cannot_be(tmp_path: Path) -> None:
     names = {"x_column": "date", "y_column": "y"}
-    text = "date,y\n2021-06-01,1\n2021-06-02,2\n2021-06-31,3\n"
+    text = "date,y [m]\n2021-06-01,1\n2021-06-02,2\n2021-06-31,3\n"
     assert "a.csv line 4, column date: '2021-06-31' is not a date, such as" in mistakes(
         tmp_path, "a.csv", text, **names
     )
-    good = "date,y\n2021-06-01,1\n2021-06-02,2\n"
+    good = "date,y [m]\n2021-06-01,1\n2021-06-02,2\n"
     assert "leave x_unit out, not h" in mistakes(tmp_path, "a.csv", good, x_unit="h", **names)
     assert "must be a date" in mistakes(tmp_path, "a.csv", good, x_origin="Tuesday", **names)
     assert "holds no dates" in mistakes(tmp_path, "a.csv", "x,y\n1,2\n", x_origin='"2021-06-01"')

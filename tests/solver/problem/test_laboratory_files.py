@@ -170,7 +170,7 @@ def test_several_specimens_in_one_sheet(tmp_path: Path) -> None:
 )
 def test_dates_as_they_are_written(form: str | None, first: str, second: str, tmp_path: Path) -> None:
     keys = {"x_column": "date", "y_column": "y"} | ({} if form is None else {"x_dates": form})
-    text = f"date;y\n{first};1\n{second};2\n"
+    text = f"date;y [m]\n{first};1\n{second};2\n"
     found = observed(tmp_path, "a.csv", text, **keys)
     assert found.points.x == pytest.approx([0.0, 0.5], abs=1e-8)
     assert found.notes == ("x counts from 2024-12-31 23:00:00",)
@@ -180,7 +180,7 @@ def test_dates_as_they_are_written(form: str | None, first: str, second: str, tm
 
 def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path) -> None:
     keys = {"x_column": "date", "y_column": "y"}
-    text = "date;y\n03/04/2024;1\n05/04/2024;2\n"
+    text = "date;y [m]\n03/04/2024;1\n05/04/2024;2\n"
     assert "'03/04/2024' is not a finite number; x_dates: day_first or month_first says" in mistakes(
         tmp_path, "a.csv", text, **keys
     )
@@ -193,9 +193,9 @@ def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path) -> Non
 
 def test_time_of_day_in_a_column_of_its_own(tmp_path: Path) -> None:
     keys = {"x_column": "Datum", "x_time_column": "Uhrzeit", "y_column": "y"}
-    found = observed(tmp_path, "a.csv", "Datum;Uhrzeit;y\n01.03.2024;22:00;1\n02.03.2024;4:00:00;2\n", **keys)
+    found = observed(tmp_path, "a.csv", "Datum;Uhrzeit;y [m]\n01.03.2024;22:00;1\n02.03.2024;4:00:00;2\n", **keys)
     assert found.points.x == [0.0, 0.25]
-    bad = mistakes(tmp_path, "a.csv", "Datum;Uhrzeit;y\n01.03.2024;25:00;1\n", **keys)
+    bad = mistakes(tmp_path, "a.csv", "Datum;Uhrzeit;y [m]\n01.03.2024;25:00;1\n", **keys)
     assert "line 2, column Uhrzeit: '25:00' is not a time of day" in bad
     assert (time_of_day(0.25), time_of_day("12:00 AM")) == (time_of_day("6:00"), time_of_day("0:00"))
     assert moment_in("31.02.2024") is None
@@ -251,7 +251,7 @@ def test_gross_errors_take_no_part_in_means_and_follow_the_order() -> None:
 
 
 def test_gross_errors_that_cannot_be(tmp_path: Path) -> None:
-    text = "x,y\n0.5,1\n1,2\n"
+    text = "x [day],y [m]\n0.5,1\n1,2\n"
     assert "gross_errors: there is no reading 3; there are 2" in mistakes(tmp_path, "a.csv", text, gross_errors="[3]")
     assert "no point is left of 2: the others are gross errors" in mistakes(
         tmp_path, "a.csv", text, gross_errors="[1, 2]"

@@ -45,10 +45,12 @@ def test_readings_at_equal_x() -> None:
 
 
 def test_a_mistake_names_the_option(tmp_path: Path) -> None:
-    equal = mistakes(tmp_path, "a.csv", "x,y\n1,0.1\n1,0.2\n2,0.3\n")
+    equal = mistakes(tmp_path, "a.csv", "x [day],y [m]\n1,0.1\n1,0.2\n2,0.3\n")
     assert "x = 1 day (point 2) follows x = 1 day (point 1); repeated_x: average or shift makes them differ" in equal
-    assert "; sort: true sorts" in mistakes(tmp_path, "a.csv", "x,y\n2,0.1\n1,0.2\n")
-    assert observed(tmp_path, "a.csv", "x,y\n2,1\n1,2\n1,4\n", sort="true", repeated_x="average").y.tolist() == [3, 1]
+    assert "; sort: true sorts" in mistakes(tmp_path, "a.csv", "x [day],y [m]\n2,0.1\n1,0.2\n")
+    assert observed(
+        tmp_path, "a.csv", "x [day],y [m]\n2,1\n1,2\n1,4\n", sort="true", repeated_x="average"
+    ).y.tolist() == [3, 1]
 
 
 def test_very_many_readings_become_few() -> None:
@@ -76,8 +78,8 @@ def test_one_way_to_thin() -> None:
 
 def test_a_large_file_of_numbers_is_read_the_quick_way_to_the_same_numbers(tmp_path: Path) -> None:
     rows = [f"{i * 1e-4:.6g},{np.sin(i):.17g}" for i in range(12_000)]
-    quick = observed(tmp_path, "a.csv", "x [day],y\n" + "\n".join(rows) + "\n")
-    slow = observed(tmp_path, "b.csv", "x [day],y\n# a remark\n" + "\n".join(rows) + "\n")
+    quick = observed(tmp_path, "a.csv", "x [day],y [m]\n" + "\n".join(rows) + "\n")
+    slow = observed(tmp_path, "b.csv", "x [day],y [m]\n# a remark\n" + "\n".join(rows) + "\n")
     np.testing.assert_array_equal(quick.x, slow.x)
     np.testing.assert_array_equal(quick.y, slow.y)
     assert (quick.x_unit, slow.x_unit) == ("day", "day")
