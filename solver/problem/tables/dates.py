@@ -79,18 +79,20 @@ def time_of_day(cell: Cell) -> timedelta | None:
     return None if moment is None else moment - day_of(moment)
 
 
-def elapsed_days(cells: Sequence[Cell]) -> list[float] | None:
+def elapsed_days(cells: Sequence[Cell]) -> list[Cell] | None:
     """Return times such as 25:30:00 in days, where they cannot be times of day: they begin at 0, or pass 24 hours.
 
-    None for anything else; empty cells are 0.
+    None for anything else; empty cells stay empty.
     """
     found = [_ELAPSED.fullmatch(cell) if isinstance(cell, str) else None for cell in cells]
     if not any(found) or any(one is None and cell != "" for one, cell in zip(found, cells, strict=True)):
         return None
-    seconds = [
-        0.0 if one is None else int(one[1]) * 3600 + int(one[2]) * 60 + float(one[3].replace(",", ".")) for one in found
+    days: list[Cell] = [
+        "" if one is None else (int(one[1]) * 3600 + int(one[2]) * 60 + float(one[3].replace(",", "."))) / 86400.0
+        for one in found
     ]
-    return [one / 86400.0 for one in seconds] if seconds[0] == 0.0 or max(seconds) >= 86400.0 else None
+    numbers = [day for day in days if isinstance(day, float)]
+    return days if numbers[0] == 0.0 or max(numbers) >= 1.0 else None
 
 
 def day_of(moment: datetime) -> datetime:

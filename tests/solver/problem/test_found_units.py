@@ -13,6 +13,7 @@ from geoswarm.solver.problem import load_problem, problem_yaml
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.tables.columns import Columns, read_table
 from geoswarm.solver.problem.tables.headings import guess_unit
+from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.units import convert
 from tests.solver.problem.test_laboratory_files import ods_cell, open_document, sheet_rows
 from tests.solver.problem.test_measurements import workbook
@@ -236,3 +237,12 @@ def test_a_second_gauge_in_another_unit_is_refused(tmp_path: Path) -> None:
     text = "eps [-];q [kPa];u [MPa]\n0.001;5;1\n0.01;9;2\n"
     message = refused(tmp_path, "q.csv", text, x_column="eps", y_column="q", y_minus="u")
     assert "column 'q [kPa]' is in kPa and y_minus, 'u [MPa]', in MPa; give them one unit" in message
+
+
+def test_an_empty_cell_among_elapsed_times_is_no_zero(tmp_path: Path) -> None:
+    text = "t,s [mm]\n00:00:00,0\n,1\n25:30:00,2\n"
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(TableError, match="line 3, column t"):
+        read_table(tmp_path / "a.csv", Columns(x="t", y="s"))
+    found = read_table(tmp_path / "a.csv", Columns(x="t", y="s", incomplete="leave_out"))
+    assert found.x == [0.0, 25.5 / 24.0]
