@@ -14,7 +14,10 @@ from geoswarm.solver.problem.tables.numerals import DecimalSign
 from geoswarm.solver.problem.zero import ZeroReading
 from geoswarm.solver.section import Section
 
-__all__ = ["ObservationSection", "PointsSection"]
+__all__ = ["UNSTATED", "ObservationSection", "PointsSection"]
+
+UNSTATED = "unstated"
+"""In place of a unit, where readings come from a file that names none: right for numbers without dimension only."""
 
 
 class PointsSection(Section):

@@ -15,7 +15,7 @@ from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
 from geoswarm.solver.loss import TUNING, Loss
 from geoswarm.solver.problem.issues import number
-from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.tables.columns import Heading
 from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
@@ -300,6 +300,9 @@ def unit_of_data(
 
     ``unitless``: a formula or a program, whose series without a unit take the numbers as they are.
     """
+    if given == UNSTATED:
+        plain = None if same_unit(base, "1") else f"the file names no known unit; give {axis}_unit: {_usual(base)}"
+        return None, plain
     if heading is None:
         return given, None
     column = f"column '{heading.name}'"

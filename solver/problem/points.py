@@ -11,7 +11,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import number, validated
-from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.preparation import NoZeroError, Preparation, Readings, prepared
 from geoswarm.solver.problem.tables.cells import file_content
 from geoswarm.solver.problem.tables.columns import Columns, Heading, Table, table_of
@@ -274,7 +274,7 @@ def inlined_document(path: Path) -> dict[str, Any]:
             raise ProblemError(issues)
         kept = {key: value for key, value in given.items() if key not in _TAKEN_IN}
         for axis, heading in (("x", points.x_heading), ("y", points.y_heading)):
-            if heading is not None and heading.unit is not None:
-                kept.setdefault(f"{axis}_unit", "day" if heading.dates else heading.unit)
+            if heading is not None:
+                kept.setdefault(f"{axis}_unit", "day" if heading.dates else heading.unit or UNSTATED)
         found.append(kept | {"points": points.document()})
     return document | {"observations": found}

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.problem import load_problem, problem_yaml
+from geoswarm.solver.problem import load_problem, parse_problem, problem_yaml
 from geoswarm.solver.problem.observations import Observation
+from geoswarm.solver.problem.points import inlined_document
 from geoswarm.solver.problem.tables.columns import Columns, read_table
 from geoswarm.solver.problem.tables.headings import guess_unit
 from geoswarm.solver.problem.tables.reading import TableError
@@ -25,7 +26,12 @@ PERCENT = f'{FORMATS}<cellXfs><xf numFmtId="0"/><xf numFmtId="10"/><xf numFmtId=
 def triaxial(folder: Path, name: str, content: bytes | str, **keys: Any) -> Observation:
     """Deviator stress over axial strain of a file."""
     (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    document = {
+    (folder / "problem.yaml").write_text(problem_yaml(document(name, **keys)), encoding="utf-8")
+    return load_problem(folder / "problem.yaml").observations[0]
+
+
+def document(name: str, **keys: Any) -> dict[str, Any]:
+    return {
         "name": "t",
         "forward_model": {
             "kind": "triaxial",
@@ -43,8 +49,6 @@ def triaxial(folder: Path, name: str, content: bytes | str, **keys: Any) -> Obse
         "stopping": {"max_evaluations": 100},
         "seed": 1,
     }
-    (folder / "problem.yaml").write_text(problem_yaml(document), encoding="utf-8")
-    return load_problem(folder / "problem.yaml").observations[0]
 
 
 def refused(folder: Path, name: str, content: bytes | str, **keys: Any) -> str:
@@ -246,3 +250,15 @@ def test_an_empty_cell_among_elapsed_times_is_no_zero(tmp_path: Path) -> None:
         read_table(tmp_path / "a.csv", Columns(x="t", y="s"))
     found = read_table(tmp_path / "a.csv", Columns(x="t", y="s", incomplete="leave_out"))
     assert found.x == [0.0, 25.5 / 24.0]
+
+
+@pytest.mark.parametrize("unit", ["", "furlongs"])
+def test_a_problem_sent_to_a_service_does_not_lose_that_a_unit_is_missing(unit: str, tmp_path: Path) -> None:
+    (tmp_path / "q.csv").write_text(f"eps [-];q {unit and f'[{unit}]'}\n0.001;10\n0.01;40\n", encoding="utf-8")
+    (tmp_path / "problem.yaml").write_text(problem_yaml(document("q.csv", x_column="eps", y_column="q")), "utf-8")
+    sent = inlined_document(tmp_path / "problem.yaml")
+    with pytest.raises(ProblemError, match=r"observations\[0\].y_unit: the file names no known unit; give y_unit: kPa"):
+        parse_problem(sent)
+    sent["forward_model"] = {"kind": "formula", "series": {"q": "M * x"}}
+    sent["parameters"] = {"M": {"lower": 0.3, "upper": 2.0}}
+    assert parse_problem(sent).observations[0].y.tolist() == [10.0, 40.0]
