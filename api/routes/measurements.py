@@ -58,16 +58,23 @@ async def read_points(
     ],
     name: Annotated[str, Query(max_length=200, description="name of the file, for messages and notes")] = "file",
 ) -> MeasuredPoints:
-    """Read the points of one series from a file, as a problem file would. Nothing is stored."""
+    """Read the points of one series from a file, as a problem file would. Nothing is stored.
+
+    A unit that neither the observation nor the file names is `unstated`: a problem with it is refused unless the series
+    has no unit.
+    """
     try:
         slot = limiter(request, "files")
-        points = await anyio.to_thread.run_sync(measured_points, observation, content, name, limiter=slot)
+        points, units = await anyio.to_thread.run_sync(measured_points, observation, content, name, limiter=slot)
     except ProblemError as error:
         raise DetailError(
             422, str(error), kind="unreadable-file", title="File cannot be read", issues=error.issues
         ) from None
     return MeasuredPoints(
-        **{"weight": None, "readings": None, "independent": None} | points.document() | {"inputs": points.inputs},
+        **{"weight": None, "readings": None, "independent": None}
+        | points.document()
+        | {"inputs": points.inputs}
+        | units,
         gross_errors=[place + 1 for place in points.gross_errors],
         notes=list(points.notes),
     )

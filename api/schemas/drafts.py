@@ -92,6 +92,7 @@ class MeasurementColumn(Model):
     label: str = Field(description="heading without its unit")
     unit: str | None = Field(description="unit that the heading or a comment names")
     base: str | None = Field(description="base unit of its dimension: day, m, kPa, degree or dimensionless")
+    unclear: str | None = Field(description="why the heading leaves the unit open though it names some")
     quantities: list[str] = Field(description="what its words may stand for: settlement, time, specimen ...")
     kind: Literal["number", "time", "clock", "text"] = Field(description="time: dates, given as days since the first")
     values: list[float | None] = Field(
@@ -121,6 +122,8 @@ class MeasuredPoints(Model):
 
     x: list[float]
     y: list[float]
+    x_unit: str = Field(description="the one that the observation gives, or that the file names; else `unstated`")
+    y_unit: str
     weight: list[float] | None
     readings: list[float] | None = Field(description="number of readings of which each point is the mean")
     independent: float | None = Field(description="number of independent readings that the points are worth")

@@ -16,6 +16,7 @@ from geoswarm.solver.problem.preparation import NoZeroError, Preparation, Readin
 from geoswarm.solver.problem.tables.cells import file_content
 from geoswarm.solver.problem.tables.columns import Columns, Heading, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
+from geoswarm.solver.problem.tables.headings import unclear_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document, read_problem_file
 
@@ -108,8 +109,10 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
     return points_of_file(section, path, content, file.name)
 
 
-def measured_points(observation: str, content: bytes, name: str) -> Points:
-    """Points of a file that is not part of a problem yet.
+def measured_points(observation: str, content: bytes, name: str) -> tuple[Points, dict[str, str]]:
+    """Points of a file that is not part of a problem yet, and ``x_unit`` and ``y_unit`` that they are in.
+
+    A unit is the one that the observation gives, or that the file names; ``unstated`` where there is neither.
 
     Parameters
     ----------
@@ -130,7 +133,18 @@ def measured_points(observation: str, content: bytes, name: str) -> Points:
     points, issues = points_of_file(section, "", content, name)
     if points is None or issues:
         raise ProblemError([replace(issue, path=issue.path.removeprefix(".")) for issue in issues])
-    return points
+    units = {"x_unit": section.x_unit, "y_unit": section.y_unit}
+    return points, _units_found(points) | {axis: unit for axis, unit in units.items() if unit is not None}
+
+
+def _units_found(points: Points) -> dict[str, str]:
+    """``x_unit`` and ``y_unit`` of points from a file, by its headings and cells."""
+    units = {}
+    for axis, heading in (("x_unit", points.x_heading), ("y_unit", points.y_heading)):
+        if heading is not None:
+            open_ = unclear_unit(heading.named) is not None and not (heading.dates or heading.in_cells)
+            units[axis] = UNSTATED if open_ or heading.unit is None else heading.unit
+    return units
 
 
 def points_of_file(
@@ -273,8 +287,5 @@ def inlined_document(path: Path) -> dict[str, Any]:
         if points is None or issues:
             raise ProblemError(issues)
         kept = {key: value for key, value in given.items() if key not in _TAKEN_IN}
-        for axis, heading in (("x", points.x_heading), ("y", points.y_heading)):
-            if heading is not None:
-                kept.setdefault(f"{axis}_unit", "day" if heading.dates else heading.unit or UNSTATED)
-        found.append(kept | {"points": points.document()})
+        found.append(_units_found(points) | kept | {"points": points.document()})
     return document | {"observations": found}

@@ -100,6 +100,53 @@ def test_a_unit_of_another_dimension_blocks(embedded: Site, visit: Visit, headin
     check_accessibility(page)
 
 
+@pytest.mark.parametrize(
+    ("heading", "unit", "asked"),
+    [
+        ("Setzung 1/100 mm", "0.01 mm", None),
+        ("Setzung in Millimeter", "mm", None),
+        ("Setzung", "", "“Setzung” has no unit: give the unit of y."),
+        ("Setzung [div]", "", "“Setzung [div]” names 'div', which is not a known unit: give the unit of y."),
+        (
+            "Setzung [mm] [0.01 mm]",
+            "",
+            "“Setzung [mm] [0.01 mm]” names several units, mm and 0.01 mm: give the unit of y.",
+        ),
+    ],
+)
+def test_a_unit_is_found_or_asked_for(embedded: Site, visit: Visit, heading: str, unit: str, asked: str | None) -> None:
+    """Settlements in hundredths of a millimetre became metres."""
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, f"Zeit [min];{heading}\n1;25\n2;50\n4;75\n")
+    expect(chosen(mapping, "Series")).to_have_text("settlement: replaces 226 readings")
+    expect(mapping.get_by_label("Unit of y")).to_have_value(unit)
+    take = page.locator("#take")
+    if asked is None:
+        expect(take).to_be_enabled()
+    else:
+        expect(mapping.locator(".todo")).to_have_text(asked)
+        expect(take).to_be_disabled()
+        check_accessibility(page)
+        mapping.get_by_label("Unit of y").fill("0.01 mm")
+    take.click()
+    expect(yaml(page)).to_have_value(re.compile(f"y_unit: {unit or '0.01 mm'}"))
+
+
+def test_the_unit_of_chosen_cells_is_found(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(
+        page, workbook(("s", sheet_rows(("Zeit [min]", "Kanal [mm]", "Kanal"), (1, 0.25, 7), (2, 0.5, 8)))), "own.xlsx"
+    )
+    mapping.get_by_label("Series").select_option(label="settlement: replaces 226 readings")
+    mapping.get_by_label("Column of y", exact=True).select_option(label="by cells or name …")
+    mapping.get_by_label("Cells of y").fill("B2:B3")
+    expect(mapping.get_by_label("Unit of y")).to_have_value("mm")
+    expect(page.locator("#take")).to_be_enabled()
+    mapping.get_by_label("Cells of y").fill("C2:C3")
+    expect(mapping.locator(".todo")).to_have_text("The column of y has no unit: give the unit of y.")
+    expect(page.locator("#take")).to_be_disabled()
+
+
 def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(page, OWN)
@@ -158,7 +205,17 @@ def test_headings_that_say_nothing_are_not_guessed(embedded: Site, visit: Visit)
     mapping.get_by_label("Series").select_option(label="settlement: replaces 226 readings")
     mapping.get_by_label("Column of y", exact=True).select_option(label="Kanal 2")
     mapping.get_by_label("Column of x", exact=True).select_option(label="Kanal 1")
-    expect(mapping.get_by_role("button", name="Replace settlement (226 readings)", exact=True)).to_be_enabled()
+    replace = mapping.get_by_role("button", name="Replace settlement (226 readings)", exact=True)
+    expect(mapping.locator(".todo")).to_have_text(
+        "“Kanal 2” has no unit: give the unit of y.“Kanal 1” has no unit: give the unit of x."
+    )
+    expect(mapping.get_by_label("Unit of y")).to_have_value("")
+    expect(mapping.get_by_role("status")).to_have_text("2 readings.")
+    expect(replace).to_be_disabled()
+    mapping.get_by_label("Unit of y").fill("mm")
+    expect(replace).to_be_disabled()
+    mapping.get_by_label("Unit of x").fill("min")
+    expect(replace).to_be_enabled()
     check_accessibility(page)
 
 

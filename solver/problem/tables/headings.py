@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from geoswarm.solver.units import UnitError, base_unit
+from geoswarm.solver.units import UnitError, base_unit, convert
 
 __all__ = [
     "Named",
@@ -15,6 +15,7 @@ __all__ = [
     "is_unit",
     "known_unit",
     "number_with_unit",
+    "unclear_unit",
     "units_in_comments",
     "units_of",
     "without_brackets",
@@ -125,6 +126,17 @@ def guess_unit(heading: str) -> tuple[str, str | None, str | None]:
     named = [one for one in units_of(heading) if one.unit is not None and one.base in BASES]
     best = next((one for one in named if one.certain), named[0] if named else None)
     return (" ".join(heading.split()), None, None) if best is None else (best.label, best.unit, best.base)
+
+
+def unclear_unit(named: Iterable[Named]) -> str | None:
+    """Say why the units that a text names leave open what its numbers are in; None where they do not, or are none."""
+    known = [one for one in named if one.unit is not None and one.base is not None]
+    for base in dict.fromkeys(one.base for one in known):
+        units = {float(convert(1.0, one.unit, base)): one.unit for one in known if one.base == base}
+        if len(units) > 1:
+            return f"names several units, {' and '.join(units.values())}"
+    strange = next((one.text for one in named if one.unit is None), None)
+    return None if known or strange is None else f"names '{strange}', which is not a known unit"
 
 
 def without_brackets(heading: str) -> str:

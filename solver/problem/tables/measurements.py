@@ -8,7 +8,7 @@ from typing import Literal
 
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
-from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_in_comments
+from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, unclear_unit, units_in_comments, units_of
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
 from geoswarm.solver.problem.tables.quantities import quantities_of
@@ -40,6 +40,8 @@ class Column:
         Unit that the heading or a comment seems to name, as a problem file writes it; None when none was found.
     base
         Base unit of that dimension (day, m, kPa, degree, dimensionless); None without a unit.
+    unclear
+        Why the heading leaves the unit open though it names some; None where it does not, or names none.
     quantities
         What its words may stand for, the likeliest first: ``settlement``, ``time``, ``specimen``.
     kind
@@ -62,6 +64,7 @@ class Column:
     label: str
     unit: str | None
     base: str | None
+    unclear: str | None
     quantities: tuple[str, ...]
     kind: Literal["number", "time", "clock", "text"]
     values: tuple[float | None, ...]
@@ -150,6 +153,9 @@ def _column(
     if unit is None and heading in commented:
         unit, base = known_unit(commented[heading])
     cells, in_cells = without_units(cells)
+    unclear = unclear_unit(units_of(heading)) if in_cells is None else None
+    if unclear is not None:
+        unit = base = None
     if in_cells is not None:
         unit, base = known_unit(in_cells)
     filled = [cell for cell in cells if cell != ""]
@@ -158,7 +164,7 @@ def _column(
     if kind == "number":
         values = tuple(None if doubt and _is_doubtful(cell) else number_in(cell) for cell in cells)
     elif kind == "time":
-        unit = base = "day"
+        unit, base, unclear = "day", "day", None
         moments = [moment_in(cell) for cell in cells]
         first = next((moment for moment in moments if moment is not None), None)
         values = tuple(
@@ -172,6 +178,7 @@ def _column(
         label,
         unit,
         base,
+        unclear,
         quantities_of(label),
         kind,
         values,

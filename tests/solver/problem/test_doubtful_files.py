@@ -145,12 +145,28 @@ def test_rows_without_a_number_are_left_out_when_that_is_wished(tmp_path: Path) 
 def test_points_are_read_as_a_problem_file_reads_them() -> None:
     text = b"Probe;Zeit [min];links [mm];rechts [mm]\nS1;1;5;1\n;2;6;1\nS2;1;7;2\n;2;9;2,5\n"
     given = '{"series": "s", "x_column": "Zeit", "y_column": "links", "y_minus": "rechts", "where": {"Probe": "S2"}}'
-    points = measured_points(given, text, "a.csv")
+    points, units = measured_points(given, text, "a.csv")
     assert (points.x, points.y) == ([1, 2], [5, 6.5])
+    assert units == {"x_unit": "min", "y_unit": "mm"}
     assert points.notes == (
         "rows of a.csv with Probe = S2",
         "y is the difference of two columns: links [mm] less rechts",
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "x_unit", "y_unit"),
+    [
+        (b"x [min],y\n1,2\n", "", "min", "unstated"),
+        (b"x [min],y [div]\n1,2\n", "", "min", "unstated"),
+        (b"x [min],y [mm] [0.01 mm]\n1,2\n", "", "min", "unstated"),
+        (b"x [min],y [1/100 mm]\n1,2\n", ', "x_unit": "h"', "h", "0.01 mm"),
+        (b"x;y\n01.03.2024;2 mm\n02.03.2024;3 mm\n", "", "day", "mm"),
+    ],
+)
+def test_points_come_with_the_units_that_were_said(text: bytes, given: str, x_unit: str, y_unit: str) -> None:
+    _, units = measured_points(f'{{"series": "s", "x_column": "A:A", "y_column": "B:B"{given}}}', text, "a.csv")
+    assert units == {"x_unit": x_unit, "y_unit": y_unit}
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,12 @@
 // What is chosen of a file: columns, units, rows; how a problem file would say it, and what is still open.
 import { plainBase } from "../units.js";
-import { columnOfX, columnOfY, conflict, reference } from "./matching.js";
+import { columnOfX, columnOfY, conflict, reference, unitless } from "./matching.js";
 
 export const CELLS = "cells"; // a column that is told by its letters, cells or name
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {
-  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, more: {} };
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, found: {}, more: {} };
 }
 
 /** Columns and units for a series that was chosen. */
@@ -20,12 +20,21 @@ export function suit(state, file, info, y = null) {
   if (clocks.length === 1 && file.columns[state.x]?.kind === "time") state.more.x_time_column ??= clocks[0][1];
 }
 
-/** The unit that a heading names, whether it fits or not: one that does not fit is never put right silently. */
+/** The unit that a heading names, whether it fits or not; where it names none and the series has one, nothing: it is asked for. */
 export function suitUnits(state, file, info, axes = ["x", "y"]) {
   for (const axis of axes) {
-    const base = info?.[`${axis}_unit`];
-    state[`${axis}Unit`] = file.columns[state[axis]]?.unit ?? (base === undefined ? "" : plainBase(base));
+    const column = file.columns[state[axis]];
+    const plain = info && plainBase(info[`${axis}_unit`]) === "dimensionless" && (!column?.unclear || unitless(info, axis));
+    state[`${axis}Unit`] = column?.unit ?? (plain ? "dimensionless" : "");
   }
+}
+
+/** Units that are to be said: sentences. */
+export function unitQuestions(file, state, info) {
+  return ["y", "x"].filter((axis) => info && state[axis] !== null && !state[`${axis}Unit`]).map((axis) => {
+    const column = file.columns[state[axis]];
+    return `${column ? `“${column.name}”` : `The column of ${axis}`} ${column?.unclear ?? "has no unit"}: give the unit of ${axis}.`;
+  });
 }
 
 /** The column with the entries of specimens, where there are several of them. */

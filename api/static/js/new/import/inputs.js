@@ -11,12 +11,12 @@ export function choice(id, label, options, value, act, { help = null, asked = fa
   return element("div", { class: `field ${asked && !known ? "asked" : ""} ${wide ? "wide-field" : ""}` }, element("label", { for: id }, label), made, help ? element("p", { class: "help", id: `${id}-help` }, help) : null);
 }
 
-export function words(id, label, value, act, { help = null, placeholder = null, list = null, wrong = null } = {}) {
+export function words(id, label, value, act, { help = null, placeholder = null, list = null, wrong = null, asked = false } = {}) {
   const input = element("input", {
     type: "text", id, value, placeholder, list: list ? `${id}-list` : null, spellcheck: "false", autocomplete: "off",
     "aria-describedby": help || wrong ? `${id}-help` : null, "aria-invalid": wrong ? "true" : null, oninput: () => act(input.value.trim()),
   });
-  return element("div", { class: "field" }, element("label", { for: id }, label), input,
+  return element("div", { class: `field ${asked ? "asked" : ""}` }, element("label", { for: id }, label), input,
     list ? element("datalist", { id: `${id}-list` }, list.map((one) => element("option", { value: one }))) : null,
     help || wrong ? element("p", { class: wrong ? "error" : "help", id: `${id}-help` }, wrong ?? help) : null);
 }

@@ -5,7 +5,7 @@ import { request } from "../../http.js";
 import { pointsPlot } from "../points_plot.js";
 import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
-import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits } from "./choices.js";
+import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
 import { choice, firstRows, flag, words } from "./inputs.js";
 import { likelySeries, readable } from "./matching.js";
 import { DATES, SIGNS, moreFields } from "./more.js";
@@ -45,6 +45,7 @@ export function mapping(file, content, context, act) {
     try {
       const query = { name: file.name, observation: JSON.stringify(section(file, state)) };
       points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
+      ["x", "y"].filter((axis) => state[axis] === CELLS).forEach(found);
     } catch (error) {
       if (error.name === "AbortError") return;
       refused = error.issues?.length ? error.issues.map(({ message }) => message) : [error.message];
@@ -52,11 +53,22 @@ export function mapping(file, content, context, act) {
     show();
   }
 
+  /** The unit that the service found for chosen cells, unless another one was given by hand. */
+  function found(axis) {
+    const name = `${axis}Unit`, now = points[`${axis}_unit`] === "unstated" ? "" : points[`${axis}_unit`];
+    if (["", state.found[axis]].includes(state[name])) {
+      const input = fields.querySelector(`#map-${axis}-unit`);
+      input.value = state[name] = now;
+      input.closest(".field").classList.toggle("asked", !now);
+    }
+    state.found[axis] = now;
+  }
+
   const unsorted = () => points !== null && points.x.some((x, i) => i > 0 && x <= points.x[i - 1]);
 
   /** What is open, wrong or done, and what the button would do. */
   function show() {
-    const questions = open(file, state, info()), units = Object.values(conflicts(file, state, info())).filter(Boolean);
+    const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())], units = Object.values(conflicts(file, state, info())).filter(Boolean);
     const incomplete = state.incomplete || refused.some((text) => /finite number|is empty|is no date|no time of day/.test(text));
     exchange(wrong,
       questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
@@ -70,7 +82,7 @@ export function mapping(file, content, context, act) {
       : questions.length || refused.length ? "" : "Reading …";
     const there = state.series ? context.readings(state.series) : 0;
     use.textContent = !state.series ? "Use these readings" : there ? `Replace ${state.series} (${count(there)} readings)` : `Add ${state.series}`;
-    use.disabled = !points?.x.length || units.length > 0;
+    use.disabled = !points?.x.length || units.length > 0 || questions.length > 0;
     preview.hidden = !points?.x.length;
     if (points?.x.length) plot.draw();
   }
@@ -110,7 +122,7 @@ export function mapping(file, content, context, act) {
     const base = info()?.[`${axis}_unit`];
     const listed = unitsOf(base ?? file.columns[state[axis]]?.base ?? "");
     const dates = axis === "x" && file.columns[state.x]?.kind === "time";
-    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; show(); }, { list: listed, help: dates ? "Dates are read as days." : null });
+    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; made.classList.toggle("asked", !value); show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
     if (dates) made.querySelector("input").readOnly = true;
     return made;
   }

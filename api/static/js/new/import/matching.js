@@ -18,7 +18,7 @@ export function reference(file, i) {
 }
 
 /** Models that know no quantities (formulas, programs) take numbers as they are where they declare no unit. */
-const unitless = (info, axis) => info.x_quantity === "x" && plainBase(info[`${axis}_unit`]) === "dimensionless";
+export const unitless = (info, axis) => info.x_quantity === "x" && plainBase(info[`${axis}_unit`]) === "dimensionless";
 
 /** The dimension that a unit belongs to, of those that are offered; null for one that is not known here. */
 function dimensionOf(unit) {
