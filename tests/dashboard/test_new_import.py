@@ -129,7 +129,7 @@ def test_a_unit_is_found_or_asked_for(embedded: Site, visit: Visit, heading: str
         check_accessibility(page)
         mapping.get_by_label("Unit of y").fill("0.01 mm")
     take.click()
-    expect(yaml(page)).to_have_value(re.compile(f"y_unit: {unit or '0.01 mm'}"))
+    expect(yaml(page)).to_have_value(re.compile(f'y_unit: "?{unit or "0.01 mm"}'))
 
 
 def test_the_unit_of_chosen_cells_is_found(embedded: Site, visit: Visit) -> None:
@@ -278,6 +278,8 @@ def test_blocks_side_by_side_are_told_by_cells(embedded: Site, visit: Visit) -> 
     expect(mapping.get_by_role("alert")).to_contain_text("reach beyond the sheet")
     mapping.get_by_label("Cells of x").fill("A3:A5")
     expect(mapping.get_by_role("status")).to_have_text("3 readings.")
+    mapping.get_by_label("Unit of y").fill("mm")
+    mapping.get_by_label("Unit of x").fill("day")
     page.locator("#take").click()
     expect(yaml(page)).to_have_value(re.compile(r"x: \[0\.5, 1\.5, 2\.5\]\s+y: \[1, 2, 3\]"))
     check_accessibility(page)

@@ -235,9 +235,9 @@ def _is_no_unit(text: str) -> bool:
 
 @lru_cache(maxsize=4096)
 def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
-    """A unit as a problem file writes it, and the base of its dimension, any; ``small``: only factors below 1."""
+    """A unit as a problem file writes it, and the base of its dimension, any; ``small``: only factors below 1, and 1 alone is none."""
     text = _EXPONENT.sub("^", text.strip()).translate(_RAISED)
-    if not text or len(text) > 40:
+    if not text or len(text) > 40 or (small and text == "1"):  # "Sensor 1"
         return None, None
     factor = ""
     unit = _spelled(text)
