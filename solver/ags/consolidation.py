@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from geoswarm.solver.ags.specimens import Specimen, details_of, orphans_of, specimen_of
+from geoswarm.solver.ags.specimens import Specimen, details_of, specimen_of, without_test
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
 from geoswarm.solver.problem.tables.reading import cell_number
 
@@ -126,7 +126,7 @@ def compression_tests(file: AgsFile) -> tuple[list[CompressionTest], list[tuple[
                 tests.append(_test(names, general, row, details, rows))
             except AgsError as error:
                 without.append((specimen_of(general, row), str(error)))
-        without += orphans_of(file, names.general, names.details)
+        without += without_test(file, names.general, names.details)
     return tests, without
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from geoswarm.solver.ags.specimens import Specimen, details_of, orphans_of, specimen_of
+from geoswarm.solver.ags.specimens import Specimen, details_of, specimen_of, without_test
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
 from geoswarm.solver.classical.errors import NoEvaluationError
 from geoswarm.solver.classical.mohr_circles import Strength, mohr_circles
@@ -91,7 +91,7 @@ def shear_tests(file: AgsFile) -> tuple[list[ShearTest], list[tuple[Specimen, st
     Raises
     ------
     AgsError
-        A general group is missing, or a test is there twice.
+        A general group is missing.
     """
     tests: list[ShearTest] = []
     without: list[tuple[Specimen, str]] = []
@@ -101,7 +101,7 @@ def shear_tests(file: AgsFile) -> tuple[list[ShearTest], list[tuple[Specimen, st
                 tests.append(read(above, row, below, rows))
             except AgsError as error:
                 without.append((specimen_of(above, row), str(error)))
-        without += orphans_of(file, general, details)
+        without += without_test(file, general, details)
     return tests, without
 
 

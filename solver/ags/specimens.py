@@ -9,7 +9,7 @@ from typing import TypeAlias
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["KEYS", "Specimen", "details_of", "ids_of", "orphans_of", "rows_by_specimen", "specimen_of"]
+__all__ = ["KEYS", "Specimen", "details_of", "ids_of", "rows_by_specimen", "specimen_of", "without_test"]
 
 KEYS = ("LOCA_ID", "SAMP_TOP", "SAMP_REF", "SAMP_TYPE", "SAMP_ID", "SPEC_REF", "SPEC_DPTH")
 """Headings that say which specimen it is."""
@@ -52,10 +52,12 @@ def _says_something(group: AgsGroup, row: AgsRow) -> bool:
 def details_of(file: AgsFile, general: str, details: str) -> Iterable[tuple[AgsGroup, AgsRow, AgsGroup, list[AgsRow]]]:
     """Give each test of a pair of groups: its row in the general group, and those of its details that say something.
 
+    A specimen with several different rows in the general group makes no test; :func:`without_test` names it.
+
     Raises
     ------
     AgsError
-        The general group is missing, or a test is there twice.
+        The general group is missing.
     """
     above, below = file.groups.get(general), file.groups.get(details)
     if above is None or below is None:
@@ -66,24 +68,34 @@ def details_of(file: AgsFile, general: str, details: str) -> Iterable[tuple[AgsG
         return
     left = rows_by_specimen(below)
     for specimen, rows in rows_by_specimen(above).items():
-        if len(rows) > 1:
-            twice = _full(specimen_of(above, rows[1]))
-            raise AgsError(
-                f"{file.name} line {rows[1].line}: group {general} has the specimen {twice} of line "
-                f"{rows[0].line} again; one row a specimen is accepted"
-            )
+        if _differing(rows):
+            continue
         found = [row for row in left.get(specimen, ()) if _says_something(below, row)]
         if found:
             yield above, rows[0], below, found
 
 
-def orphans_of(file: AgsFile, general: str, details: str) -> list[tuple[Specimen, str]]:
-    """Return the specimens of details that the general group does not have, with the reason why they make no test."""
+def _differing(rows: Sequence[AgsRow]) -> AgsRow | None:
+    """The first row that has other cells than the first one."""
+    return next((row for row in rows if row.cells != rows[0].cells), None)
+
+
+def without_test(file: AgsFile, general: str, details: str) -> list[tuple[Specimen, str]]:
+    """Return the specimens of details that the general group has not, or several times, with the reason."""
     above, below = file.groups.get(general), file.groups.get(details)
     if above is None or below is None:
         return []
     known = rows_by_specimen(above)
-    return [
+    twice = [
+        (
+            specimen_of(above, row),
+            f"{file.name} line {row.line}: group {general} has the specimen {_full(specimen_of(above, row))} of line "
+            f"{rows[0].line} again, with other cells; one row a specimen is accepted",
+        )
+        for rows in known.values()
+        if (row := _differing(rows)) is not None
+    ]
+    return twice + [
         (
             specimen_of(below, rows[0]),
             f"{file.name} line {rows[0].line}: group {details}: the specimen {_full(specimen_of(below, rows[0]))} is "

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from geoswarm.solver.errors import SolverError
+from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.reading import cell_number
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import visible
@@ -98,6 +99,9 @@ class AgsGroup:
         accepted = f"a number{bound}{f' {base}' if base else ''} is accepted"
         if value is None:
             raise self.error(row, heading, accepted)
+        if "," in text and len(both := set(two_readings(text).values())) > 1:
+            either = " or ".join(f"{one:g}" for one in sorted(both))
+            raise self.error(row, heading, f"it can be {either}; write it with a decimal point, without a comma")
         try:
             value = float(convert(value, _pint(self.unit(heading) or default_unit), base or "1"))
         except UnitError as error:

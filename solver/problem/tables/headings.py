@@ -130,9 +130,9 @@ def guess_unit(heading: str) -> tuple[str, str | None, str | None]:
 
 def unclear_unit(named: Iterable[Named]) -> str | None:
     """Say why the units that a text names leave open what its numbers are in; None where they do not, or are none."""
-    known = [one for one in named if one.unit is not None and one.base is not None]
-    for base in dict.fromkeys(one.base for one in known):
-        units = {float(convert(1.0, one.unit, base)): one.unit for one in known if one.base == base}
+    known = [(one.unit, one.base) for one in named if one.unit is not None and one.base is not None]
+    for wanted in dict.fromkeys(base for _, base in known):
+        units = {float(convert(1.0, unit, base)): unit for unit, base in known if base == wanted}
         if len(units) > 1:
             return f"names several units, {' and '.join(units.values())}"
     strange = next((one.text for one in named if one.unit is None), None)
@@ -235,7 +235,10 @@ def _is_no_unit(text: str) -> bool:
 
 @lru_cache(maxsize=4096)
 def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
-    """A unit as a problem file writes it, and the base of its dimension, any; ``small``: only factors below 1, and 1 alone is none."""
+    """A unit as a problem file writes it, and the base of its dimension, any.
+
+    ``small``: only factors below 1, and a 1 alone is no unit.
+    """
     text = _EXPONENT.sub("^", text.strip()).translate(_RAISED)
     if not text or len(text) > 40 or (small and text == "1"):  # "Sensor 1"
         return None, None

@@ -105,8 +105,12 @@ def test_details_belong_to_a_test_that_is_there_once() -> None:
     with pytest.raises(AgsError, match="group CONS needs the group CONG, which is missing"):
         contents(CONG="")
     rows = compression([["1", 1.0, 25.0, 0.9]])
-    with pytest.raises(AgsError, match=r"group CONG has the specimen BH1/4.50/3/U/1/4.60 of line .* again"):
-        contents(**{**rows, "CONG": rows["CONG"].rstrip() + "\r\n" + rows["CONG"].rstrip().splitlines()[-1] + "\r\n"})
+    again = rows["CONG"].rstrip() + "\r\n" + rows["CONG"].rstrip().splitlines()[-1] + "\r\n"
+    assert contents(**{**rows, "CONG": again}).without == ()  # the same row twice says one thing
+    head, _, last = again.rpartition('"20"')
+    twice = contents(**{**rows, "CONG": f'{head}"19"{last}'})
+    assert twice.compression == ()
+    assert "group CONG has the specimen BH1/4.50/3/U/1/4.60 of line" in twice.without[0][1]
     orphan = contents(**{**rows, "CONS": rows["CONS"].replace('"1","4.60"', '"9","4.60"')}).without
     assert "group CONS: the specimen BH1/4.50/3/U/9/4.60 is not in group CONG" in orphan[0][1]
     same = contents(**{**rows, "CONS": rows["CONS"].replace('"4.50"', '"4.5"').replace('"4.60"', '"4.600"')})

@@ -86,6 +86,7 @@ def test_what_is_no_ags_4_is_told(content_: bytes, message: str) -> None:
     [
         ("abc", "MPa", "a.ags line 5: group LOAD, heading LOAD_P: 'abc': a number above 0 kPa is accepted"),
         ("", "MPa", "heading LOAD_P: the empty cell: a number above 0 kPa is accepted"),
+        ("1,600", "kPa", "'1,600': it can be 1.6 or 1600; write it with a decimal point, without a comma"),
         ("-1", "MPa", "'-1': a number above 0 kPa is accepted"),
         ("1e999", "MPa", "'1e999': a number above 0 kPa is accepted"),
         ("1", "m", "group LOAD, heading LOAD_P: unit 'm' cannot be converted to kPa"),
