@@ -32,6 +32,8 @@ _BUILT_IN = {  # formats that every program has
 _ELAPSED = re.compile(r"\[(?:h+|m+|s+)\]", re.IGNORECASE)
 _LITERAL = re.compile(r'"([^"]*)"')
 _QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches to the end: linear in the text
+_LONGEST_FORMAT = 255
+"""Characters of a format that spreadsheet programs accept."""
 _SECONDS_A_DAY = 86400
 
 _Suits = Callable[[list[list[Cell]]], bool]
@@ -222,7 +224,7 @@ def _styles(styles: ElementTree.Element) -> list[str]:
 
 
 def _shown(code: str) -> str:
-    code = code.split(";")[0]
+    code = code[:_LONGEST_FORMAT].split(";")[0]
     plain = _QUOTED.sub("", code)
     if _ELAPSED.search(code) is not None:
         return "elapsed"
