@@ -10,7 +10,9 @@ from geoswarm.api.schemas.drafts import DraftEstimate, DraftIssue, DraftObservat
 from geoswarm.api.schemas.jobs import Parameter, Series
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.forward.registry import sketches_of
+from geoswarm.solver.plausibility import impossible, to_be_accepted
 from geoswarm.solver.problem import Draft, Problem, load_problem
+from geoswarm.solver.problem.draft import located
 from geoswarm.solver.sketches.svg import svg_element
 from geoswarm.solver.units import convert
 
@@ -22,17 +24,19 @@ MAX_LISTED = 2000
 def describe_draft(draft: Draft) -> ProblemDraft:
     """What is to be told of a draft."""
     model, problem = draft.model, draft.problem
+    issues = draft.issues if problem is None else located(impossible(problem), draft.yaml)
     return ProblemDraft(
-        valid=problem is not None,
+        valid=problem is not None and not issues,
         document=draft.document,
         yaml=draft.yaml,
-        issues=[DraftIssue.model_validate(issue) for issue in draft.issues],
+        issues=[DraftIssue.model_validate(issue) for issue in issues],
         parameters=None if model is None else [Parameter.model_validate(one) for one in model.parameters[:MAX_LISTED]],
         series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
         open_parameters=model is not None and model.open_parameters,
         sketches=_sketches(draft),
         estimates=_estimates(draft),
         observations=[] if problem is None else _observations(problem),
+        to_be_accepted=[] if problem is None else to_be_accepted(problem),
         free_parameters=[] if problem is None else list(problem.free_names),
         planned_evaluations=None if problem is None else problem.planned_evaluations,
     )

@@ -80,6 +80,7 @@ class ProblemDraft(BaseModel):
     )
     observations: list[DraftObservation] = Field(description="empty while there are mistakes")
     estimates: list[DraftEstimate] = Field(description="of readings only without mistakes; of index properties before")
+    to_be_accepted: list[str] = Field(description="series that `accept` must name for the problem to run as it is")
     free_parameters: list[str]
     planned_evaluations: int | None = Field(description="null with mistakes, or when no number limits the search")
 

@@ -16,6 +16,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Progress, Step
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.python.loading import NOT_IMPORTED
+from geoswarm.solver.plausibility import require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
 from geoswarm.solver.runs.evaluators import WATCHED
@@ -92,7 +93,8 @@ def calibrate(
     Raises
     ------
     ProblemError
-        Lists every mistake with its path; also when the file of a function cannot be imported.
+        Lists every mistake with its path; also when the file of a function cannot be imported, or no soil can have the
+        readings of a laboratory test and ``accept`` of the problem does not name their series.
     SolverError
         No feasible proposal is found, a folder cannot be used, or worker processes cannot be started.
 
@@ -137,6 +139,7 @@ def calibrate(
         name=name,
     )
     problem, reason = problem_of(model, options)
+    require_possible(problem)
     workers = _told(problem, reason, workers)
     folder = None if output is None else opened_folder(Path(output), problem, resume=resume)
     run_seed = None if folder is None else folder.run.seed

@@ -12,6 +12,8 @@ import click
 from geoswarm.cli.words.error_messages import BadInputError
 
 __all__ = [
+    "accept_option",
+    "accepting",
     "api_key_option",
     "broker_option",
     "connection_options",
@@ -83,6 +85,24 @@ def read_values(given: Sequence[str], mistake: Callable[[str], str | None]) -> d
             raise BadInputError(f"--set {name}: {value_text!r} is not a finite number")
         values[name] = value
     return values
+
+
+accept_option = click.option(
+    "--accept",
+    multiple=True,
+    metavar="SERIES",
+    help="Readings of this series are meant as they are, although no soil can have them; may be repeated.",
+)
+
+
+def accepting(series: Sequence[str]) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """Add the series of ``--accept`` to a problem as it was read."""
+
+    def completed(document: dict[str, Any]) -> dict[str, Any]:
+        known = document.get("accept", [])
+        return document | {"accept": [*known, *series]} if series and isinstance(known, list) else document
+
+    return completed
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for scripts.")

@@ -1,4 +1,6 @@
-"""What in a valid problem is probably not meant. Every finding is a sentence, a warning and never an error.
+"""What in a valid problem is probably not meant.
+
+A finding is a sentence and a warning; only readings that no soil can have are errors, unless the problem accepts them.
 
 ================  ============================================================================
 ``ranges``        values far outside the usual ranges that forms show
@@ -11,14 +13,36 @@
 
 from __future__ import annotations
 
+from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.plausibility.expectations import unexpected_bounds
 from geoswarm.solver.plausibility.headings import contradicted_headings
 from geoswarm.solver.plausibility.loads import loads_not_shown
 from geoswarm.solver.plausibility.ranges import unusual_values
-from geoswarm.solver.plausibility.readings import impossible_readings
+from geoswarm.solver.plausibility.readings import Doubt, doubtful_readings
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.words import did_you_mean
 
-__all__ = ["implausible"]
+__all__ = ["implausible", "impossible", "require_possible", "to_be_accepted"]
+
+
+def impossible(problem: Problem) -> list[Issue]:
+    """Return readings that no soil can have and that the problem does not accept, as mistakes in it; runs nothing."""
+    known = [info.name for info in problem.model.series]
+    unknown = [
+        Issue(f"accept[{index}]", f"unknown series '{name[:60]}'{did_you_mean(name, known)}")
+        for index, name in enumerate(problem.accept)
+        if name not in known
+    ]
+    return unknown + [doubt.issue for doubt in _unaccepted(problem)]
+
+
+def to_be_accepted(problem: Problem) -> list[str]:
+    """Return the series whose readings :func:`impossible` refuses."""
+    return list(dict.fromkeys(doubt.series for doubt in _unaccepted(problem)))
+
+
+def _unaccepted(problem: Problem) -> list[Doubt]:
+    return [doubt for doubt in doubtful_readings(problem) if doubt.impossible and doubt.series not in problem.accept]
 
 
 def implausible(problem: Problem) -> tuple[str, ...]:
@@ -27,6 +51,17 @@ def implausible(problem: Problem) -> tuple[str, ...]:
         *unusual_values(problem),
         *unexpected_bounds(problem),
         *contradicted_headings(problem),
-        *impossible_readings(problem),
+        *(doubt.sentence for doubt in doubtful_readings(problem)),
         *loads_not_shown(problem),
     )
+
+
+def require_possible(problem: Problem) -> None:
+    """Refuse a problem with readings that no soil can have, see :func:`impossible`.
+
+    Raises
+    ------
+    ProblemError
+    """
+    if found := impossible(problem):
+        raise ProblemError(found)

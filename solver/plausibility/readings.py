@@ -4,36 +4,88 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from pydantic import BaseModel
 
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.forward.base import SeriesInfo
+from geoswarm.solver.laboratory.section import LaboratorySpec
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
-from geoswarm.solver.plausibility.units import meant_unit
-from geoswarm.solver.problem import Problem
-from geoswarm.solver.units import same_unit
+from geoswarm.solver.plausibility.units import meant_unit, with_unit
+from geoswarm.solver.problem import Observation, Problem
+from geoswarm.solver.problem.stages import section_of_test
+from geoswarm.solver.units import convert
 
-__all__ = ["impossible_readings"]
+__all__ = ["Doubt", "doubtful_readings"]
 
 _MOST = 0.7
 """Largest strain to be believed at the end of a test."""
 _LEAST_INDEX = 2.0e-4
 """Least strain to be believed for each ln(stress): a tenth of the lowest usual kappa_star."""
+_NOTHING = 0.1
+"""Part of that least strain below which readings cannot be those of a soil."""
 _VOID_RATIO = (0.05, 15.0)
 _NEGATIVE = 3.0
 """The lowest reading is negative, and so many times as far from zero as the highest."""
+_STRESSES, _USUAL_STRESSES = (1.0e-3, 1.0e3), (0.02, 20.0)
+"""Largest stress that is read over the largest one that is applied: what is possible, and what is usual."""
+_SYMBOLS = frozenset(("q", "p'", "τ", "σ'v"))
+"""Quantities of series that are stresses."""
 
 
-def impossible_readings(problem: Problem) -> Iterator[str]:
-    """Readings larger than the specimen or next to nothing, and readings of the wrong sign."""
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """Readings of a series that are probably not meant.
+
+    Parameters
+    ----------
+    series, observation
+        Name, and place in the problem: ``observations[0]``.
+    field
+        Key of the observation that is probably wrong; empty if it is none.
+    message
+        What is seen and what to do.
+    impossible
+        Whether no soil has such readings.
+    """
+
+    series: str
+    observation: str
+    field: str
+    message: str
+    impossible: bool
+
+    @property
+    def sentence(self) -> str:
+        """The message with its place."""
+        return f"{self.observation} ({self.series}): {self.message}"
+
+    @property
+    def issue(self) -> Issue:
+        """The doubt as a mistake in the problem."""
+        path = f"{self.observation}.{self.field}" if self.field else self.observation
+        return Issue(path, f"{self.message}; accept: [{self.series}] runs the problem as it is")
+
+
+def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
+    """Readings larger than the specimen or next to nothing, of the wrong sign, or far from the loads."""
     for readings in staged_readings(problem):
         if readings.quantity == "void_ratio":
             yield from _void_ratio(readings)
         else:
             yield from _sign(readings)
             yield from _size(readings)
+    infos = {info.name: info for info in problem.model.series}
+    for index, one in enumerate(problem.observations):
+        _, spec, _ = section_of_test(problem.forward_model, one.series)
+        if isinstance(spec, LaboratorySpec):
+            yield from _of_any_law(f"observations[{index}]", one, infos[one.series], spec)
 
 
-def _size(readings: StagedReadings) -> Iterator[str]:
+def _size(readings: StagedReadings) -> Iterator[Doubt]:
     length, name = _length(readings)
     largest = float(np.abs(readings.y).max())
     strain = largest / length
@@ -42,7 +94,7 @@ def _size(readings: StagedReadings) -> Iterator[str]:
     least = _LEAST_INDEX * math.log(max(loaded, 1.0))
     if strain == 0.0 or least <= strain <= _MOST:
         return
-    begins = f"{readings.title} the largest reading, {readings.in_data(largest)}, is"
+    begins = f"the largest reading, {readings.in_data(largest)}, is"
     if strain > 1.0:
         what = f"more than the {name}" if name else "a strain of more than 1, so more than the specimen itself"
     elif strain > _MOST:
@@ -51,47 +103,42 @@ def _size(readings: StagedReadings) -> Iterator[str]:
     else:
         what = f"only {strain:.2g} of the {name}" if name else f"a strain of only {strain:.1g}"
         what += f", under {loaded:.0f} times the initial stress"
-    yield f"{begins} {what}; {_remedy(readings, largest, length, least)}"
-
-
-def _remedy(readings: StagedReadings, largest: float, length: float, least: float) -> str:
-    meant = None
-    if same_unit(readings.y_unit, readings.y_base):
-        meant = meant_unit(largest, readings.y_base, lambda y: least <= y / length <= _MOST)
+    meant = meant_unit(largest, readings.y_base, lambda y: least <= y / length <= _MOST, given=readings.y_unit)
     if meant is not None:
         share = f"{meant[1] / length:.2g} of it" if length != 1.0 else f"{meant[1]:.2g}"
-        return f"in {meant[0]} it would be {share}: y_unit: {meant[0]}"
-    height = "" if length == 1.0 else f", and {readings.section}.height"
-    return f"check y_unit, now {readings.y_unit or '1'}{height}"
+        remedy = f"in {meant[0]} it would be {share}: y_unit: {meant[0]}"
+    else:
+        height = "" if length == 1.0 else f", and {readings.section}.height"
+        remedy = f"check y_unit, now {readings.y_unit or '1'}{height}"
+    impossible = strain > 1.0 or strain < _NOTHING * least
+    yield Doubt(readings.observation.series, readings.path, "y_unit", f"{begins} {what}; {remedy}", impossible)
 
 
-def _sign(readings: StagedReadings) -> Iterator[str]:
+def _sign(readings: StagedReadings) -> Iterator[Doubt]:
     zero = readings.spec.zero_at_stage
     if readings.stresses[zero:].max() <= readings.stresses[zero - 1]:
         return  # nothing but unloading
     low, high = float(readings.y.min()), float(readings.y.max())
     if low < 0.0 and -low > _NEGATIVE * max(high, 0.0):
-        yield (
-            f"{readings.title} the readings are negative (down to {readings.in_data(low)}) while the stress rises to "
+        message = (
+            f"the readings are negative (down to {readings.in_data(low)}) while the stress rises to "
             f"{readings.stresses[zero:].max():g} kPa, but compression is positive; give them with the opposite sign"
         )
+        yield Doubt(readings.observation.series, readings.path, "", message, False)
 
 
-def _void_ratio(readings: StagedReadings) -> Iterator[str]:
+def _void_ratio(readings: StagedReadings) -> Iterator[Doubt]:
     low, high = float(readings.y.min()), float(readings.y.max())
     if not (low < _VOID_RATIO[0] or high > _VOID_RATIO[1]):
         return
     wrong = high if high > _VOID_RATIO[1] else low
-    meant = (
-        meant_unit(wrong, "", lambda e: _VOID_RATIO[0] <= e <= 5.0)
-        if same_unit(readings.y_unit, readings.y_base)
-        else None
-    )
+    meant = meant_unit(wrong, "", lambda e: _VOID_RATIO[0] <= e <= 5.0, given=readings.y_unit)
     remedy = "check the column and y_unit" if meant is None else f"if they are in {meant[0]}: y_unit: '{meant[0]}'"
-    yield (
-        f"{readings.title} a void ratio of {readings.in_data(wrong)} is outside what soils have, {_VOID_RATIO[0]:g} to "
+    message = (
+        f"a void ratio of {readings.in_data(wrong)} is outside what soils have, {_VOID_RATIO[0]:g} to "
         f"{_VOID_RATIO[1]:g}; {remedy}"
     )
+    yield Doubt(readings.observation.series, readings.path, "y_unit", message, wrong <= 0.0 or wrong == high)
 
 
 def _length(readings: StagedReadings) -> tuple[float, str]:
@@ -102,3 +149,49 @@ def _length(readings: StagedReadings) -> tuple[float, str]:
     if readings.quantity in ("settlement", "axial_displacement"):
         return spec.height, f"height of the specimen, {spec.height:g} m"
     return 1.0, ""
+
+
+def _of_any_law(place: str, observation: Observation, info: SeriesInfo, spec: LaboratorySpec) -> Iterator[Doubt]:
+    """Strains above 1 and stresses far from those that are applied, in tests on a material point of any law."""
+    load = _largest_load(spec)
+    for axis, quantity, base, values, given in (
+        ("x", info.x_quantity, info.x_unit, observation.x, observation.x_unit),
+        ("y", info.y_quantity, info.y_unit, observation.y, observation.y_unit),
+    ):
+        largest = float(np.abs(values).max())
+        if "strain" in quantity and "shear" not in quantity:
+            scale, low, high, usual = 1.0, 0.0, 1.0, (0.0, _MOST)
+            what = "more than 1, so more than the specimen itself"
+        elif (quantity in _SYMBOLS or quantity.endswith(" stress")) and load is not None and largest > 0.0:
+            scale, (low, high), usual = load, _STRESSES, _USUAL_STRESSES
+            what = f"{largest / load:.2g} times the largest stress that is applied, {load:g} kPa"
+        else:
+            continue
+        if low <= largest / scale <= high:
+            continue
+        unit = given or base
+        meant = meant_unit(largest, base, partial(_within, scale, usual), given=unit)
+        remedy = f"check {axis}_unit, now {unit or '1'}"
+        if meant is not None:
+            remedy = f"in {meant[0]} it would be {with_unit(float(f'{meant[1]:.2g}'), base)}: {axis}_unit: {meant[0]}"
+        shown = with_unit(float(f"{float(convert(largest, base or '1', unit or '1')):.3g}"), unit)
+        message = f"the largest value of {quantity}, {shown}, is {what}; {remedy}"
+        yield Doubt(observation.series, place, f"{axis}_unit", message, True)
+
+
+def _within(scale: float, usual: tuple[float, float], value: float) -> bool:
+    return usual[0] <= value / scale <= usual[1]
+
+
+def _largest_load(spec: LaboratorySpec) -> float | None:
+    """Largest stress, kPa, that a test with shearing applies; None for tests that only move the specimen."""
+    stages: tuple[BaseModel, ...] = (*getattr(spec, "consolidation", ()), *getattr(spec, "shearing", ()))
+    if not stages:
+        return None
+    applied = [
+        abs(value)
+        for stage in stages
+        for name, value in stage
+        if isinstance(value, float) and (name in ("axial", "radial") or "stress" in name)
+    ]
+    return max(spec.initial_stress, *applied)

@@ -166,6 +166,7 @@ class _Assembly:
             warm_start=warm_start,
             priority=settings.priority,
             index_properties=known,
+            accept=tuple(settings.accept),
         )
         unsatisfiable = (
             size_issues(problem)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -20,7 +20,7 @@ from geoswarm.solver.problem.tables.lines import line_of, lines_of
 from geoswarm.solver.problem.text.reading import plain_document, read_document
 from geoswarm.solver.problem.text.writing import problem_yaml
 
-__all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text"]
+__all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text", "located"]
 
 _LINE = re.compile(r" in line (\d+)")
 MAX_YAML_BYTES = 200_000
@@ -89,9 +89,13 @@ def _judged(document: dict[str, Any], text: str | None) -> Draft:
     try:
         return Draft(document, text, (), parse_problem(document), model, spec)
     except ProblemError as error:
-        lines = {} if text is None else lines_of(text)
-        issues = tuple(LocatedIssue(one.path, one.message, line_of(one.path, lines)) for one in error.issues)
-        return Draft(document, text, issues, None, model, spec)
+        return Draft(document, text, located(error.issues, text), None, model, spec)
+
+
+def located(issues: Iterable[Issue], text: str | None) -> tuple[LocatedIssue, ...]:
+    """Mistakes with their lines in the draft's YAML, where that is known."""
+    lines = {} if text is None else lines_of(text)
+    return tuple(LocatedIssue(one.path, one.message, line_of(one.path, lines)) for one in issues)
 
 
 def _syntax(issue: Issue) -> LocatedIssue:

@@ -58,6 +58,8 @@ class Problem:
         What one evaluation may use, what happens when it fails, and the job's rank among others.
     index_properties
         Index properties of the soil, if known; they are not used in the calibration.
+    accept
+        Series whose readings are meant as they are, whatever their size.
 
     Examples
     --------
@@ -85,6 +87,7 @@ class Problem:
     warm_start: tuple[str, ...] = ()
     priority: int = 0
     index_properties: IndexSection | None = None
+    accept: tuple[str, ...] = ()
     free: tuple[FreeParameter, ...] = field(init=False)
     free_names: tuple[str, ...] = field(init=False)
     _template: dict[str, float] = field(init=False, repr=False)
@@ -171,6 +174,8 @@ class Problem:
             document["index_properties"] = self.index_properties.model_dump(mode="json", exclude_defaults=True)
         if self.weighting is not None:
             document["weighting"] = self.weighting
+        if self.accept:
+            document["accept"] = list(self.accept)
         if self.seed is not None:
             document["seed"] = self.seed
         for name in ("limits", "failures"):  # left out when there is nothing in them: older programs read it, too

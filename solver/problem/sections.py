@@ -112,6 +112,11 @@ class Settings(Section):
         description="multiply the weights of the series by what a scheme gives: by_error (precision of the readings), "
         "by_count (number of readings), by_range (range of the readings)",
     )
+    accept: list[str] = Field(
+        default=[],
+        max_length=1000,
+        description="series whose readings are meant as they are, although no soil can have them by size or unit",
+    )
     seed: int | None = Field(
         None, ge=0, le=_LARGEST_SEED, description="fixes all random numbers; chosen and reported if absent"
     )

@@ -11,7 +11,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Progress, choose_seed
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.plausibility import implausible
+from geoswarm.solver.plausibility import implausible, require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.checks.extremes import extreme_issues
@@ -118,11 +118,12 @@ def check_problem(
     InfeasibleSpaceError
         When no proposal satisfies the constraints.
     ProblemError
-        When the forward model cannot be prepared for the observed points, or a weight or an error of readings is
-        beyond what can be calculated with.
+        When the forward model cannot be prepared for the observed points, a weight or an error of readings is beyond
+        what can be calculated with, or readings are impossible and not accepted.
     """
     if extreme := extreme_issues(problem):
         raise ProblemError(extreme)
+    require_possible(problem)
     problem.forward_model.require_available()
     calibration = Calibration(problem, choose_seed(problem.seed))
     start = calibration.start()

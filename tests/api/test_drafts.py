@@ -168,3 +168,26 @@ def test_a_draft_tells_what_index_properties_let_expect_before_it_is_sound(app: 
 def test_parameters_of_a_forward_model_have_the_source_of_their_range(app: App) -> None:
     parameters = app.get(f"{API}/forward-models/oedometer").json()["parameters"]
     assert {one["name"]: one["source"] for one in parameters}["lambda_star"].startswith("PLAXIS Material Models Manual")
+
+
+def test_readings_that_no_soil_can_have_are_refused_until_they_are_accepted(app: App) -> None:
+    """Settlements in hundredths of a millimetre became metres, and the form called it complete."""
+    problem = app.get(f"{API}/examples/oedometer").json()["problem"]
+    problem["observations"][0]["y_unit"] = "m"
+    judged = app.post(f"{API}/problems/read", json=problem).json()
+    assert (judged["valid"], judged["to_be_accepted"]) == (False, ["settlement"])
+    (issue,) = judged["issues"]
+    assert issue["path"] == "observations[0].y_unit"
+    assert issue["line"] is not None
+    assert "is more than the height of the specimen, 0.02021 m; in mm it would be 0.18 of it" in issue["message"]
+    for path in ("jobs", "problems/check"):
+        refused = app.post(f"{API}/{path}", json=problem)
+        assert refused.status_code == 422
+        assert "accept: [settlement] runs the problem as it is" in refused.json()["issues"][0]["message"]
+    problem["accept"] = ["settlement"]
+    judged = app.post(f"{API}/problems/read", json=problem).json()
+    assert (judged["valid"], judged["to_be_accepted"], judged["issues"]) == (True, [], [])
+    job = app.post(f"{API}/jobs", json=problem)
+    assert job.status_code == 201
+    assert app.get(f"{API}/jobs/{job.json()['id']}/problem").json()["accept"] == ["settlement"]
+    app.post(f"{API}/jobs/{job.json()['id']}/cancel")

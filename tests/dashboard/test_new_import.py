@@ -147,6 +147,33 @@ def test_the_unit_of_chosen_cells_is_found(embedded: Site, visit: Visit) -> None
     expect(page.locator("#take")).to_be_disabled()
 
 
+def test_readings_larger_than_the_specimen_are_stopped_before_the_start(embedded: Site, visit: Visit) -> None:
+    """The form said "Complete and sound", and the search ran to its bounds."""
+    page, _ = visit(embedded, "/new?example=oedometer")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    page.get_by_label("Unit of settlement").fill("m")
+    verdict = page.locator("#verdict")
+    expect(verdict).not_to_contain_text("Complete")
+    told = page.locator(".observation").get_by_text(
+        "is more than the height of the specimen, 0.02021 m; in mm it would"
+    )
+    expect(told).to_be_visible()
+    page.get_by_role("button", name="Start the job", exact=True).click()
+    expect(page.get_by_role("alert").filter(has_text="One thing is missing or wrong")).to_be_visible()
+    check_accessibility(page)
+    check_layout(page)
+    meant = page.get_by_label("The readings of settlement are meant as they are")
+    meant.check()
+    expect(verdict).to_contain_text("Complete")
+    expect(yaml(page)).to_have_value(re.compile(r"accept: \[settlement\]"))
+    meant.uncheck()
+    expect(verdict).not_to_contain_text("Complete")
+    expect(yaml(page)).not_to_have_value(re.compile("accept"))
+    page.get_by_label("Unit of settlement").fill("mm")
+    expect(verdict).to_contain_text("Complete")
+    expect(meant).to_have_count(0)
+
+
 def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(page, OWN)

@@ -22,6 +22,7 @@ from geoswarm.records.worker import Worker
 from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.registry import PROGRAMS_REFUSED
+from geoswarm.solver.plausibility import require_possible
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.runs.check import CheckReport
@@ -129,7 +130,7 @@ class JobService(JobRecords):
             When the key was used before, with another problem.
         ProblemError
             When a job to start from is not there or offers nothing, a weight or an error of readings is beyond what can
-            be calculated with, or the forward model runs programs.
+            be calculated with, readings are impossible and not accepted, or the forward model runs programs.
         QuotaExceededError
         StoreUnavailableError
             Also when the disk has less left than its reserve.
@@ -138,6 +139,7 @@ class JobService(JobRecords):
             raise ProblemError([Issue("forward_model", PROGRAMS_REFUSED)])
         if extreme := extreme_issues(problem):
             raise ProblemError(extreme)
+        require_possible(problem)
         problem.forward_model.require_available()
         owner = self.principal.owner
         # Each owner has keys of their own: nobody may find another's job by guessing one.

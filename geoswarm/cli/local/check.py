@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.options import accept_option, accepting, json_option, problem_argument
 from geoswarm.cli.words.error_messages import FailedRunError
 from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number
@@ -25,8 +25,9 @@ __all__ = ["check_command"]
 
 @click.command("check")
 @problem_argument
+@accept_option
 @json_option
-def check_command(problem: Path, as_json: bool) -> None:
+def check_command(problem: Path, accept: tuple[str, ...], as_json: bool) -> None:
     """Validate a problem, run it once and estimate its cost.
 
     Every mistake in the file is listed with its path. The test run uses the 'initial' values of the free parameters
@@ -34,7 +35,7 @@ def check_command(problem: Path, as_json: bool) -> None:
     """
     from geoswarm.solver.problem import load_problem
 
-    loaded = load_problem(problem)
+    loaded = load_problem(problem, accepting(accept))
     from geoswarm.solver.external.trial import watched
     from geoswarm.solver.runs.check import check_problem  # a mistake in the problem is told before all this is imported
 

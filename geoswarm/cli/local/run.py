@@ -12,7 +12,7 @@ import click
 from geoswarm.cli.local.figures import figures_missing
 from geoswarm.cli.local.fit import fit_of_run, show_fit
 from geoswarm.cli.local.run_folder import kept, open_folder, show_finished, summary, write_output
-from geoswarm.cli.options import json_option, problem_argument
+from geoswarm.cli.options import accept_option, accepting, json_option, problem_argument
 from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import ready
@@ -50,6 +50,7 @@ __all__ = ["run_command"]
     help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
 )
 @click.option("--resume", is_flag=True, help="Continue the interrupted run in the folder of --output.")
+@accept_option
 @json_option
 def run_command(
     problem: Path,
@@ -58,6 +59,7 @@ def run_command(
     seed: int | None,
     earlier: tuple[Path, ...],
     resume: bool,
+    accept: tuple[str, ...],
     as_json: bool,
 ) -> None:
     """Calibrate a problem to its end, with figures and tables.
@@ -66,12 +68,14 @@ def run_command(
     after Ctrl-C, a full disk or a crash the same command with --resume continues to the same result. Exit code 1 when
     no forward run succeeded.
     """
+    from geoswarm.solver.plausibility import require_possible
     from geoswarm.solver.problem import load_problem
     from geoswarm.solver.problem.running import Limits
     from geoswarm.solver.runs.evaluators import WATCHED
     from geoswarm.solver.runs.local import calibrate
 
-    loaded = load_problem(problem)
+    loaded = load_problem(problem, accepting(accept))
+    require_possible(loaded)
     warn_of_many_points(loaded)
     if loaded.limits != Limits() and not WATCHED:
         note("note: on this system limits apply only in the service; press Ctrl-C to stop a hanging run")

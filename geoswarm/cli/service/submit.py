@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.options import connection_options, job_argument, json_option, problem_argument
+from geoswarm.cli.options import (
+    accept_option,
+    accepting,
+    connection_options,
+    job_argument,
+    json_option,
+    problem_argument,
+)
 from geoswarm.cli.service.connection import connect, find_job
 from geoswarm.cli.service.hooks import add_hook, tell_secret
 from geoswarm.cli.service.jobs import show_job
@@ -45,6 +52,7 @@ _NAMED = 3
     metavar="ADDRESS",
     help="Whom to notify when the job ends: https://... or an e-mail address; may be repeated.",
 )
+@accept_option
 @json_option
 @connection_options
 def submit_command(
@@ -53,6 +61,7 @@ def submit_command(
     idempotency_key: str | None,
     earlier: tuple[str, ...],
     notify: tuple[str, ...],
+    accept: tuple[str, ...],
     as_json: bool,
     url: str,
     api_key: str | None,
@@ -68,6 +77,8 @@ def submit_command(
         else:
             given = problem
             _tell_of_earlier(client, problem)
+        if accept:
+            given = _accepting(accept, given)
         job = client.submit(given, idempotency_key=idempotency_key)
         for target in notify:  # a job that has ended meanwhile is told of at once
             tell_secret(_hooked(client, target, job))
@@ -91,6 +102,12 @@ def _learning_from(jobs: list[str], problem: Path) -> dict[str, Any]:
     from geoswarm.solver.problem import load_problem
 
     return load_problem(problem).document() | {"warm_start": {"jobs": jobs}}
+
+
+def _accepting(series: tuple[str, ...], problem: Path | dict[str, Any]) -> dict[str, Any]:
+    from geoswarm.solver.problem.points import inlined_document
+
+    return accepting(series)(problem if isinstance(problem, dict) else inlined_document(problem))
 
 
 def _tell_of_earlier(client: Client, problem: Path) -> None:

@@ -15,6 +15,7 @@ from geoswarm.cli import main
 from geoswarm.cli.service import submit
 from geoswarm.cli.service.connection import SLOW_ANSWER
 from geoswarm.client import Client, GeoswarmError
+from geoswarm.solver.examples import example_file
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -22,6 +23,7 @@ from tests.solver.problems import decay_document
 
 SCRIPT = """
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.examples import example_file
 from geoswarm.solver.problem import load_problem
 calibrate(load_problem("problem.json"), workers=2)
 """
@@ -195,3 +197,22 @@ def test_inline_writes_what_the_service_takes(tmp_path: Path, capsys: pytest.Cap
     assert document["observations"][0]["x_unit"] == "day"
     assert main(["inline", str(tmp_path / "problem.yaml"), "--output", str(tmp_path / "p.json")]) == 0
     assert json.loads((tmp_path / "p.json").read_text(encoding="utf-8")) == document
+
+
+def test_readings_that_no_soil_can_have_need_accept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with example_file("oedometer") as file:
+        document = load_problem(file).document()
+    document["observations"][0]["y_unit"] = "m"
+    document["stopping"] = {"max_evaluations": 10}
+    path = tmp_path / "problem.json"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    for command in (["check"], ["run", "--output", str(tmp_path / "out")]):
+        assert main([command[0], str(path), *command[1:]]) == 2
+        told = capsys.readouterr().err
+        assert "observations[0].y_unit: the largest reading, 3.66 m, is more than the height of the specimen" in told
+        assert "accept: [settlement] runs the problem as it is" in told
+    assert not (tmp_path / "out").exists()
+    assert main(["check", str(path), "--accept", "settlement"]) == 0
+    assert "is more than the height of the specimen" in capsys.readouterr().err
+    assert main(["check", str(path), "--accept", "settlment"]) == 2
+    assert "accept[0]: unknown series 'settlment'; did you mean settlement?" in capsys.readouterr().err

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.forward.registry import parse_spec
-from geoswarm.solver.plausibility import implausible
-from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.plausibility import implausible, impossible
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.runs.check import check_problem
 
 STRESSES = (25.0, 50.0, 100.0, 200.0, 400.0, 100.0)
@@ -27,10 +28,15 @@ def settlement(stresses: tuple[float, ...] = STRESSES, noise: float = 0.0) -> np
     return np.asarray(found + np.random.default_rng(5).normal(0.0, noise, TIMES.size))
 
 
-def warnings(
+def warnings(*changes: Any, **model: Any) -> tuple[str, ...]:
+    """Warnings of an oedometer test; see :func:`oedometer`."""
+    return implausible(oedometer(*changes, **model))
+
+
+def oedometer(
     observation: dict[str, Any] | None = None, parameters: dict[str, Any] | None = None, **model: Any
-) -> tuple[str, ...]:
-    """Warnings of an oedometer test; changes of its observation, parameters and forward model."""
+) -> Problem:
+    """An oedometer test; changes of its observation, parameters and forward model."""
     given = {"x": (1440.0 * TIMES).tolist(), "y": settlement().tolist()}
     document = {
         "forward_model": {
@@ -53,7 +59,7 @@ def warnings(
         ],
         "stopping": {"max_evaluations": 10},
     }
-    return implausible(parse_problem(document))
+    return parse_problem(document)
 
 
 def points(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
@@ -136,7 +142,9 @@ def test_readings_larger_than_the_specimen() -> None:
 def test_readings_next_to_nothing() -> None:
     (found,) = warnings({"y_unit": "um"})
     assert "5.22 um, is only 0.00026 of the height of the specimen, 0.02 m, under 400 times the initial" in found
-    assert found.endswith("check y_unit, now um, and forward_model.height")
+    assert found.endswith("in mm it would be 0.26 of it: y_unit: mm")
+    (found,) = warnings({"y_unit": "nm"})
+    assert found.endswith("in mm it would be 0.26 of it: y_unit: mm")
 
 
 def test_strain_in_percent_without_its_unit() -> None:
@@ -255,6 +263,10 @@ def test_a_part_of_a_combined_test_is_named() -> None:
     assert found[0].startswith("forward_model.parts.ring.height = 20 m is far from what is usual")
     document["observations"] = [{"series": "ring.settlement", "y_unit": "km", **given}]
     assert "observations[0] (ring.settlement): the largest reading" in implausible(parse_problem(document))[1]
+    assert "in m it would be 0.26 of it" in implausible(parse_problem(document))[1]
+    document["observations"] = [
+        {"series": "ring.settlement", "y_unit": "m", **points(TIMES, np.full(TIMES.size, 1e12))}
+    ]
     assert "forward_model.parts.ring.height" in implausible(parse_problem(document))[1]
 
 
@@ -278,3 +290,91 @@ def test_stresses_and_state_variables_are_no_strains() -> None:
     for series, y in (("stage_K0", np.full(stages.size, 1.6)), ("stage_log_pp", np.full(stages.size, 4.0))):
         given = points(stages, y)["points"]
         assert warnings({"series": series, "points": given, "x_unit": None, "y_unit": None}) == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "refused"),
+    [
+        ({"y_unit": "m"}, True),  # more than the specimen
+        ({"y_unit": "nm"}, True),  # nothing
+        ({"y_unit": "um"}, False),  # hardly, and a very stiff soil may
+        ({"series": "axial_strain", "y_unit": "1", "points": {"x": [1, 2], "y": [3, 5]}}, True),
+        ({"series": "axial_strain", "y_unit": "%", "points": {"x": [1, 2], "y": [3, 5]}}, False),
+        ({"points": {"x": [1, 2], "y": [-3, -5]}}, False),
+    ],
+)
+def test_readings_that_no_soil_can_have_are_refused(changes: dict[str, Any], refused: bool) -> None:
+    problem = oedometer(changes)
+    assert [issue.path for issue in impossible(problem)] == ["observations[0].y_unit"] * refused
+    if not refused:
+        return
+    series = problem.observations[0].series
+    (issue,) = impossible(problem)
+    assert issue.message.endswith(f"; accept: [{series}] runs the problem as it is")
+    with pytest.raises(ProblemError, match="the largest reading"):
+        check_problem(problem)
+    accepted = parse_problem(problem.document() | {"accept": [series]})
+    assert impossible(accepted) == []
+    assert parse_problem(accepted.document()) == accepted
+    assert any("the largest reading" in one for one in check_problem(accepted).warnings)
+
+
+def test_what_is_accepted_is_a_series() -> None:
+    problem = parse_problem(oedometer().document() | {"accept": ["settlment"]})
+    assert [str(issue) for issue in impossible(problem)] == [
+        "accept[0]: unknown series 'settlment'; did you mean settlement?"
+    ]
+
+
+def sheared(kind: str, **observation: Any) -> Problem:
+    """A test on modified Cam clay consolidated under 100 kPa."""
+    triaxial = kind == "triaxial"
+    end = {"axial_strain": 0.1} if triaxial else {"shear_strain": 0.2}
+    document = {
+        "forward_model": {
+            "kind": kind,
+            "material": "modified_cam_clay",
+            "initial_stress": 20,
+            "consolidation": [{"axial": 100} if triaxial else {"normal_stress": 100}],
+            "shearing": [{"kind": "monotonic", **end}],
+        },
+        "parameters": {
+            "lambda": {"lower": 0.05, "upper": 0.3},
+            "kappa": {"value": 0.02},
+            "M": {"value": 1.1},
+            "nu": {"value": 0.3},
+            "e0": {"value": 1.0},
+        },
+        "observations": [observation],
+        "stopping": {"max_evaluations": 10},
+    }
+    return parse_problem(document)
+
+
+X = [0.01, 0.05, 0.1]
+
+
+@pytest.mark.parametrize(
+    ("kind", "observation", "said"),
+    [
+        ("triaxial", {"series": "q", "points": {"x": X, "y": [30, 60, 80]}}, None),
+        ("triaxial", {"series": "q", "points": {"x": X, "y": [0.03, 0.06, 0.08]}}, "in MPa it would be 80 kPa: y_unit"),
+        ("triaxial", {"series": "q", "y_unit": "MPa", "points": {"x": X, "y": [30, 60, 800]}}, "in kPa it would be"),
+        ("triaxial", {"series": "q", "y_unit": "kPa", "points": {"x": X, "y": [3e4, 6e4, 2e5]}}, "in Pa it would be"),
+        ("triaxial", {"series": "volumetric_strain", "points": {"x": X, "y": [0.5, 1, 2.4]}}, "in % it would be 0.024"),
+        ("triaxial", {"series": "volumetric_strain", "y_unit": "%", "points": {"x": X, "y": [0.5, 1, 2.4]}}, None),
+        (
+            "direct_simple_shear",
+            {"series": "shear_stress", "points": {"x": X, "y": [0.003, 0.02, 0.03]}},
+            "the largest value of τ, 0.03 kPa, is 0.0003 times the largest stress that is applied, 100 kPa; in MPa it",
+        ),
+        ("direct_simple_shear", {"series": "pore_pressure", "points": {"x": X, "y": [0.0, 0.0, 0.01]}}, None),
+    ],
+)
+def test_stresses_and_strains_of_shear_tests(kind: str, observation: dict[str, Any], said: str | None) -> None:
+    found = impossible(sheared(kind, **observation))
+    if said is None:
+        assert found == []
+    else:
+        assert said in found[0].message
+        assert found[0].path == "observations[0].y_unit"

@@ -2,6 +2,7 @@
 import { element, empty, exchange } from "../dom.js";
 import { count, percent } from "../format.js";
 import { errorPlace, field, idOf } from "./fields.js";
+import { flag } from "./import/inputs.js";
 import { leftOut, prepared } from "./import/preparation.js";
 import { pointsPlot } from "./points_plot.js";
 import { button } from "./schema_form.js";
@@ -83,7 +84,22 @@ export function observationsSection(context, place) {
           if (points) back(`The ${count(points)} readings of ${one.series ?? "a series"} were removed.`);
           draw();
         })),
+      element("div", { dataset: { accept: String(i) } }),
       errorPlace(path));
+  }
+
+  /** Readings that no soil can have are refused until someone says that they are meant. */
+  function showAcceptable() {
+    const accepted = draft.read(["accept"]) ?? [], asked = draft.answer?.to_be_accepted ?? [];
+    for (const place_ of list.querySelectorAll("[data-accept]")) {
+      const i = Number(place_.dataset.accept), name = all()[i]?.series, on = Array.isArray(accepted) && accepted.includes(name);
+      exchange(place_, on || asked.includes(name)
+        ? flag(`accept-${i}`, `The readings of ${name} are meant as they are`, on, (value) => {
+          const others = accepted.filter((one) => one !== name);
+          draft.write(["accept"], value ? [...others, name] : others.length ? others : undefined);
+        })
+        : null);
+    }
   }
 
   function draw() {
@@ -131,6 +147,10 @@ export function observationsSection(context, place) {
   const key = () => JSON.stringify([series().map((one) => [one.name, one.x_unit, one.y_unit]), all().map((one) => [one.series, one.points?.x?.length])]);
   place.replaceChildren(upload, list, scheme, look);
   draft.on("replace", draw);
-  draft.on("answer", () => { if (key() === drawnFor) showShares(); else draw(); });
+  draft.on("answer", () => {
+    if (key() === drawnFor) showShares();
+    else draw();
+    showAcceptable();
+  });
   draw();
 }
