@@ -12,7 +12,7 @@ from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.units import convert
 from geoswarm.solver.words import listed
 
-__all__ = ["DOES_NOT_HOLD", "SHORT", "Misfit", "remedies_of", "sentence_of"]
+__all__ = ["DOES_NOT_HOLD", "SHORT", "UNITS_FIRST", "Misfit", "remedies_of", "sentence_of"]
 
 _NO_UNITS = ("", "1", "-", "dimensionless")
 _MOST_NAMED = 3
@@ -22,6 +22,12 @@ DOES_NOT_HOLD = {
     "error_not_met": "the stated error is not met: the interval is too narrow",
 }
 """What stands beside an interval, by the kind of the verdict on the fit."""
+
+UNITS_FIRST = (
+    "Check the readings first: their units and columns, the zero reading and the sign, and the size and the loads of "
+    "the specimen."
+)
+"""The first thing to do about readings that are missed by far."""
 
 SHORT = {"lack_of_fit": "model does not fit", "error_not_met": "stated error not met"}
 """The same in the heading of a column."""
@@ -36,7 +42,8 @@ class Misfit:
     series, stage
         Where; ``stage`` None for the series as a whole, else from 1.
     reason
-        ``pattern`` in the residuals, ``repeats`` that scatter less, or a ``stated_error`` that is exceeded.
+        ``pattern`` in the residuals, ``repeats`` that scatter less, a ``stated_error`` that is exceeded, or ``missed``:
+        a constant would be about as close.
     probability
         Of as much by chance, were the model right; over all parts together.
     deviation
@@ -51,7 +58,7 @@ class Misfit:
 
     series: str
     stage: int | None
-    reason: Literal["pattern", "repeats", "stated_error"]
+    reason: Literal["pattern", "repeats", "stated_error", "missed"]
     probability: float
     deviation: float
     largest: float
@@ -130,6 +137,8 @@ def _how_far(misfits: Sequence[Misfit], name: str) -> str:
 
 def _reason(misfits: Sequence[Misfit]) -> str:
     """Why this is no noise."""
+    if all(m.reason == "missed" for m in misfits):
+        return "a constant would be about as close, and parameters are at their bounds"
     if all(m.reason == "repeats" for m in misfits):
         return "more than the scatter of repeats explains"
     least = min(m.probability for m in misfits)
@@ -174,6 +183,8 @@ def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:
     """Say what to do."""
     patterns = [m for m in misfits if m.reason != "stated_error"]
     found = []
+    if any(m.reason == "missed" for m in misfits):
+        found.append(UNITS_FIRST)
     staged = [m.series for m in patterns if stage_times(problem.forward_model, m.series).size > 1]
     primary = [p for p in find_consolidation(problem) if p.series in staged]
     found += [p.sentence for p in primary]

@@ -109,6 +109,7 @@ def linearise(
         jacobian.responses,
         {name: columns[:, inner] for name, columns in jacobian.derivatives.items()},
         None if stated is None else stated.deviations,
+        at_bound=not inner.all(),
     )
     inverse = found.inverse(weighted)
     variances = np.full(len(weights), np.nan) if estimate is None else reading_variances(calibration, weights, estimate)

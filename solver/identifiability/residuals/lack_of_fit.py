@@ -16,7 +16,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability.misfits import Misfit, remedies_of, sentence_of
+from geoswarm.solver.identifiability.misfits import UNITS_FIRST, Misfit, remedies_of, sentence_of
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
 from geoswarm.solver.identifiability.residuals.residual_tests import (
     FEWEST_IN_PART,
@@ -27,10 +27,11 @@ from geoswarm.solver.identifiability.residuals.residual_tests import (
     weighted_basis,
 )
 from geoswarm.solver.objective import ObservedSeries
+from geoswarm.solver.plausibility.readings import doubtful_readings
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
 
-__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "is_exact", "met_to_rounding", "untested"]
+__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "is_exact", "met_to_rounding", "unfit_readings", "untested"]
 
 FitKind: TypeAlias = Literal["describes", "lack_of_fit", "error_not_met", "untested"]
 
@@ -43,6 +44,8 @@ _FEWEST_FREE = 4  # readings beyond the parameters
 _ROUNDING = 1e-10  # of the readings: less is no spread, and leaves nothing to minimise
 _EXACT = 1e-4  # of the range of a series: residuals that are numerical, not measured
 _FAR = 4.0  # mean square of what a step to the minimum would take away, over that of the rest
+_MISSED = 0.5  # of the scatter of the readings around their mean: residuals that a constant would hardly exceed
+_FOLLOWS = 0.5  # Durbin-Watson below which residuals lie on one side for long
 _MOST_POINTS = 2000  # more are averaged in blocks
 
 
@@ -86,6 +89,15 @@ def untested(why: str) -> FitVerdict:
     return FitVerdict("untested", f"Whether the model describes the data was not tested: {why}.")
 
 
+def unfit_readings(problem: Problem) -> FitVerdict | None:
+    """The verdict on readings that no soil can have; None where there are none. No model can describe them."""
+    doubts = [doubt for doubt in doubtful_readings(problem) if doubt.impossible]
+    if not doubts:
+        return None
+    each = ". ".join(f"{doubt.series}: {doubt.message}" for doubt in doubts)
+    return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (UNITS_FIRST,))
+
+
 @dataclass(frozen=True, slots=True)
 class _Residuals:
     """Calculated - measured of the readings of one series that count, in the order of x, shape (m,).
@@ -95,6 +107,7 @@ class _Residuals:
     """
 
     x: FloatArray
+    y: FloatArray
     values: FloatArray
     weights: FloatArray
     stages: IntArray | None
@@ -105,7 +118,15 @@ class _Residuals:
         used = used[np.argsort(o.x[used], kind="stable")]
         starts = stage_times(problem.forward_model, o.series)
         stages = stage_of(o.x[used], starts) if starts.size >= 2 else None
-        return cls(o.x[used], (calculated - o.y)[used], o.point_weights[used], stages)
+        return cls(o.x[used], o.y[used], (calculated - o.y)[used], o.point_weights[used], stages)
+
+    @property
+    def is_missed(self) -> bool:
+        """Whether a constant would be about as close, and neighbours are missed to the same side."""
+        mean = np.average(self.y, weights=self.weights)
+        left, whole = (float(np.sum(self.weights * part**2)) for part in (self.values, self.y - mean))
+        follow = float(np.sum(np.diff(self.values) ** 2)) < _FOLLOWS * float(np.sum(self.values**2))
+        return self.x.size >= FEWEST_IN_PART and left > _MISSED * whole and follow
 
     def size(self, stage: int | None) -> tuple[float, float, float]:
         """Root mean square, the largest residual, and its x: of the series, or of one stage."""
@@ -141,6 +162,8 @@ def examine_fit(
     responses: Mapping[str, FloatArray],
     derivatives: Mapping[str, FloatArray],
     known: Mapping[str, float] | None = None,
+    *,
+    at_bound: bool = False,
 ) -> FitVerdict:
     """Test whether the model describes the data, at the optimum or near it.
 
@@ -153,8 +176,14 @@ def examine_fit(
         span counts. Leave out those to parameters that lie at a bound.
     known
         Stated standard deviation of a reading by series, base units.
+    at_bound
+        Whether parameters lie at their bounds: readings that are then missed by far are no question of the minimum.
     """
+    if (unfit := unfit_readings(calibration.problem)) is not None:
+        return unfit
     readings = _readings(calibration, responses, derivatives)
+    if at_bound and (missed := _missed(readings, known)):
+        return _verdict(calibration.problem, missed, [])
     basis = weighted_basis(readings.weighted)
     count, rank = len(readings.x), basis.shape[1]
     if count - rank < _FEWEST_FREE:
@@ -304,7 +333,7 @@ def _patterns(
 def _misfit(
     readings: _Readings,
     place: tuple[int, int | None],
-    reason: Literal["pattern", "repeats", "stated_error"],
+    reason: Literal["pattern", "repeats", "stated_error", "missed"],
     probability: float,
     ratio: float | None = None,
 ) -> Misfit:
@@ -312,6 +341,12 @@ def _misfit(
     deviation, largest, x = readings.measured[index].size(stage)
     series = readings.observed[index].series
     return Misfit(series, stage, reason, probability, deviation, largest, x, ratio, "", "")
+
+
+def _missed(readings: _Readings, known: Mapping[str, float] | None) -> list[Misfit]:
+    """Series that are missed by far, and by more than their stated error."""
+    found = [_misfit(readings, (i, None), "missed", 0.0) for i, one in enumerate(readings.measured) if one.is_missed]
+    return [one for one in found if known is None or one.deviation > _FAR * known[one.series]]
 
 
 def _repeats(readings: _Readings, residuals: FloatArray, rank: int, known: Mapping[str, float] | None) -> list[Misfit]:

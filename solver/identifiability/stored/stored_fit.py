@@ -9,12 +9,14 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
-from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, untested
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, unfit_readings, untested
 from geoswarm.solver.identifiability.samples import Samples
 
 __all__ = ["fit_of_samples"]
 
 _NEIGHBOURS = 6  # evaluations for each parameter
+_AT_BOUND = 1e-3
+"""Distance to a bound, over the range, of a parameter that a search has driven there."""
 
 
 def fit_of_samples(
@@ -35,6 +37,8 @@ def fit_of_samples(
     StatisticsError
         When the noise is wrong.
     """
+    if (unfit := unfit_readings(calibration.problem)) is not None:
+        return unfit
     known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
     if samples.size and samples.unbiased.all():
         return untested(
@@ -69,4 +73,6 @@ def fit_of_samples(
     stated = (
         None if known is None or calibration.objective.robust else known.deviations
     )  # that of pseudo residuals is another
-    return examine_fit(calibration, responses, derivatives, stated)
+    unit = calibration.space.to_unit(samples.parameters[best])
+    at_bound = bool(((unit < _AT_BOUND) | (unit > 1.0 - _AT_BOUND)).any())
+    return examine_fit(calibration, responses, derivatives, stated, at_bound=at_bound)

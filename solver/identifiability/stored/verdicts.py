@@ -176,8 +176,16 @@ def judge(
                 sentence = within_basin(projection.parameter, sentence, beyond)
         kind, sentence = _under_fit(projection.parameter, kind, sentence, fit)
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
+        if (fit is not None and fit.kind == "lack_of_fit") or _at_bound(samples, projection):
+            proposals = tuple(one for one in proposals if one.kind not in ("fix", "link"))
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
     return tuple(verdicts)
+
+
+def _at_bound(samples: Samples, projection: Projection) -> bool:
+    """Whether the best value lies at a bound: where the search had to stop is no value to keep."""
+    index = samples.names.index(projection.parameter)
+    return projection.best in (float(samples.lower[index]), float(samples.upper[index]))
 
 
 def _under_fit(name: str, kind: VerdictKind, sentence: str, fit: FitVerdict | None) -> tuple[VerdictKind, str]:

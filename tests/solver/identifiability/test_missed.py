@@ -1,0 +1,59 @@
+"""Readings that are missed by far: said first, units before other remedies, and nothing to fix at a bound."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.identifiability.misfits import UNITS_FIRST
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
+from geoswarm.solver.identifiability.stored.study import analyse
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.runs.local import calibrate
+
+
+def published(unit: str = "mm", **parameters: Any) -> Problem:
+    """The published oedometer test with another unit and other parameters."""
+    with example_file("oedometer") as file:
+        document = load_problem(file).document()
+    document["observations"][0]["y_unit"] = unit
+    document["parameters"] |= parameters
+    changes = {"stopping": {"max_evaluations": 60}, "accept": ["settlement"], "seed": 1}
+    return parse_problem(document | changes)
+
+
+def test_readings_that_no_soil_can_have_come_first() -> None:
+    """A thousandfold settlement ended with all parameters at their bounds and the remedy "consolidation"."""
+    problem = published("m")
+    samples = Samples.from_result(problem, calibrate(problem))
+    fit = fit_of_samples(Calibration(problem, 1), samples)
+    assert fit.kind == "lack_of_fit"
+    assert fit.sentence.startswith(
+        "The readings do not fit this specimen. settlement: the largest reading, 3.66 m, is more than the height of "
+        "the specimen, 0.02021 m; in mm it would be 0.18 of it: y_unit: mm."
+    )
+    assert fit.remedies == (UNITS_FIRST,)
+    found = analyse(Calibration(problem, 1), samples)
+    assert found.fit == fit
+    assert not {one.kind for verdict in found.verdicts for one in verdict.proposals} & {"fix", "link"}
+
+
+def test_readings_that_are_missed_with_parameters_at_their_bounds() -> None:
+    narrow = {"lower": 0.002, "upper": 0.004, "scale": "log"}
+    problem = published(lambda_star=narrow, kappa_star={"lower": 0.001, "upper": 0.002, "scale": "log"})
+    samples = Samples.from_result(problem, calibrate(problem))
+    fit = fit_of_samples(Calibration(problem, 1), samples)
+    assert fit.kind == "lack_of_fit"
+    assert [(one.series, one.reason) for one in fit.misfits] == [("settlement", "missed")]
+    assert "calculated below measured" in fit.sentence
+    assert "a constant would be about as close, and parameters are at their bounds" in fit.sentence
+    assert fit.remedies[0] == UNITS_FIRST
+
+
+def test_a_search_that_fits_is_not_missed() -> None:
+    problem = published()
+    fit = fit_of_samples(Calibration(problem, 1), Samples.from_result(problem, calibrate(problem)))
+    assert "missed" not in {one.reason for one in fit.misfits}
+    assert "do not fit this specimen" not in fit.sentence
