@@ -194,4 +194,4 @@ def _largest_load(spec: LaboratorySpec) -> float | None:
         for name, value in stage
         if isinstance(value, float) and (name in ("axial", "radial") or "stress" in name)
     ]
-    return max(spec.initial_stress, *applied)
+    return max([spec.initial_stress, *applied])

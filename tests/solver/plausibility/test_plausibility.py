@@ -354,6 +354,12 @@ def sheared(kind: str, **observation: Any) -> Problem:
 X = [0.01, 0.05, 0.1]
 
 
+def test_a_test_without_consolidation() -> None:
+    problem = sheared("triaxial", series="q", points={"x": X, "y": [30, 60, 80]}).document()
+    problem["forward_model"]["consolidation"] = []
+    assert impossible(parse_problem(problem)) == []
+
+
 @pytest.mark.parametrize(
     ("kind", "observation", "said"),
     [
