@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
-from geoswarm.solver.problem.tables.reading import MAX_CELL_CHARACTERS, MAX_LINE_CHARACTERS, MAX_TABLE_BYTES
+from geoswarm.solver.problem.tables.reading import MAX_CELL_CHARACTERS, MAX_LINE_CHARACTERS, MAX_TABLE_BYTES, decoded
 from geoswarm.solver.words import visible
 
 __all__ = ["read_ags", "read_ags_file"]
@@ -78,7 +78,7 @@ def read_ags(content: bytes, name: str) -> AgsFile:
         raise AgsError(f"{name} is not a text file; give a file in the AGS 4 format")
     groups: dict[str, _Open] = {}
     damaged: list[tuple[str, str]] = []
-    lines = [line.removesuffix("\r") for line in _decoded(content).split("\n")]
+    lines = [line.removesuffix("\r") for line in decoded(content).split("\n")]
     number = 0
     while number < len(lines):
         following = 1
@@ -127,13 +127,6 @@ def _row(text: str, group: _Open) -> list[str]:
         return []
     cells = re.split(r'"\s*,\s*"', plain[1:-1])
     return [cell.replace('""', '"') for cell in cells] if len(cells) == len(group.headings) + 1 else []
-
-
-def _decoded(content: bytes) -> str:
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
 
 
 def _cells(line: str, name: str, number: int) -> list[str]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.problem.tables.columns import Heading
-from geoswarm.solver.problem.tables.headings import known_unit
+from geoswarm.solver.problem.tables.headings import Heading, known_unit
 from geoswarm.solver.units import UnitError, convert, same_unit
 
 __all__ = ["contradicted_headings"]

@@ -17,7 +17,7 @@ from geoswarm.solver.loss import TUNING, Loss
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.points import Points
-from geoswarm.solver.problem.tables.columns import Heading
+from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
 from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
 from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
@@ -312,25 +312,19 @@ def unit_of_data(
         if heading.in_cells and heading.unit is not None and not same_unit(given, heading.unit):
             return given, f"the cells of {column} are in {heading.unit}: leave {axis}_unit out, not {given}"
         return given, None
-    if heading.dates or heading.in_cells:
-        named = [(heading.unit, True)]
-    else:
-        named = [(one.unit, one.certain) for one in heading.named] or [(heading.unit, heading.certain)]
-    fitting = list(dict.fromkeys(unit for unit, _ in named if unit is not None and _fits(unit, base)))
-    if len({float(convert(1.0, unit, base)) for unit in fitting}) > 1:
-        return None, f"{column} names several units, {' and '.join(fitting)}; {axis}_unit says which holds"
-    if fitting:
-        return fitting[0], None
+    possible = [one for one in heading.named if one.unit is None or _fits(one.unit, base)]
+    unclear, best = unclear_unit(possible), best_unit(possible)
+    if best is not None:
+        return (best.unit, None) if unclear is None else (None, f"{column} {unclear}; {axis}_unit says which holds")
     if unitless and same_unit(base, "1"):
         return None, None
-    if heading.unit is not None and any(certain for unit, certain in named if unit is not None):
+    if heading.certain:
         if same_unit(base, "1"):
             return None, f"{column} is in {heading.unit}, but the series has no unit; name another column"
         other = "series has" if axis == "y" else "series needs"
         return None, f"{column} is in {heading.unit}, but the {other} {base}; name another, or give {axis}_unit"
-    strange = next((one.text for one in heading.named if one.unit is None), None)
-    if strange is not None:
-        return None, f"{column} names '{strange}', which is not a known unit; {axis}_unit says what the numbers are in"
+    if unclear is not None:
+        return None, f"{column} {unclear}; {axis}_unit says what the numbers are in"
     if same_unit(base, "1"):
         return None, None
     shown = ", ".join(number(value) for value in heading.first)

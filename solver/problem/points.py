@@ -14,9 +14,9 @@ from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.preparation import NoZeroError, Preparation, Readings, prepared
 from geoswarm.solver.problem.tables.cells import file_content
-from geoswarm.solver.problem.tables.columns import Columns, Heading, Table, table_of
+from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
-from geoswarm.solver.problem.tables.headings import unclear_unit
+from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document, read_problem_file
 
@@ -142,8 +142,7 @@ def _units_found(points: Points) -> dict[str, str]:
     units = {}
     for axis, heading in (("x_unit", points.x_heading), ("y_unit", points.y_heading)):
         if heading is not None:
-            open_ = unclear_unit(heading.named) is not None and not (heading.dates or heading.in_cells)
-            units[axis] = UNSTATED if open_ or heading.unit is None else heading.unit
+            units[axis] = UNSTATED if unclear_unit(heading.named) else heading.unit or UNSTATED
     return units
 
 

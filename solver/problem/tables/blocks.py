@@ -14,7 +14,7 @@ from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["Block", "Rows", "begin", "is_reading", "key", "unit_of_cell"]
+__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_reading", "key", "unit_of_cell"]
 
 Rows = Sequence[tuple[int, Sequence[Cell]]]
 """Rows of a file that are not empty, with the numbers of their lines."""
@@ -24,7 +24,8 @@ _DEEPEST = 1000
 _MOST_SPARSE = 20
 _MOST_HEADINGS = 4
 _LONG_ENOUGH = 3
-_SAMPLE = 2000
+SAMPLE = 2000
+"""Rows that show where a table is, and what separates its columns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +96,7 @@ def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
     """
     names = {key(name) for name in wanted}
     longest: Block | None = None
-    readings = [_readings(row) for _, row in rows[:_SAMPLE]]
+    readings = [_readings(row) for _, row in rows[:SAMPLE]]
     for place, (_, row) in enumerate(rows[:_DEEPEST]):
         if readings[place] or not any(cell != "" for cell in row) or _is_units(row):
             continue

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from geoswarm.solver.problem.tables.blocks import Block, begin, is_reading
+from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading
 from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import (
@@ -25,9 +25,6 @@ from geoswarm.solver.problem.tables.reading import (
 from geoswarm.solver.problem.tables.workbooks import read_workbook
 
 __all__ = ["Sheet", "file_content", "number_in", "read_cells", "without_units"]
-
-_SAMPLE = 2000
-"""Lines that choose the separator."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +124,7 @@ def _separated(lines: list[tuple[int, str]], name: str, wanted: list[str]) -> tu
     best: tuple[tuple[bool, int, int], str, Block] | None = None
     for separator in SEPARATORS:
         try:
-            rows = table_rows(lines[:_SAMPLE], name, separator)
+            rows = table_rows(lines[:SAMPLE], name, separator)
         except TableError:
             continue
         block = begin(rows, wanted)
@@ -193,13 +190,17 @@ def without_units(cells: Sequence[Cell]) -> tuple[list[Cell], str | None]:
 
     The cells themselves and None where they have no unit, or several.
     """
-    split = [number_with_unit(cell) if isinstance(cell, str) and cell else None for cell in cells]
-    units = {known_unit(one[1])[0] for one in split if one is not None}
-    plain = any(one is None and number_in(cell) not in (None, 0.0) for one, cell in zip(split, cells, strict=True))
-    unit = units.pop() if len(units) == 1 and not plain else None
-    if unit is None:
-        return list(cells), None
-    return [cell if one is None else one[0] for one, cell in zip(split, cells, strict=True)], unit
+    kept: list[Cell] = []
+    unit: str | None = None
+    for cell in cells:
+        split = number_with_unit(cell) if isinstance(cell, str) and cell else None
+        own = unit if split is None else known_unit(split[1])[0]
+        plain = split is None and number_in(cell) not in (None, 0.0)
+        if plain or (split is not None and (own is None or unit not in (None, own))):
+            return list(cells), None  # of most columns the first cell says so
+        unit = own
+        kept.append(cell if split is None else split[0])
+    return kept, unit
 
 
 def number_in(cell: Cell) -> float | None:

@@ -11,7 +11,7 @@ from typing import Literal
 from geoswarm.solver.problem.tables.blocks import is_reading
 from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import DATES_ACCEPTED, DateForm, day_of, elapsed_days, moment_in, time_of_day
-from geoswarm.solver.problem.tables.headings import Named, units_in_comments, units_of
+from geoswarm.solver.problem.tables.headings import Heading, heading_of, units_in_comments
 from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, number_of, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.picking import Picked, column_of, is_cells, is_range, names_used, picked, rows_where
@@ -19,29 +19,11 @@ from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
 
-__all__ = ["Columns", "Heading", "Table", "read_table", "table_of"]
+__all__ = ["Columns", "Table", "read_table", "table_of"]
 
 _MOST_MESSAGES = 10
 _FIRST = 3
 _NO_MARK = frozenset({"", "0", "no", "nein", "false", "ok", "-"})
-
-
-@dataclass(frozen=True, slots=True)
-class Heading:
-    """A heading and the unit that it, or a comment, names; ``certain`` when the unit stands in brackets.
-
-    ``dates``: the column holds dates, which are read as days. ``in_cells``: the cells themselves have this unit.
-    ``named`` are all units that it may name, also what stands in place of one and is not known. ``first`` are the first
-    values.
-    """
-
-    name: str
-    unit: str | None = None
-    certain: bool = False
-    dates: bool = False
-    in_cells: bool = False
-    named: tuple[Named, ...] = ()
-    first: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +93,8 @@ class Table:
     x: list[float]
     y: list[float]
     weight: list[float] | None
-    x_heading: Heading = Heading("x")
-    y_heading: Heading = Heading("y")
+    x_heading: Heading = field(default_factory=lambda: Heading("x"))
+    y_heading: Heading = field(default_factory=lambda: Heading("y"))
     inputs: dict[str, list[float]] = field(default_factory=dict)
     gross_errors: list[int] = field(default_factory=list)
     zero: datetime | None = None
@@ -166,16 +148,25 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
     else:
         values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
         found = Table(values["x"], values["y"], values.get("weight"), inputs=_inputs(values))
+    comments = units_in_comments(sheet.comments)
     headings = {
-        role: replace(
-            _heading(sheet, reader.columns[role], role == "x" and found.zero is not None, reader.units.get(role)),
-            first=tuple(values[:_FIRST]),
+        role: heading_of(
+            column.name,
+            comments,
+            text=column.heading,
+            dates=role == "x" and found.zero is not None,
+            in_cells=reader.units.get(role),
         )
-        for role, values in (("x", found.x), ("y", found.y))
+        for role in ("x", "y", "y_minus")
+        if (column := reader.columns.get(role)) is not None
     }
-    if "y_minus" in reader.columns:
-        _same_units(name, headings["y"], _heading(sheet, reader.columns["y_minus"], False, reader.units.get("y_minus")))
-    return replace(found, x_heading=headings["x"], y_heading=headings["y"])
+    if "y_minus" in headings:
+        _same_units(name, headings["y"], headings["y_minus"])
+    return replace(
+        found,
+        x_heading=replace(headings["x"], first=tuple(found.x[:_FIRST])),
+        y_heading=replace(headings["y"], first=tuple(found.y[:_FIRST])),
+    )
 
 
 def _needs_cells(columns: Columns) -> bool:
@@ -214,21 +205,6 @@ def _picked(sheet: Sheet, rows: list[tuple[int, list[Cell]]], role: str, text: s
         names = [heading for heading in sheet.header if heading] or ["column 1", "column 2"]
         suggested = names[min(("x", "y").index(role), len(names) - 1)]
         raise TableError(f"{error}; say which it is: {role}_column: {suggested}") from None
-
-
-def _heading(sheet: Sheet, column: Picked, dates: bool, in_cells: str | None) -> Heading:
-    name = column.name
-    if dates:
-        return Heading(name, "day", certain=True, dates=True)
-    named = units_of(column.heading or name)
-    if in_cells is not None:
-        return Heading(name, in_cells, certain=True, in_cells=True, named=named)
-    commented = units_in_comments(sheet.comments).get(name)
-    if not named and commented is not None:
-        named = tuple(replace(one, certain=False) for one in units_of(f"x [{commented}]") if one.unit is not None)
-    known = [one for one in named if one.unit is not None]
-    best = next((one for one in known if one.certain), known[0] if known else None)
-    return Heading(name, named=named) if best is None else Heading(name, best.unit, best.certain, named=named)
 
 
 def _same_units(name: str, y: Heading, other: Heading) -> None:

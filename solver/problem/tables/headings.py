@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from geoswarm.solver.units import UnitError, base_unit, convert
 
 __all__ = [
+    "BASES",
+    "Heading",
     "Named",
+    "best_unit",
     "guess_unit",
+    "heading_of",
     "is_unit",
     "known_unit",
     "number_with_unit",
@@ -23,25 +27,27 @@ __all__ = [
 
 BASES = ("day", "m", "kPa", "degree", "dimensionless")
 _WORDS = {
-    "s": "sec secs second seconds sek sekunde sekunden",
-    "min": "mins minute minutes minuten",
-    "h": "hr hrs hour hours std stunde stunden",
+    "s": "s sec secs second seconds sek sekunde sekunden",
+    "min": "min mins minute minutes minuten",
+    "h": "h hr hrs hour hours std stunde stunden",
     "day": "d days tag tage tagen",
     "week": "weeks woche wochen",
     "month": "months monat monate",
     "year": "a years jahr jahre yr yrs",
     "ms": "millisecond milliseconds millisekunde millisekunden",
     "um": "µm μm micron microns micrometer micrometers micrometre micrometres mikrometer mikron",
-    "mm": "millimeter millimeters millimetre millimetres",
-    "cm": "centimeter centimeters centimetre centimetres zentimeter",
+    "mm": "mm millimeter millimeters millimetre millimetres",
+    "cm": "cm centimeter centimeters centimetre centimetres zentimeter",
     "m": "meter meters metre metres",
     "inch": "inches zoll",
     "ft": "feet foot",
     "Pa": "pascal",
     "mH2O": "mh2o mws",
     "cmH2O": "cmh2o cmws",
-    "kPa": "kilopascal",
-    "MPa": "megapascal",
+    "kPa": "kpa kilopascal",
+    "MPa": "mpa megapascal",
+    "bar": "bar",
+    "ksi": "ksi",
     "kN/m^2": "kn/m2",
     "N/mm^2": "n/mm2",
     "kgf/cm^2": "kg/cm2 kgf/cm2 kp/cm2 ksc",
@@ -51,7 +57,7 @@ _WORDS = {
     "lbf/ft^2": "psf lb/ft2 lbf/ft2 lbs/ft2",
     "kip/ft^2": "ksf kips/ft2",
     "force_ton/ft^2": "tsf ton/ft2 tons/ft2",
-    "psi": "lb/in2 lbf/in2 lbs/in2",
+    "psi": "psi lb/in2 lbf/in2 lbs/in2",
     "degree": "° deg degrees grad altgrad",
     "rad": "radian radians",
     "%": "percent prozent pct vol.-% vol-% vol.% vol% v.-%",
@@ -61,6 +67,9 @@ _WORDS = {
 }
 ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {"per mille": "permille"}
 """What laboratories write, in lower case, and what the registry of units (or a problem file) calls it."""
+
+_CASE_MATTERS = frozenset(("mPa", "Mm"))
+"""Other units in small letters."""
 
 _ATOMS = frozenset(
     re.findall(
@@ -117,14 +126,67 @@ class Named:
     label: str
 
 
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """A heading and the units that it, a comment or the cells below it name.
+
+    ``dates``: the column holds dates, which are read as days. ``in_cells``: the cells themselves have the unit.
+    ``named`` holds also what stands in place of a unit and is not known. ``first`` are the first values.
+    """
+
+    name: str
+    named: tuple[Named, ...] = ()
+    dates: bool = False
+    in_cells: bool = False
+    first: tuple[float, ...] = ()
+
+    @property
+    def unit(self) -> str | None:
+        """The unit that is most certain; None without one."""
+        best = best_unit(self.named)
+        return None if best is None else best.unit
+
+    @property
+    def certain(self) -> bool:
+        """Whether that unit stands in brackets, behind ``in``, or in the cells."""
+        best = best_unit(self.named)
+        return best is not None and best.certain
+
+
+def heading_of(
+    name: str, comments: Mapping[str, str], *, text: str = "", dates: bool = False, in_cells: str | None = None
+) -> Heading:
+    """Return the heading of a column: its unit is that of dates, else of the cells, of the text, of a comment.
+
+    Parameters
+    ----------
+    text
+        What stands above the cells, where that is not the ``name``.
+    in_cells
+        Unit that all cells end with.
+    """
+    if dates or in_cells is not None:
+        unit = "day" if in_cells is None or dates else in_cells
+        return Heading(name, (Named(unit, _known(unit)[1], True, unit, name),), dates, not dates)
+    named = units_of(text or name)
+    if not named and name in comments:
+        named = tuple(replace(one, certain=False) for one in units_of(f"x [{comments[name]}]") if one.unit is not None)
+    return Heading(name, named)
+
+
+def best_unit(named: Iterable[Named], bases: Sequence[str | None] | None = None) -> Named | None:
+    """Return the first unit that is certain, else the first one; of these dimensions, if some are given."""
+    known = [one for one in named if one.unit is not None and (bases is None or one.base in bases)]
+    return next((one for one in known if one.certain), known[0] if known else None)
+
+
 def guess_unit(heading: str) -> tuple[str, str | None, str | None]:
     """Split a heading such as ``settlement [mm]`` or ``time in min`` into label, unit and base unit.
 
     >>> guess_unit("Setzung [1/100 mm] (korr.)")
     ('Setzung (korr.)', '0.01 mm', 'm')
     """
-    named = [one for one in units_of(heading) if one.unit is not None and one.base in BASES]
-    best = next((one for one in named if one.certain), named[0] if named else None)
+    best = best_unit(units_of(heading), BASES)
     return (" ".join(heading.split()), None, None) if best is None else (best.label, best.unit, best.base)
 
 
@@ -244,15 +306,15 @@ def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
         return None, None
     factor = ""
     unit = _spelled(text)
-    if unit is None and (found := _FACTOR.fullmatch(text)) is not None and found["unit"]:
+    found = _FACTOR.fullmatch(text) if unit is None else None
+    if found is not None:
+        value, below_1 = _factor(found["factor"]), _SMALL.match(text) is not None
+        if value and not found["unit"] and below_1 and not small:
+            return {"0.01": "%", "0.001": "permille"}.get(value, f"{value} dimensionless"), "dimensionless"
         unit = _spelled(found["unit"])
-        value = _factor(found["factor"])
-        if unit is None or unit == "dimensionless" or (small and _SMALL.match(text) is None) or not value:
+        if unit == "dimensionless" or (small and not below_1) or not value:
             return None, None
         factor = f"{value} "
-    elif unit is None and (found := _FACTOR.fullmatch(text)) is not None and _SMALL.match(text) and not small:
-        value = _factor(found["factor"])
-        return {"0.01": "%", "0.001": "permille"}.get(value, f"{value} dimensionless"), "dimensionless"
     if unit is None:
         return None, None
     try:
@@ -276,23 +338,10 @@ def _factor(text: str) -> str:
 def _spelled(text: str) -> str | None:
     """A unit without a factor in the words of the registry; None for what is none."""
     plain = text.strip().rstrip(".:").replace("·", "*").replace("^", "").replace("**", "")
-    for given in (plain, plain.casefold()):
-        if given in ALIASES and not (len(plain) == 1 and plain.isupper() and plain not in "HD"):
+    letter = len(plain) == 1 and plain.isupper() and plain not in "DHS"  # a symbol
+    for given in (plain, *(() if plain in _CASE_MATTERS else (plain.casefold(),))):
+        if given in ALIASES and not letter:
             return ALIASES[given]
-    if plain in ("H", "S"):
-        return {"H": "h", "S": "s"}[plain]
-    caseless = {
-        "kpa": "kPa",
-        "mpa": "MPa",
-        "psi": "psi",
-        "bar": "bar",
-        "mm": "mm",
-        "cm": "cm",
-        "min": "min",
-        "ksi": "ksi",
-    }
-    if plain.casefold() in caseless and plain not in ("mPa", "Mm"):
-        return caseless[plain.casefold()]
     spelled = re.sub(r"(?<=[A-Za-z])(?=-?\d)", "^", re.sub("[µμ](?=[a-zA-Z])", "u", plain))
     spelled = re.sub(r"(?<![A-Za-z])(kp|kgf)(?![A-Za-z])", "kgf", spelled)
     atoms = re.findall(r"[A-Za-z_%°‰]+(?:\^2O)?", spelled)

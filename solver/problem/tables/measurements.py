@@ -8,7 +8,14 @@ from typing import Literal
 
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
-from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, unclear_unit, units_in_comments, units_of
+from geoswarm.solver.problem.tables.headings import (
+    BASES,
+    best_unit,
+    guess_unit,
+    heading_of,
+    unclear_unit,
+    units_in_comments,
+)
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
 from geoswarm.solver.problem.tables.quantities import quantities_of
@@ -149,35 +156,30 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
 def _column(
     heading: str, place: int, cells: list[Cell], body: Sequence[Sequence[Cell]], commented: Mapping[str, str]
 ) -> Column:
-    label, unit, base = guess_unit(heading)
-    if unit is None and heading in commented:
-        unit, base = known_unit(commented[heading])
+    label = guess_unit(heading)[0]
     cells, in_cells = without_units(cells)
-    unclear = unclear_unit(units_of(heading)) if in_cells is None else None
-    if unclear is not None:
-        unit = base = None
-    if in_cells is not None:
-        unit, base = known_unit(in_cells)
     filled = [cell for cell in cells if cell != ""]
     kind, doubt = _kind([cell for cell in filled if not str(cell).startswith(FORMULA)], body)
     values: tuple[float | None, ...] = ()
     if kind == "number":
         values = tuple(None if doubt and _is_doubtful(cell) else number_in(cell) for cell in cells)
     elif kind == "time":
-        unit, base, unclear = "day", "day", None
         moments = [moment_in(cell) for cell in cells]
         first = next((moment for moment in moments if moment is not None), None)
         values = tuple(
             None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
         )
+    named = heading_of(heading, commented, dates=kind == "time", in_cells=in_cells).named
+    unclear = unclear_unit(named)
+    best = best_unit(named, BASES) if unclear is None else None
     read = sum(value is not None for value in values)
     shown = tuple(_shown(cell) for cell in cells[:_FIRST_ROWS])
     return Column(
         heading,
         column_letters(place),
         label,
-        unit,
-        base,
+        None if best is None else best.unit,
+        None if best is None else best.base,
         unclear,
         quantities_of(label),
         kind,

@@ -214,5 +214,5 @@ def test_readings_that_no_soil_can_have_need_accept(tmp_path: Path, capsys: pyte
     assert not (tmp_path / "out").exists()
     assert main(["check", str(path), "--accept", "settlement"]) == 0
     assert "is more than the height of the specimen" in capsys.readouterr().err
-    assert main(["check", str(path), "--accept", "settlment"]) == 2
-    assert "accept[0]: unknown series 'settlment'; did you mean settlement?" in capsys.readouterr().err
+    assert main(["check", str(path), "--accept", "settlements"]) == 2
+    assert "accept[0]: unknown series 'settlements'; did you mean settlement?" in capsys.readouterr().err

@@ -320,9 +320,9 @@ def test_readings_that_no_soil_can_have_are_refused(changes: dict[str, Any], ref
 
 
 def test_what_is_accepted_is_a_series() -> None:
-    problem = parse_problem(oedometer().document() | {"accept": ["settlment"]})
+    problem = parse_problem(oedometer().document() | {"accept": ["settlements"]})
     assert [str(issue) for issue in impossible(problem)] == [
-        "accept[0]: unknown series 'settlment'; did you mean settlement?"
+        "accept[0]: unknown series 'settlements'; did you mean settlement?"
     ]
 
 

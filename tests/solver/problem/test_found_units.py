@@ -190,7 +190,18 @@ def test_units_of_headings(heading: str, base: str, factor: float) -> None:
 
 
 @pytest.mark.parametrize(
-    "heading", ["Setzung in 5 m Tiefe", "sigma1'", "load step", "void ratio", "Versuch (2)", "p (t)", "Sensor 1", "x_1"]
+    "heading",
+    [
+        "Setzung in 5 m Tiefe",
+        "sigma1'",
+        "load step",
+        "void ratio",
+        "Versuch (2)",
+        "p (t)",
+        "Sensor 1",
+        "x_1",
+        "eps [10^-9]",
+    ],
 )
 def test_words_that_are_no_units(heading: str) -> None:
     assert guess_unit(heading)[1] is None

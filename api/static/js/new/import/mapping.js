@@ -58,8 +58,8 @@ export function mapping(file, content, context, act) {
     const name = `${axis}Unit`, now = points[`${axis}_unit`] === "unstated" ? "" : points[`${axis}_unit`];
     if (["", state.found[axis]].includes(state[name])) {
       const input = fields.querySelector(`#map-${axis}-unit`);
-      input.value = state[name] = now;
-      input.closest(".field").classList.toggle("asked", !now);
+      input.value = now;
+      input.dispatchEvent(new Event("input"));
     }
     state.found[axis] = now;
   }
