@@ -176,7 +176,7 @@ class Misfit:
 
     series: str
     stage: int | None
-    reason: Literal["pattern", "repeats", "stated_error"]
+    reason: Literal["pattern", "repeats", "stated_error", "missed"]
     probability: Number = told("probability of such a deviation by chance if the model is right")
     deviation: Number = told("root mean square of the residuals")
     largest: Number = told("largest smoothed residual, calculated - measured")

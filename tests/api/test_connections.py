@@ -100,7 +100,7 @@ def is_closed(raw: socket.socket) -> bool:
         return True
 
 
-@pytest.mark.parametrize(("soft", "hard"), [(256, 4096), (256, 256)])
+@pytest.mark.parametrize(("soft", "hard"), [pytest.param(256, 4096, marks=pytest.mark.slow), (256, 256)])
 def test_unfinished_heads_do_not_keep_others_out(tmp_path: Path, soft: int, hard: int) -> None:
     with served(tmp_path, soft, hard) as (url, log, _), ExitStack() as attack:
         for number in range(1100):

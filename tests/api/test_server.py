@@ -17,6 +17,7 @@ from geoswarm.api.server import base_url
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, LiveServer, line_problem
 from tests.integration.engines import PATIENCE
+from tests.variants import variants
 
 
 def test_a_port_in_use_is_told_before_anything_starts(service: JobService) -> None:
@@ -101,7 +102,7 @@ print("closed", flush=True)
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", variants([signal.SIGTERM, signal.SIGINT], {signal.SIGTERM}))
 def test_a_signal_ends_the_process_gracefully_with_an_open_stream(tmp_path: Path, number: signal.Signals) -> None:
     root = Path(__file__).parents[2]
     environment = os.environ | {"PYTHONPATH": str(root)}

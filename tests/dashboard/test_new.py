@@ -303,7 +303,7 @@ def test_a_check_warns_of_what_is_probably_not_meant(embedded: Site, visit: Visi
     page.get_by_role("button", name="Check", exact=True).click()
     warning = page.locator("#check-body .notes[role=alert]")
     expect(warning).to_contain_text("if 20 mm is meant, give 0.02", timeout=CALM)
-    assert "check y_unit" in warning.inner_text()  # 3.7 mm of 20 m
+    assert "is only 0.00018 of the height of the specimen, 20 m" in warning.inner_text()  # 3.7 mm
 
 
 def test_readers_are_told_that_they_may_not_submit(full: Site, visit: Visit) -> None:

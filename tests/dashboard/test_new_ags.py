@@ -13,6 +13,7 @@ from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.layout import check_layout
 from tests.solver.ags.synthetic import compression, content, group, groups, keyed
+from tests.variants import variants
 
 Visit = Callable[..., Opened]
 
@@ -155,12 +156,18 @@ def test_a_file_without_a_usable_test_says_so(embedded: Site, visit: Visit) -> N
 
 @pytest.mark.parametrize(
     ("data", "message"),
-    [
-        (b'"**PROJ"\r\n"*PROJ_ID"\r\n', "is AGS 3; AGS 4 is accepted. Ask for the data as AGS 4, or convert the file"),
-        (b'"GROUP","CONG"\r\n"HEADING","A"\r\n"DATA","1","2"\r\n', "line 3: group CONG: 2 cells of DATA under 1"),
-        (content(CONG=""), "group CONS needs the group CONG, which is missing"),
-        (b"\x89PNG\r\n\0\0", "broken.ags is not a text file; give a file in the AGS 4 format"),
-    ],
+    variants(
+        [
+            (
+                b'"**PROJ"\r\n"*PROJ_ID"\r\n',
+                "is AGS 3; AGS 4 is accepted. Ask for the data as AGS 4, or convert the file",
+            ),
+            (b'"GROUP","CONG"\r\n"HEADING","A"\r\n"DATA","1","2"\r\n', "line 3: group CONG: 2 cells of DATA under 1"),
+            (content(CONG=""), "group CONS needs the group CONG, which is missing"),
+            (b"\x89PNG\r\n\0\0", "broken.ags is not a text file; give a file in the AGS 4 format"),
+        ],
+        {content(CONG="")},
+    ),
 )
 def test_a_broken_file_is_explained(embedded: Site, visit: Visit, data: bytes, message: str) -> None:
     page, guard = visit(embedded, "/new?example=oedometer")
@@ -178,6 +185,7 @@ def test_a_file_is_known_by_its_first_line(embedded: Site, visit: Visit) -> None
     expect(listed(page, content(), "laboratory.txt").get_by_role("checkbox")).to_have_count(4)
 
 
+@pytest.mark.slow
 def test_many_tests_are_filtered(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new")
     keys = [(f"BH{n}", "4.50", "3", "U", "", "1", "4.60") for n in range(1, 31)]
@@ -198,6 +206,7 @@ def test_many_tests_are_filtered(embedded: Site, visit: Visit) -> None:
     check_accessibility(page)
 
 
+@pytest.mark.slow
 def test_the_import_fits_a_phone(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer", **PHONE)
     form = listed(page)

@@ -19,6 +19,7 @@ from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_new import CALM
 from tests.solver.laws.checks import usual_values
+from tests.variants import variants
 
 Visit = Callable[..., Opened]
 
@@ -100,7 +101,8 @@ def check_sound(page: Page, kind: str, law: str) -> None:
     """Parameters and readings; the form shows each."""
     problem, (series, x) = text_of(page), X[kind]
     problem["parameters"] = parameters_of(kind, law)
-    problem["observations"] = [{"series": series, "points": {"x": x, "y": [1.0e-3, 2.0e-3, 3.0e-3]}}]
+    y = [10.0, 20.0, 30.0] if kind in SHEARED else [1.0e-3, 2.0e-3, 3.0e-3]  # kPa, or m and parts of the height
+    problem["observations"] = [{"series": series, "points": {"x": x, "y": y}}]
     write(page, problem)
     if law == "soft_soil_creep" and kind in SHEARED:
         expect(page.locator("#issues")).to_contain_text("rate or duration is missing: time has an effect on material")
@@ -135,7 +137,7 @@ def begin(site: Site, visit: Visit, kind: str) -> Page:
     return page
 
 
-@pytest.mark.parametrize("kind", BY_DEFAULT)
+@pytest.mark.parametrize("kind", variants(BY_DEFAULT, {"triaxial", "column"}))
 def test_each_test_is_given_with_another_law(embedded: Site, visit: Visit, kind: str) -> None:
     page = begin(embedded, visit, kind)
     choose(page, kind, BY_DEFAULT[kind])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.dashboard.browser import check_accessibility
@@ -79,6 +80,7 @@ def test_a_triaxial_test_is_given_by_its_stages(embedded: Site, visit: Visit) ->
     check_calculates(page)
 
 
+@pytest.mark.slow
 def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "clay", "direct_simple_shear")
     expect(page.locator('[data-path="forward_model.shearing[0].shear_strain"]')).to_have_value("0.25")
@@ -103,6 +105,7 @@ def test_hardening_soil_with_small_strains_is_calculated_with_its_parameters(emb
     check_calculates(page)
 
 
+@pytest.mark.slow
 def test_an_oedometer_at_constant_rate_takes_the_permeability(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "clay", "crs_oedometer")
     expect(page.locator('[data-path="forward_model.stages[1].axial_strain"]')).to_have_value("0.11")
@@ -111,6 +114,7 @@ def test_an_oedometer_at_constant_rate_takes_the_permeability(embedded: Site, vi
     check_calculates(page)
 
 
+@pytest.mark.slow
 def test_consolidation_takes_stages_and_the_permeability(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "clay", "consolidation")
     expect(page.locator('[data-path="forward_model.stages[1].stress"]')).to_have_value("100")

@@ -16,11 +16,14 @@ from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_job import SOON
 from tests.dashboard.test_statistics import ended
 from tests.solver.identifiability.zoo import SWARM, ZOO
+from tests.variants import variants
 
 Visit = Callable[..., Opened]
 
 
-@pytest.mark.parametrize("name", ["two basins", "product", "wrong model", "plain"])
+@pytest.mark.parametrize(
+    "name", variants(["two basins", "product", "wrong model", "plain"], {"two basins", "wrong model"})
+)
 def test_report_json_and_dashboard_say_the_same(embedded: Site, visit: Visit, name: str) -> None:
     animal = ZOO[name]
     service = embedded.service

@@ -16,6 +16,7 @@ from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
 from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.settings import Settings
 from tests.integration.engines import process_exists, wait_for, wait_until_ended
+from tests.variants import variants
 from tests.workers.problems import line
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
@@ -55,12 +56,15 @@ def pids(notes: Path) -> list[int]:
 
 @pytest.mark.parametrize(
     ("behaviour", "limits", "reason"),
-    [
-        ("for_ever", {"seconds_per_evaluation": LIMIT}, "timeout"),
-        ("fork", {"seconds_per_evaluation": LIMIT}, "timeout"),
-        ("eat", {"memory_mb": 100, "seconds_per_evaluation": 240}, "killed_memory"),
-        ("crash", {}, "worker_lost"),
-    ],
+    variants(
+        [
+            ("for_ever", {"seconds_per_evaluation": LIMIT}, "timeout"),
+            ("fork", {"seconds_per_evaluation": LIMIT}, "timeout"),
+            ("eat", {"memory_mb": 100, "seconds_per_evaluation": 240}, "killed_memory"),
+            ("crash", {}, "worker_lost"),
+        ],
+        {"for_ever", "crash"},
+    ),
 )
 def test_bad_runs_are_failed_evaluations_and_the_job_goes_on(
     engine_with: Open, tmp_path: Path, behaviour: str, limits: dict[str, float], reason: str
@@ -113,7 +117,7 @@ def test_a_policy_ends_the_job_at_the_first_failure_here_and_in_process(engine_w
     assert job.error.endswith("failed (diverged), which ends the job (failures.policy): no equilibrium in stage 2")
 
 
-@pytest.mark.parametrize("action", ["pause", "cancel"])
+@pytest.mark.parametrize("action", variants(["pause", "cancel"], {"pause"}))
 def test_pause_and_cancel_reach_a_run_in_its_middle(engine_with: Open, tmp_path: Path, action: str) -> None:
     notes = tmp_path / "pids"
     cured = tmp_path / "cured"
@@ -227,6 +231,7 @@ def test_an_overdue_run_is_given_to_another_worker_too_and_the_first_result_coun
         assert all(sum(t.counted for t in of_one) == 1 for of_one in tries)
 
 
+@pytest.mark.slow  # 58 s; turns of jobs are also tested in tests/workers/test_queue.py
 def test_a_short_job_is_not_starved_by_a_long_one(engine_with: Open) -> None:
     long = line(method={"kind": "monte_carlo", "samples": 100_000, "batch": 1000}, stopping={})
     with engine_with(workers=1) as engine:

@@ -12,7 +12,7 @@ from scripts.reader import ReaderError, left_over
 from scripts.tutorials import PAGES, PICTURE, follow
 
 NAMES = sorted(path.stem for path in PAGES.glob("*.md") if path.stem != "README")
-QUICK = ["python-function", "service-with-agents"]
+QUICK = ["python-function"]
 """These run by default: some seconds of processor time each."""
 
 
