@@ -17,7 +17,18 @@ from geoswarm.solver.identifiability.optimum.bending import likelihood_intervals
 from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.problem import parse_problem
 
-__all__ = ["BANANA", "DEPARTING", "RIGHT", "WRONG", "Case", "Coverage", "coverage", "fitted", "share_flagged"]
+__all__ = [
+    "BANANA",
+    "DEPARTING",
+    "FEW_STATED",
+    "RIGHT",
+    "WRONG",
+    "Case",
+    "Coverage",
+    "coverage",
+    "fitted",
+    "share_flagged",
+]
 
 Noise = Callable[[np.random.Generator, FloatArray], FloatArray]
 
@@ -260,6 +271,15 @@ def _classical(found: Linearisation) -> FloatArray:
     low, high = found.optimum - half, found.optimum + half
     return np.stack([np.where(log, found.optimum / relative, low), np.where(log, found.optimum * relative, high)], 1)
 
+
+FEW_STATED: dict[tuple[int, float], Case] = {
+    (points, error): Case(
+        SATURATION, CURVE, {"y": np.linspace(0.5, 4.0, points)}, {"y": normal(0.05)}, error={"y": error}
+    )
+    for points in (3, 4, 5, 6)
+    for error in (0.05, 0.0025)
+}
+"""Few readings with a stated error, by their number and the error: the right one, and one 20 times too small."""
 
 BANANA = Case(
     {"y": "where(x < 0.5, a, 10 * (b - a**2))"},

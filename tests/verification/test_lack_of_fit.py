@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.verification.fit_cases import DEPARTING, RIGHT, WRONG, fitted, share_flagged
+from tests.solver.identifiability.cases import free, linearised, problem_of
+from tests.verification.fit_cases import DEPARTING, FEW_STATED, RIGHT, WRONG, fitted, share_flagged
 
 _FEW = {
     "bend, 15 points": 0.85,
@@ -32,6 +33,24 @@ def test_a_deviation_of_twice_the_noise_is_found(name: str) -> None:
     assert share_flagged(WRONG[name], 30) >= 0.8
 
 
+@pytest.mark.parametrize("points", [3, 4, 5, 6])
+def test_a_stated_error_counts_from_the_first_degree_of_freedom(points: int) -> None:
+    """Errors stated 20 times too small were met "identified" below six readings.
+
+    With one degree of freedom such residuals stay within the error once in nine times: P(chi2_1 < 6.63 / 400) = 0.103.
+    """
+    assert share_flagged(FEW_STATED[points, 0.0025], 30) >= (0.7 if points == 3 else 0.9)
+    assert share_flagged(FEW_STATED[points, 0.05], 30) <= 0.1
+
+
+def test_without_a_degree_of_freedom_intervals_say_that_they_rest_on_the_stated_error() -> None:
+    problem = problem_of("a + b * x", {"a": free(), "b": free()}, np.array([2.0, 4.0]), np.array([1.0, 3.0]))
+    found = linearised(problem, [1.0, 1.0], noise=0.1)
+    assert found.fit.kind == "untested"
+    assert found.interval("b") == pytest.approx((1 - 1.96 * 0.1 / 2**0.5, 1 + 1.96 * 0.1 / 2**0.5), abs=1e-3)
+    assert found.interval_in_words("b") == "its 95% interval by linearisation, if the stated error holds,"
+
+
 def test_the_verdict_says_where_and_by_how_much() -> None:
     found = fitted(WRONG["bend, 40 points"], np.random.default_rng(3)).fit
     assert found.kind == "lack_of_fit"
@@ -56,6 +75,13 @@ def test_correlated_residuals_widen_the_intervals() -> None:
 @pytest.mark.parametrize("name", list(RIGHT))
 def test_false_alarms_in_1000_repeats(name: str) -> None:
     assert share_flagged(RIGHT[name], 1000) <= 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("points", "level"), [(3, 0.01), (4, 0.01), (5, 0.01), (6, 0.05)])
+def test_a_right_stated_error_of_few_readings_in_1000_repeats(points: int, level: float) -> None:
+    """Patterns, at a level of 4 % of their own, are looked for from six readings on."""
+    assert share_flagged(FEW_STATED[points, 0.05], 1000) <= level + 0.005
 
 
 @pytest.mark.slow

@@ -225,7 +225,9 @@ class Linearisation:
         """Which interval it has: "its 95% interval by linearisation"."""
         looked = bool(np.isfinite(self.bending_of(name)))
         how = {"linearised": " at the optimum" if looked else " by linearisation", "profile": " by likelihood"}
-        return f"its {self.level:.0%} interval{how.get(self.basis(name), f', {self.basis_in_words(name)},')}"
+        words = f"its {self.level:.0%} interval{how.get(self.basis(name), f', {self.basis_in_words(name)},')}"
+        untold = self.noise is not None and self.noise.origin == "known" and self.degrees_of_freedom < 1
+        return f"{words.rstrip(',')}, if the stated error holds," if untold else words
 
     def correlation(self) -> FloatArray:
         """Correlations of the estimates in search coordinates, shape (d, d), nan where there is none."""

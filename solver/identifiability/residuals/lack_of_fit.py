@@ -47,6 +47,7 @@ _FAR = 4.0  # mean square of what a step to the minimum would take away, over th
 _MISSED = 0.5  # of the scatter of the readings around their mean: residuals that a constant would hardly exceed
 _FOLLOWS = 0.5  # Durbin-Watson below which residuals lie on one side for long
 _MOST_POINTS = 2000  # more are averaged in blocks
+_NOT_YET = "the best parameters are not the minimum yet; polish them first (geoswarm sensitivity)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,14 +187,15 @@ def examine_fit(
         return _verdict(calibration.problem, missed, [])
     basis = weighted_basis(readings.weighted)
     count, rank = len(readings.x), basis.shape[1]
-    if count - rank < _FEWEST_FREE:
+    free = count - rank
+    if free < (_FEWEST_FREE if known is None else 1):
         return untested(f"{count} readings for {rank} parameters leave too few to test it")
     rho = readings.scaled * readings.factors
     along = basis.T @ rho
-    rest = float(rho @ rho - along @ along) / (count - rank)
+    rest = float(rho @ rho - along @ along) / free
     rounding = met_to_rounding(readings.observed, responses)
     if known is None and rank and not rounding and float(along @ along) / rank > _FAR * rest:
-        return untested("the best parameters are not the minimum yet; polish them first (geoswarm sensitivity)")
+        return untested(_NOT_YET)
     # one step to where every series counts by its noise: weights chosen by hand carry noise from series to series
     deviations = _spread(readings, readings.scaled) if known is None else _stated(readings, known)
     readings = replace(
@@ -201,7 +203,13 @@ def examine_fit(
     )
     basis = weighted_basis(readings.weighted)
     rho = readings.scaled / deviations
-    residuals = (rho - basis @ (basis.T @ rho)) * deviations
+    along = basis.T @ rho
+    residuals = (rho - basis @ along) * deviations
+    if known is not None and free < _FEWEST_FREE:  # too few for a pattern; their size tells from the first on
+        rest = float(rho @ rho - along @ along) / free
+        if rank and float(along @ along) / rank > _FAR * max(rest, 1.0):
+            return untested(_NOT_YET)
+        return _verdict(calibration.problem, [], _exceeded(readings, residuals, basis, deviations), patterns=False)
     parts, places = _parts(calibration.problem, readings)
     misfits = [*_patterns(readings, residuals, basis, parts, places, deviations, known is not None)]
     misfits += _repeats(readings, residuals, rank, known)
@@ -385,9 +393,13 @@ def _exceeded(readings: _Readings, residuals: FloatArray, basis: FloatArray, dev
     return sorted(found, key=lambda misfit: -(misfit.ratio or 0.0))
 
 
-def _verdict(problem: Problem, misfits: list[Misfit], exceeded: list[Misfit]) -> FitVerdict:
+def _verdict(
+    problem: Problem, misfits: list[Misfit], exceeded: list[Misfit], *, patterns: bool = True
+) -> FitVerdict:
+    """The verdict from what was found; ``patterns``: whether there were enough readings to look for them."""
     found = tuple(misfit.in_units_of(problem) for misfit in (*misfits, *exceeded))
     if not found:
-        return FitVerdict("describes", "No lack of fit was found: what the model leaves looks like independent noise.")
+        looks = "looks like independent noise" if patterns else "is within the stated error; too few readings for more"
+        return FitVerdict("describes", f"No lack of fit was found: what the model leaves {looks}.")
     kind: FitKind = "lack_of_fit" if misfits else "error_not_met"
     return FitVerdict(kind, sentence_of(found), found, remedies_of(problem, found))

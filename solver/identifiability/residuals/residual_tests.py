@@ -29,6 +29,7 @@ _FIRST = (1, 2, 3)  # numbers of cosines that are looked at together
 _MANY = 30  # readings from which all cosines are looked at together, too
 _LEFT = 0.1  # share of a cosine that the fit must leave for it to be used
 _UNEVEN = 1.645
+_NOTHING = 1e-9  # expected square of what a part leaves, in units of its noise: less is rounding
 _OPEN = 1e-7  # singular value, relative to the largest, of a direction that the data leave open
 
 
@@ -135,7 +136,8 @@ def examine_size(
     normal = np.random.default_rng(_SEED).standard_normal((_DRAWS, len(residuals))) * (deviations * factors)
     simulated = _projected(normal, basis) / factors / deviations
     found = residuals / deviations
-    expected = np.array([np.mean(np.sum(simulated[:, part] ** 2, axis=1)) for part in parts])
+    # a part that its own parameters meet exactly has nothing left to compare
+    expected = np.array([max(float(np.mean(np.sum(simulated[:, part] ** 2, axis=1))), _NOTHING) for part in parts])
     largest = np.max([np.sum(simulated[:, p] ** 2, axis=1) / e for p, e in zip(parts, expected, strict=True)], axis=0)
     ratios = [float(np.sum(found[part] ** 2) / e) for part, e in zip(parts, expected, strict=True)]
     return tuple((float(np.sqrt(r)), float((1 + np.sum(largest >= r)) / (_DRAWS + 1))) for r in ratios)
