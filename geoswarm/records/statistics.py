@@ -176,25 +176,28 @@ class Misfit:
 
     series: str
     stage: int | None
-    reason: Literal["pattern", "repeats", "stated_error", "missed"]
+    reason: Literal["pattern", "repeats", "stated_error", "missed", "gross_error"]
     probability: Number = told("probability of such a deviation by chance if the model is right")
-    deviation: Number = told("root mean square of the residuals")
-    largest: Number = told("largest smoothed residual, calculated - measured")
+    deviation: Number = told("root mean square of the residuals; of one reading, its distance from what the others say")
+    largest: Number = told("largest residual, calculated - measured")
     x: Number = told("where it is")
-    ratio: Number = told("residuals over the stated error")
+    ratio: Number = told("residuals over the stated error; of one reading, its distance in standard deviations")
     unit: str
     x_unit: str
+    reading: int | None = told("number of the one reading, from 1; null for a series")
+    slip: Number = told("power of ten, or -1, by which the reading would fit; null where nothing of the kind does")
 
 
 @record(closed=True)
 class FitVerdict:
     """Whether the model describes the data; it comes before all other verdicts."""
 
-    kind: Literal["describes", "lack_of_fit", "error_not_met", "untested"]
+    kind: Literal["describes", "gross_error", "doubtful", "lack_of_fit", "error_not_met", "untested"]
+    headline: str = told("what stands above all results; empty where nothing has to")
     sentence: str
     misfits: list[Misfit]
     remedies: list[str]
-    level: float = told("probability of calling a right model wrong")
+    level: float = told("probability of doubting a right model")
 
 
 @record(closed=True)

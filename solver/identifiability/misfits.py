@@ -12,7 +12,7 @@ from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.units import convert
 from geoswarm.solver.words import listed
 
-__all__ = ["DOES_NOT_HOLD", "SHORT", "UNITS_FIRST", "Misfit", "remedies_of", "sentence_of"]
+__all__ = ["DOES_NOT_HOLD", "SHORT", "UNITS_FIRST", "Misfit", "headline_of", "remedies_of", "sentence_of"]
 
 _NO_UNITS = ("", "1", "-", "dimensionless")
 _MOST_NAMED = 3
@@ -29,7 +29,13 @@ UNITS_FIRST = (
 )
 """The first thing to do about readings that are missed by far."""
 
-SHORT = {"lack_of_fit": "model does not fit", "error_not_met": "stated error not met"}
+_HEADLINES = {
+    "lack_of_fit": "The model does not describe the data",
+    "error_not_met": "The stated error is not met",
+    "doubtful": "The fit is doubtful",
+}
+
+SHORT = {"lack_of_fit": "model does not fit", "error_not_met": "stated error not met", "doubtful": "fit doubtful"}
 """The same in the heading of a column."""
 
 
@@ -42,23 +48,27 @@ class Misfit:
     series, stage
         Where; ``stage`` None for the series as a whole, else from 1.
     reason
-        ``pattern`` in the residuals, ``repeats`` that scatter less, a ``stated_error`` that is exceeded, or ``missed``:
-        a constant would be about as close.
+        ``pattern`` in the residuals, ``repeats`` that scatter less, a ``stated_error`` that is exceeded, ``missed``: a
+        constant would be about as close, or ``gross_error``: the other readings of the series exclude this one.
     probability
         Of as much by chance, were the model right; over all parts together.
     deviation
-        Root mean square of the residuals of the result [unit].
+        Root mean square of the residuals of the result [unit]; of one reading, its distance from what the others say.
     largest, x
         The largest of them in size (calculated - measured) [unit] and where [x_unit].
     ratio
-        ``deviation`` over the stated error; None without one.
+        ``deviation`` over the stated error, of one reading over its standard deviation by the others; None without one.
     unit, x_unit
         Those of the data.
+    reading
+        Number of the one reading, from 1, in the observation; None for a series.
+    slip
+        What would make it fit if it were multiplied by it: a power of ten, or -1; None where nothing of the kind does.
     """
 
     series: str
     stage: int | None
-    reason: Literal["pattern", "repeats", "stated_error", "missed"]
+    reason: Literal["pattern", "repeats", "stated_error", "missed", "gross_error"]
     probability: float
     deviation: float
     largest: float
@@ -66,6 +76,8 @@ class Misfit:
     ratio: float | None
     unit: str
     x_unit: str
+    reading: int | None = None
+    slip: float | None = None
 
     def in_units_of(self, problem: Problem) -> Misfit:
         """The same with the numbers in the units of the data."""
@@ -92,18 +104,58 @@ class Misfit:
         return self.series if self.stage is None else f"{self.series}, stage {self.stage}"
 
 
-def sentence_of(misfits: Sequence[Misfit]) -> str:
-    """Say where and by how much."""
-    patterns = [m for m in misfits if m.reason != "stated_error"]
+def headline_of(kind: str, misfits: Sequence[Misfit]) -> str:
+    """What stands above all results, by the kind of the verdict on the fit; empty where nothing has to."""
+    if kind == "gross_error":
+        several = len(misfits) > 1
+        return f"{len(misfits)} readings do not fit the others" if several else "One reading does not fit the others"
+    return _HEADLINES.get(kind, "")
+
+
+def sentence_of(misfits: Sequence[Misfit], *, doubtful: bool = False) -> str:
+    """Say where and by how much; ``doubtful``: patterns that a right model leaves now and then."""
+    gross = [m for m in misfits if m.reason == "gross_error"]
+    patterns = _patterns_of(misfits)
     exceeded = [m for m in misfits if m.reason == "stated_error"]
-    parts = []
-    if patterns:
-        series = list(dict.fromkeys(m.series for m in patterns))
+    parts = [_excluded(m) for m in gross[:_MOST_NAMED]]
+    if len(gross) > len(parts):
+        parts.append(f"So do {len(gross) - len(parts)} more: see the table.")
+    series = list(dict.fromkeys(m.series for m in patterns))
+    if patterns and doubtful:
+        once = round(1.0 / min(m.probability for m in patterns))
+        parts.append(
+            f"The fit of {listed(series)} is doubtful: a right model looks this bad once in {once} sets of readings. "
+            f"{'It misses' if len(series) == 1 else 'They are missed:'} "
+            f"{'; '.join(_how_far([m for m in patterns if m.series == name], name) for name in series[:_MOST_NAMED])}."
+        )
+    elif patterns:
         parts.append(f"The model does not describe {listed(series)}{_of_each(patterns, series)}")
         parts.append("The parameters are those of the closest curve, and their intervals do not hold.")
     if exceeded:
         parts.append(_too_small(exceeded))
     return " ".join(parts)
+
+
+def _patterns_of(misfits: Sequence[Misfit]) -> list[Misfit]:
+    """Series and stages that the model misses as a whole."""
+    return [m for m in misfits if m.reason not in ("stated_error", "gross_error")]
+
+
+def _excluded(m: Misfit) -> str:
+    """One reading that the others exclude."""
+    at = f"{m.x:.4g} {m.x_unit}".strip()
+    side = "above" if m.largest < 0 else "below"
+    found = (
+        f"Reading {m.reading} of {m.series} (at {at}) lies {m.ratio or 0.0:.2g} standard deviations "
+        f"({_amount(m.deviation, m.unit)}) {side} what the others say"
+    )
+    if m.slip is None:
+        return f"{found}."
+    if m.slip < 0:
+        return f"{found}; with the other sign it would fit."
+    factor = max(m.slip, 1.0 / m.slip)
+    size = "smaller" if m.slip < 1 else "larger"
+    return f"{found}; {factor:.0f} times {size} it would fit: a slip of the decimal point?"
 
 
 def _of_each(patterns: Sequence[Misfit], series: Sequence[str]) -> str:
@@ -181,8 +233,15 @@ def _amount(value: float, unit: str) -> str:
 
 def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:
     """Say what to do."""
-    patterns = [m for m in misfits if m.reason != "stated_error"]
+    patterns = _patterns_of(misfits)
     found = []
+    gross = {m.series: [n.reading for n in misfits if n.reading and n.series == m.series] for m in misfits if m.reading}
+    for series, numbers in gross.items():
+        several = ", ".join(map(str, sorted(numbers)))
+        found.append(
+            f"Look up reading{'s' if len(numbers) > 1 else ''} {several} of {series}: correct a slip, leave it out as "
+            f"a gross error (gross_errors: [{several}]), or take `loss: soft_l1` for the series."
+        )
     if any(m.reason == "missed" for m in misfits):
         found.append(UNITS_FIRST)
     staged = [m.series for m in patterns if stage_times(problem.forward_model, m.series).size > 1]

@@ -120,9 +120,10 @@ def _linearised(calibration: Calibration, start: FloatArray) -> Linearisation:
 
 
 def share_flagged(case: Case, repeats: int, seed: int = 77) -> float:
-    """Share of the experiments in which the model is said not to describe the data, or the error not to be met."""
+    """Share of the experiments in which the model is doubted, said not to describe the data, or the error not met."""
     random = np.random.default_rng(seed)
-    return sum(fitted(case, random).fit.wrong for _ in range(repeats)) / repeats
+    kinds = [fitted(case, random).fit.kind for _ in range(repeats)]
+    return sum(kind in ("doubtful", "lack_of_fit", "error_not_met") for kind in kinds) / repeats
 
 
 LINE = {"a": (1.0, 0.1, 5.0, "linear"), "b": (0.5, 0.05, 5.0, "log")}

@@ -1,16 +1,16 @@
 // What stands before everything: where the model does not describe the data, by how much, and what to do.
 import { element } from "./dom.js";
 
-const WRONG = { lack_of_fit: "The model does not describe the data", error_not_met: "The stated error is not met" };
+const WRONG = new Set(["lack_of_fit", "error_not_met"]);
 
 /** Whether intervals do not hold, and what to say beside them; empty where nothing is wrong. */
 export function doubt(fit) {
-  return fit && WRONG[fit.kind] ? WRONG[fit.kind] : "";
+  return fit && WRONG.has(fit.kind) ? fit.headline : "";
 }
 
 /** The elements of the alarm of a verdict on the fit; none where nothing is wrong. */
 export function alarm(fit) {
-  if (!doubt(fit)) return [];
-  return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `≠ ${WRONG[fit.kind]}`), element("p", {}, fit.sentence),
+  if (!fit?.headline) return [];
+  return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `≠ ${fit.headline}`), element("p", {}, fit.sentence),
     element("p", {}, element("strong", {}, "What to do:")), element("ol", {}, fit.remedies.map((text) => element("li", {}, text))))];
 }

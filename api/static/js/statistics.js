@@ -239,7 +239,7 @@ function showStatistics(statistics) {
   view.statistics = statistics;
   settled();
   const { threshold, verdicts, correlations, fit } = statistics;
-  const warnings = statistics.warnings.filter((text) => !doubt(fit) || !text.startsWith(fit.sentence));
+  const warnings = statistics.warnings.filter((text) => !fit?.headline || !text.startsWith(fit.sentence));
   place("alarm").replaceChildren(...alarm(fit));
   const names = verdicts.map(({ parameter }) => parameter);
   parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;

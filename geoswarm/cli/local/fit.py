@@ -17,10 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["fit_of_run", "interval_heading", "show_fit"]
 
-_WRONG = {
-    "lack_of_fit": "THE MODEL DOES NOT DESCRIBE THE DATA",
-    "error_not_met": "THE STATED ERROR IS NOT MET",
-}
 _WIDTH = 100
 
 
@@ -49,7 +45,7 @@ def show_fit(fit: Mapping[str, Any] | None) -> None:
     if fit["kind"] == "untested":
         note(f"Note: {fit['sentence']}")
         return
-    click.secho(_WRONG[fit["kind"]], bold=True, fg="red")
+    click.secho(fit["headline"].upper(), bold=True, fg="red")
     click.echo(textwrap.fill(fit["sentence"], _WIDTH, initial_indent="  ", subsequent_indent="  "))
     click.echo("  What to do:")
     for number, remedy in enumerate(fit["remedies"], 1):

@@ -36,7 +36,8 @@ from geoswarm.solver.identifiability.optimum.linearisation import IntervalBasis,
 from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance, reading_variances
 from geoswarm.solver.identifiability.residuals.dependence import Dependence, dependence_of
-from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, is_exact, met_to_rounding
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit
+from geoswarm.solver.identifiability.residuals.readings import is_exact, met_to_rounding
 from geoswarm.solver.objective import LEAST_SLOPE, PseudoReadings
 
 __all__ = ["design", "from_evaluations", "linearise"]

@@ -3,6 +3,8 @@
 ==================  ==========================================================
 ``independence``    runs test, Durbin-Watson, repeats
 ``residual_tests``  patterns in the residuals
+``readings``        the readings at the optimum, weighed by their noise
+``gross_errors``    readings that the others exclude
 ``lack_of_fit``     all tests as one, with a level of 5 %
 ``dependence``      noise that is not independent and even
 ==================  ==========================================================

@@ -3,50 +3,61 @@
 Intervals and verdicts about parameters hold only for a model that describes the data up to independent noise of the
 stated size. Two things are tested at the optimum, with a level of 5 % over all series and stages: patterns in the
 residuals (:mod:`.residual_tests`), with repeats the lack of fit against their scatter,
-and the size of the residuals against a stated error. docs/statistics.md tells how often it is wrong.
+and the size of the residuals against a stated error. Readings that the others exclude (:mod:`.gross_errors`) are named
+before and left out of these tests. docs/statistics.md says how often the tests are wrong.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability.misfits import UNITS_FIRST, Misfit, remedies_of, sentence_of
+from geoswarm.solver.identifiability.misfits import UNITS_FIRST, Misfit, headline_of, remedies_of, sentence_of
+from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
+from geoswarm.solver.identifiability.residuals.readings import (
+    FEWEST_FREE,
+    Readings,
+    along_and_rest,
+    by_noise,
+    is_exact,
+    left_over,
+    met_to_rounding,
+    readings_at,
+    spread_of,
+)
 from geoswarm.solver.identifiability.residuals.residual_tests import (
     FEWEST_IN_PART,
     Part,
     PartResult,
     examine_parts,
     examine_size,
+    smooth_share,
     weighted_basis,
 )
-from geoswarm.solver.objective import ObservedSeries
 from geoswarm.solver.plausibility.readings import doubtful_readings
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
 
-__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "is_exact", "met_to_rounding", "unfit_readings", "untested"]
+__all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "unfit_readings", "untested"]
 
-FitKind: TypeAlias = Literal["describes", "lack_of_fit", "error_not_met", "untested"]
+FitKind: TypeAlias = Literal["describes", "gross_error", "doubtful", "lack_of_fit", "error_not_met", "untested"]
 
 LEVEL = 0.04
-"""Probability of calling a right model wrong, over all series and stages."""
+"""Probability of doubting a right model, over all series and stages."""
 
+_WRONG_LEVEL = 0.01  # below which a pattern is a lack of fit, and no more a doubt
 _OTHER_LEVEL = 0.01  # each, of the test against repeats, and of that against the stated error
+_SMALL = 0.01  # of the noise: a smooth deviation or a correlation that changes nothing, however many readings show it
 _ERROR_RATIO = 1.2  # residuals that exceed the stated error by less are let pass: intervals are that much too narrow
-_FEWEST_FREE = 4  # readings beyond the parameters
-_ROUNDING = 1e-10  # of the readings: less is no spread, and leaves nothing to minimise
-_EXACT = 1e-4  # of the range of a series: residuals that are numerical, not measured
 _FAR = 4.0  # mean square of what a step to the minimum would take away, over that of the rest
-_MISSED = 0.5  # of the scatter of the readings around their mean: residuals that a constant would hardly exceed
-_FOLLOWS = 0.5  # Durbin-Watson below which residuals lie on one side for long
-_MOST_POINTS = 2000  # more are averaged in blocks
+_SLIPS = (0.1, 10.0, 0.01, 100.0, 1e-3, 1e3, -1.0)  # of a decimal point, or a sign
+_FITS = 3.0  # standard deviations
 _NOT_YET = "the best parameters are not the minimum yet; polish them first (geoswarm sensitivity)"
 
 
@@ -57,8 +68,9 @@ class FitVerdict:
     Parameters
     ----------
     kind
-        ``describes``: no lack of fit was found; ``lack_of_fit``; ``error_not_met``: the residuals exceed the stated
-        error, without a pattern; ``untested``.
+        ``describes``: no lack of fit was found; ``gross_error``: the same without readings that the others exclude;
+        ``doubtful``: a right model leaves such a pattern once in 25 to 100 sets of readings; ``lack_of_fit``;
+        ``error_not_met``: the residuals exceed the stated error, without a pattern; ``untested``.
     sentence
         The verdict in words.
     misfits
@@ -80,9 +92,15 @@ class FitVerdict:
         """Whether intervals do not hold, because the model or the stated error is wrong."""
         return self.kind in ("lack_of_fit", "error_not_met")
 
+    @property
+    def headline(self) -> str:
+        """What stands above all results; empty where nothing has to."""
+        return headline_of(self.kind, self.misfits)
+
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return asdict(self) | {"misfits": [asdict(m) for m in self.misfits], "remedies": list(self.remedies)}
+        lists = {"misfits": [asdict(m) for m in self.misfits], "remedies": list(self.remedies)}
+        return asdict(self) | lists | {"headline": self.headline}
 
 
 def untested(why: str) -> FitVerdict:
@@ -97,65 +115,6 @@ def unfit_readings(problem: Problem) -> FitVerdict | None:
         return None
     each = ". ".join(f"{doubt.series}: {doubt.message}" for doubt in doubts)
     return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (UNITS_FIRST,))
-
-
-@dataclass(frozen=True, slots=True)
-class _Residuals:
-    """Calculated - measured of the readings of one series that count, in the order of x, shape (m,).
-
-    They are those of every table and figure: the tests themselves look at other ones, after a step to where each series
-    counts by its noise. ``stages``: number of the stage of each, from 1; None without stages.
-    """
-
-    x: FloatArray
-    y: FloatArray
-    values: FloatArray
-    weights: FloatArray
-    stages: IntArray | None
-
-    @classmethod
-    def of(cls, problem: Problem, o: ObservedSeries, calculated: FloatArray) -> _Residuals:
-        used = np.flatnonzero(o.point_weights > 0)
-        used = used[np.argsort(o.x[used], kind="stable")]
-        starts = stage_times(problem.forward_model, o.series)
-        stages = stage_of(o.x[used], starts) if starts.size >= 2 else None
-        return cls(o.x[used], o.y[used], (calculated - o.y)[used], o.point_weights[used], stages)
-
-    @property
-    def is_missed(self) -> bool:
-        """Whether a constant would be about as close, and neighbours are missed to the same side."""
-        mean = np.average(self.y, weights=self.weights)
-        left, whole = (float(np.sum(self.weights * part**2)) for part in (self.values, self.y - mean))
-        follow = float(np.sum(np.diff(self.values) ** 2)) < _FOLLOWS * float(np.sum(self.values**2))
-        return self.x.size >= FEWEST_IN_PART and left > _MISSED * whole and follow
-
-    def size(self, stage: int | None) -> tuple[float, float, float]:
-        """Root mean square, the largest residual, and its x: of the series, or of one stage."""
-        own = slice(None) if stage is None or self.stages is None else self.stages == stage
-        x, values, weights = self.x[own], self.values[own], self.weights[own]
-        worst = int(np.argmax(np.abs(values)))
-        return float(np.sqrt(np.sum(weights * values**2) / np.sum(weights))), float(values[worst]), float(x[worst])
-
-
-@dataclass(frozen=True, slots=True)
-class _Readings:
-    """All readings that count, in the order of series and x, of shape (n,); ``measured``: those of each series."""
-
-    observed: tuple[ObservedSeries, ...]
-    measured: tuple[_Residuals, ...]
-    series: IntArray
-    x: FloatArray
-    residuals: FloatArray
-    inside: FloatArray
-    factors: FloatArray
-    weighted: FloatArray
-
-    @property
-    def scaled(self) -> FloatArray:
-        return self.residuals * self.inside
-
-    def of(self, index: int) -> IntArray:
-        return np.flatnonzero(self.series == index)
 
 
 def examine_fit(
@@ -182,85 +141,88 @@ def examine_fit(
     """
     if (unfit := unfit_readings(calibration.problem)) is not None:
         return unfit
-    readings = _readings(calibration, responses, derivatives)
+    readings = readings_at(calibration, responses, derivatives)
     if at_bound and (missed := _missed(readings, known)):
-        return _verdict(calibration.problem, missed, [])
+        return _verdict(calibration.problem, missed)
     basis = weighted_basis(readings.weighted)
     count, rank = len(readings.x), basis.shape[1]
     free = count - rank
-    if free < (_FEWEST_FREE if known is None else 1):
-        return untested(f"{count} readings for {rank} parameters leave too few to test it")
+    too_few = untested(f"{count} readings for {rank} parameters leave too few to test it")
+    if free < (FEWEST_FREE - 1 if known is None else 1):
+        return too_few
     rho = readings.scaled * readings.factors
-    along = basis.T @ rho
-    rest = float(rho @ rho - along @ along) / free
-    rounding = met_to_rounding(readings.observed, responses)
-    if known is None and rank and not rounding and float(along @ along) / rank > _FAR * rest:
+    along, rest = along_and_rest(rho, basis)
+    if known is None and rank and not met_to_rounding(readings.observed, responses) and along > _FAR * rest:
         return untested(_NOT_YET)
-    # one step to where every series counts by its noise: weights chosen by hand carry noise from series to series
-    deviations = _spread(readings, readings.scaled) if known is None else _stated(readings, known)
-    readings = replace(
-        readings, factors=1.0 / deviations, weighted=readings.weighted / (readings.factors * deviations)[:, None]
-    )
-    basis = weighted_basis(readings.weighted)
-    rho = readings.scaled / deviations
-    along = basis.T @ rho
-    residuals = (rho - basis @ along) * deviations
-    if known is not None and free < _FEWEST_FREE:  # too few for a pattern; their size tells from the first on
-        rest = float(rho @ rho - along @ along) / free
-        if rank and float(along @ along) / rank > _FAR * max(rest, 1.0):
+    readings, deviations = by_noise(readings, known)
+    gross, excluded = _gross(readings, deviations, known)
+    exceeded = [] if known is None else _exceeded(readings, deviations)
+    if gross:
+        readings, deviations = by_noise(readings.without(excluded), known)
+        free -= len(excluded)
+    elif known is None and free < FEWEST_FREE:
+        return too_few
+    if gross or free < FEWEST_FREE:
+        along, rest = along_and_rest(readings.scaled / deviations, weighted_basis(readings.weighted))
+        moved = rank and along > _FAR * max(rest, 1.0)  # what the others say of themselves is known at their minimum
+        if moved and not gross:
             return untested(_NOT_YET)
-        return _verdict(calibration.problem, [], _exceeded(readings, residuals, basis, deviations), patterns=False)
+        if moved or free < FEWEST_FREE:  # too few for a pattern; their size tells from the first on
+            return _verdict(calibration.problem, [*gross, *exceeded], patterns=False)
     parts, places = _parts(calibration.problem, readings)
-    misfits = [*_patterns(readings, residuals, basis, parts, places, deviations, known is not None)]
-    misfits += _repeats(readings, residuals, rank, known)
-    exceeded = [] if known is None else _exceeded(readings, residuals, basis, deviations)
+    misfits = [*_patterns(readings, parts, places, deviations, known is not None)]
+    misfits += _repeats(readings, deviations, rank, known)
     if exceeded and not misfits:
-        misfits += _patterns(readings, residuals, basis, parts, places, _spread(readings, readings.scaled), False)
-    return _verdict(calibration.problem, misfits, exceeded)
+        misfits += _patterns(readings, parts, places, spread_of(readings, readings.scaled), False)
+    return _verdict(calibration.problem, [*gross, *misfits, *exceeded])
 
 
-def _readings(
-    calibration: Calibration, responses: Mapping[str, FloatArray], derivatives: Mapping[str, FloatArray]
-) -> _Readings:
-    pseudo = calibration.objective.pseudo_readings(responses)
-    observed = tuple(o for o in pseudo.observed if o.weight > 0)
-    columns: list[list[FloatArray]] = [[] for _ in range(6)]
-    for index, o in enumerate(observed):
-        used = np.flatnonzero(o.point_weights > 0)
-        used = used[np.argsort(o.x[used], kind="stable")]
-        inside = np.sqrt(o.point_weights[used])
-        factor = np.full(used.size, np.sqrt(o.weight / o.y.size))
-        residuals = pseudo.residuals[o.series][used]
-        weighted = derivatives[o.series][used] * (inside * factor)[:, None]
-        rows = (np.full(used.size, index), o.x[used], residuals, inside, factor, weighted)
-        for column, values in zip(columns, _averaged(rows, used.size), strict=True):
-            column.append(values)
-    series, *others = (np.concatenate(column) for column in columns)
-    measured = tuple(_Residuals.of(calibration.problem, o, responses[o.series]) for o in observed)
-    return _Readings(observed, measured, series.astype(np.int64), *others)
+def _gross(
+    readings: Readings, deviations: FloatArray, known: Mapping[str, float] | None
+) -> tuple[list[Misfit], list[int]]:
+    """Readings that the others of their series exclude, and their indices; a robust loss copes with them by itself."""
+    misfits, excluded = [], []
+    basis = weighted_basis(readings.weighted)
+    for index, (o, measured) in enumerate(zip(readings.observed, readings.measured, strict=True)):
+        if o.loss is not None or not readings.is_single(index) or (known is None and is_exact(o, measured.values)):
+            continue
+        own = readings.of(index)
+        found = excluded_readings(readings.scaled / deviations, basis, own, known=known is not None)
+        for one in found:
+            place = int(one.index - own[0])
+            apart = one.expected * deviations[one.index] / readings.inside[one.index]
+            excluded.append(one.index)
+            misfits.append(
+                Misfit(
+                    o.series,
+                    None,
+                    "gross_error",
+                    GROSS_LEVEL,
+                    abs(apart),
+                    float(apart),
+                    float(measured.x[place]),
+                    abs(one.deviations),
+                    "",
+                    "",
+                    int(measured.numbers[place]),
+                    _slip(float(measured.y[place]), float(apart), abs(one.deviations)),
+                )
+            )
+    return misfits, excluded
 
 
-def _averaged(rows: tuple[FloatArray, ...], size: int) -> tuple[FloatArray, ...]:
-    """Means over blocks of neighbours where there are very many readings; patterns only stand out more."""
-    block = -(-size // _MOST_POINTS)
-    if block == 1:
-        return rows
-    starts = np.arange(0, size, block)
-    counts = np.diff(np.append(starts, size)).astype(np.float64)
-    index, x, residuals, inside, factor, weighted = rows
-    weights = inside**2
-    total = np.add.reduceat(weights, starts)
-    return (
-        index[starts],
-        np.add.reduceat(x, starts) / counts,
-        np.add.reduceat(residuals * weights, starts) / total,
-        np.sqrt(total),
-        factor[starts],
-        np.add.reduceat(weighted * inside[:, None], starts) / np.sqrt(total)[:, None],
-    )
+def _slip(y: float, apart: float, deviations: float) -> float | None:
+    """The power of ten, or -1, by which a reading would have to be multiplied to be what the others say; or None.
+
+    ``apart``: what they say - the reading, which is ``deviations`` standard deviations.
+    """
+    if y == 0.0:
+        return None
+    near = _FITS * abs(apart) / deviations
+    return next((factor for factor in _SLIPS if abs(y * factor - (y + apart)) <= near), None)
 
 
-def _parts(problem: Problem, readings: _Readings) -> tuple[list[Part], list[tuple[int, int | None]]]:
+def _parts(problem: Problem, readings: Readings) -> tuple[list[Part], list[tuple[int, int | None]]]:
     """Series and stages with enough readings, and where they are: index of the series and number of the stage."""
     parts: list[Part] = []
     places: list[tuple[int, int | None]] = []
@@ -282,44 +244,14 @@ def _parts(problem: Problem, readings: _Readings) -> tuple[list[Part], list[tupl
     return parts, places
 
 
-def _spread(readings: _Readings, residuals: FloatArray) -> FloatArray:
-    """Estimated standard deviation of the scaled noise of each series, repeated to shape (n,).
-
-    Of what no change of the parameters takes away from the series alone; so the fit of other series does not enter.
-    """
-    spread = np.empty(len(residuals))
-    for index in range(len(readings.observed)):
-        own = readings.of(index)
-        basis = weighted_basis(readings.weighted[own])
-        left = residuals[own] - basis @ (basis.T @ residuals[own])
-        free = own.size - basis.shape[1]
-        if free < _FEWEST_FREE - 1:
-            left, free = residuals[own], own.size
-        least = _ROUNDING * max(float(np.abs(readings.observed[index].y).max()), 1e-290)
-        spread[own] = max(float(np.sqrt(np.sum(left**2) / free)), least * float(readings.inside[own].max()))
-    return spread
-
-
-def is_exact(o: ObservedSeries, residuals: FloatArray, most: float = _EXACT) -> bool:
-    """Whether the residuals are numerical, ``most`` of the range: nothing that anybody has measured so well."""
-    scale = max(float(np.ptp(o.y)), 1e-6 * float(np.abs(o.y).max()))
-    return float(np.sqrt(np.mean(residuals**2))) <= most * scale
-
-
-def met_to_rounding(observed: Sequence[ObservedSeries], responses: Mapping[str, FloatArray]) -> bool:
-    """Whether the responses equal all readings but for rounding: there is nothing left to minimise."""
-    return all(is_exact(o, responses[o.series] - o.y, _ROUNDING) for o in observed)
-
-
 def _patterns(
-    readings: _Readings,
-    residuals: FloatArray,
-    basis: FloatArray,
+    readings: Readings,
     parts: list[Part],
     places: list[tuple[int, int | None]],
     deviations: FloatArray,
     known: bool,
 ) -> list[Misfit]:
+    residuals, basis = left_over(readings, deviations)
     chosen = [
         (part, place)
         for part, place in zip(parts, places, strict=True)
@@ -332,14 +264,21 @@ def _patterns(
     )
     misfits = [
         _misfit(readings, place, "pattern", result.adjusted)
-        for (_, place), result in zip(chosen, found, strict=True)
-        if result.adjusted < LEVEL
+        for (part, place), result in zip(chosen, found, strict=True)
+        if result.adjusted < LEVEL and _is_seen(readings, place[0], part, residuals)
     ]
     return sorted(misfits, key=lambda misfit: (misfit.probability, misfit.stage is not None))
 
 
+def _is_seen(readings: Readings, index: int, part: Part, residuals: FloatArray) -> bool:
+    """Whether a pattern is more than a hundredth of the noise of a reading."""
+    averaged = readings.measured[index].x.size / readings.of(index).size
+    smooth, follows = smooth_share(part.x, residuals[part.indices])
+    return smooth / averaged > _SMALL**2 or follows > _SMALL
+
+
 def _misfit(
-    readings: _Readings,
+    readings: Readings,
     place: tuple[int, int | None],
     reason: Literal["pattern", "repeats", "stated_error", "missed"],
     probability: float,
@@ -351,14 +290,15 @@ def _misfit(
     return Misfit(series, stage, reason, probability, deviation, largest, x, ratio, "", "")
 
 
-def _missed(readings: _Readings, known: Mapping[str, float] | None) -> list[Misfit]:
+def _missed(readings: Readings, known: Mapping[str, float] | None) -> list[Misfit]:
     """Series that are missed by far, and by more than their stated error."""
     found = [_misfit(readings, (i, None), "missed", 0.0) for i, one in enumerate(readings.measured) if one.is_missed]
     return [one for one in found if known is None or one.deviation > _FAR * known[one.series]]
 
 
-def _repeats(readings: _Readings, residuals: FloatArray, rank: int, known: Mapping[str, float] | None) -> list[Misfit]:
+def _repeats(readings: Readings, deviations: FloatArray, rank: int, known: Mapping[str, float] | None) -> list[Misfit]:
     """Lack of fit against the scatter of repeats; the level is shared among the series that have any (Holm 1979)."""
+    residuals, _ = left_over(readings, deviations)
     found = []
     for index in range(len(readings.observed)):
         own = readings.of(index)
@@ -378,12 +318,9 @@ def _repeats(readings: _Readings, residuals: FloatArray, rank: int, known: Mappi
     return kept
 
 
-def _stated(readings: _Readings, known: Mapping[str, float]) -> FloatArray:
-    return np.array([known[readings.observed[index].series] for index in readings.series], dtype=np.float64)
-
-
-def _exceeded(readings: _Readings, residuals: FloatArray, basis: FloatArray, deviations: FloatArray) -> list[Misfit]:
+def _exceeded(readings: Readings, deviations: FloatArray) -> list[Misfit]:
     """Series whose residuals exceed the stated error, by more than chance and by a fifth at least."""
+    residuals, basis = left_over(readings, deviations)
     own = [readings.of(index) for index in range(len(readings.observed))]
     found = []
     results = examine_size(residuals, readings.factors, deviations, basis, own)
@@ -393,13 +330,21 @@ def _exceeded(readings: _Readings, residuals: FloatArray, basis: FloatArray, dev
     return sorted(found, key=lambda misfit: -(misfit.ratio or 0.0))
 
 
-def _verdict(
-    problem: Problem, misfits: list[Misfit], exceeded: list[Misfit], *, patterns: bool = True
-) -> FitVerdict:
+def _verdict(problem: Problem, misfits: Sequence[Misfit], *, patterns: bool = True) -> FitVerdict:
     """The verdict from what was found; ``patterns``: whether there were enough readings to look for them."""
-    found = tuple(misfit.in_units_of(problem) for misfit in (*misfits, *exceeded))
+    found = tuple(misfit.in_units_of(problem) for misfit in misfits)
     if not found:
         looks = "looks like independent noise" if patterns else "is within the stated error; too few readings for more"
         return FitVerdict("describes", f"No lack of fit was found: what the model leaves {looks}.")
-    kind: FitKind = "lack_of_fit" if misfits else "error_not_met"
-    return FitVerdict(kind, sentence_of(found), found, remedies_of(problem, found))
+    kind = _kind(found)
+    return FitVerdict(kind, sentence_of(found, doubtful=kind == "doubtful"), found, remedies_of(problem, found))
+
+
+def _kind(misfits: Sequence[Misfit]) -> FitKind:
+    reasons = {m.reason for m in misfits}
+    patterns = [m for m in misfits if m.reason in ("pattern", "repeats", "missed")]
+    if patterns and min(m.probability for m in patterns) < _WRONG_LEVEL:
+        return "lack_of_fit"
+    if "stated_error" in reasons:
+        return "lack_of_fit" if patterns else "error_not_met"
+    return "doubtful" if patterns else "gross_error"

@@ -17,7 +17,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 
-__all__ = ["FEWEST_IN_PART", "Part", "PartResult", "examine_parts", "examine_size", "weighted_basis"]
+__all__ = ["FEWEST_IN_PART", "Part", "PartResult", "examine_parts", "examine_size", "smooth_share", "weighted_basis"]
 
 FEWEST_IN_PART = 6
 """Readings that a series or a stage needs to be looked at on its own."""
@@ -141,6 +141,21 @@ def examine_size(
     largest = np.max([np.sum(simulated[:, p] ** 2, axis=1) / e for p, e in zip(parts, expected, strict=True)], axis=0)
     ratios = [float(np.sum(found[part] ** 2) / e) for part, e in zip(parts, expected, strict=True)]
     return tuple((float(np.sqrt(r)), float((1 + np.sum(largest >= r)) / (_DRAWS + 1))) for r in ratios)
+
+
+def smooth_share(x: FloatArray, residuals: FloatArray) -> tuple[float, float]:
+    """How large a pattern is, whatever its probability.
+
+    Returns
+    -------
+    tuple
+        Share of the squares of residuals, shape (m,), in the order of x, that the first eight cosines take beyond their
+        number, and their first autocorrelation.
+    """
+    cosines = _cosines(x, min(_COSINES, len(x) // 2))[:, 1:]
+    squares = max(float(residuals @ residuals), 1e-300)
+    smooth = float(np.sum((residuals @ cosines) ** 2)) / squares - cosines.shape[1] / len(x)
+    return smooth, float(residuals[1:] @ residuals[:-1]) / squares
 
 
 def _uneven(residuals: FloatArray) -> bool:

@@ -22,7 +22,8 @@ from geoswarm.solver.identifiability.optimum.basins import (
 from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.residuals.independence import SeriesResiduals, examine_residuals
-from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, is_exact
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.residuals.readings import is_exact
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.basin_words import SPARSE, Beyond, where_intervals_hold
 from geoswarm.solver.identifiability.stored.correlations import Correlations, correlate
@@ -249,7 +250,7 @@ def analyse(
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
     fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
-    warnings = [] if fit.kind in ("describes", "lack_of_fit") else [w for r in residuals for w in r.warnings]
+    warnings = [w for r in residuals for w in r.warnings] if fit.kind in ("untested", "error_not_met") else []
     if linearisation is not None:
         warnings = [*(one.sentence for one in linearisation.dependence), *warnings]
     if fit.kind != "describes":

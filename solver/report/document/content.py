@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geoswarm.solver.identifiability import Statistics
-from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD
+from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, headline_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.basin_words import where_intervals_hold
 from geoswarm.solver.identifiability.stored.findings import follow_up_of
@@ -132,23 +132,17 @@ def _picture(figures: FigureSet, name: str) -> Picture:
     return Picture(name, told[0], told[1] or caption, wide)
 
 
-_HEADINGS = {
-    "lack_of_fit": "The model does not describe the data",
-    "error_not_met": "The stated error is not met",
-}
-
-
 def _alarm(fit: FitVerdict | None, uncertainty: Uncertainty) -> Alarm | None:
     """What is wrong with the fit as a whole; None where nothing is."""
     for found in (uncertainty.findings.fit, fit):
-        if found is not None and found.wrong:
+        if found is not None and found.headline:
             remedies = tuple(map(typeset, found.remedies))
-            return Alarm(found.kind, _HEADINGS[found.kind], typeset(found.sentence), remedies)
+            return Alarm(found.kind, found.headline, typeset(found.sentence), remedies)
     findings = uncertainty.findings
     alarms = [one.alarm for one in findings.predictions] + [one.alarm for one in findings.designs]
     for told in alarms:
         if told is not None:
-            return Alarm("lack_of_fit", _HEADINGS["lack_of_fit"], typeset(told), ())
+            return Alarm("lack_of_fit", headline_of("lack_of_fit", ()), typeset(told), ())
     return None
 
 
@@ -358,7 +352,7 @@ def _notes(problem: Problem, statistics: Statistics) -> tuple[str, ...]:
     if statistics.samples.failed:
         notes.append(f"{statistics.samples.failed} evaluations failed and are left out.")
     fit = statistics.fit  # stands at the head
-    told = {" ".join((fit.sentence, *fit.remedies))} if fit.wrong else set()
+    told = {" ".join((fit.sentence, *fit.remedies))} if fit.headline else set()
     notes += not_modelled(problem)
     return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings if warning not in told))
 

@@ -18,8 +18,10 @@ SIGNS = {
     "undecided": "?",
     "lack_of_fit": "≠",
     "error_not_met": "≠",
+    "doubtful": "?",
+    "gross_error": "!",
 }
-"""A sign for each kind of verdict, so that its colour is not all that tells it."""
+"""A sign for each kind of verdict, on parameters and on the fit, so that its colour is not all that tells it."""
 
 TEMPLATES = Path(__file__).parent / "templates"
 

@@ -25,6 +25,8 @@ _COLOURS = {
     "undecided": MUTED,
     "lack_of_fit": "#a1121f",
     "error_not_met": "#a1121f",
+    "doubtful": "#8f3f00",
+    "gross_error": "#8f3f00",
 }
 
 

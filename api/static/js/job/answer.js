@@ -9,7 +9,8 @@ import { nextStep } from "./next_step.js";
 const FORMS = { fixed: "fixed", linked: "linked" };
 const CLOSEST = new Set(["lack_of_fit", "error_not_met"]);
 const FITS = {
-  describes: "the model describes the data", lack_of_fit: "the model does not describe the data, so no interval holds",
+  describes: "the model describes the data", doubtful: "whether the model describes the data is doubtful",
+  gross_error: "without the readings that the others exclude, the model describes the data", lack_of_fit: "the model does not describe the data, so no interval holds",
   error_not_met: "the stated error is not met, so no interval holds", untested: "whether the model describes the data has not been tested",
 };
 const NEAR = 1e-3; // parts of the searched range
