@@ -20,6 +20,7 @@ GROSS_LEVEL = 0.01
 """Probability of naming any reading of a series that is right, under normal noise."""
 
 _FEWEST_FREE = 3.0  # readings of a series beyond the parameters that they determine
+_LEAST_FREE = 1.5  # the same, without the one that is compared with the others
 _SHARE = 8  # at most one reading in so many is looked for, and one in any case
 _MOST = 10
 _MET = 1.2  # scatter of the others, over the stated error, up to which that error is believed
@@ -93,16 +94,24 @@ def _furthest(
     if free < _FEWEST_FREE or not usable.any():
         return None
     own_left = left[inside]
-    apart = np.where(usable, own_left**2 / np.where(usable, rest, 1.0), 0.0)
-    others = np.sqrt(np.maximum(float(own_left @ own_left) - apart, 0.0) / (free - 1.0))
+    safe = np.where(usable, rest, 1.0)
+    apart = np.where(usable, own_left**2 / safe, 0.0)
+    # residuals and leverages of all readings of the series, in rows, without the one of the column
+    hat = orthonormal[inside] @ orthonormal[inside].T
+    without = own_left[:, None] + hat * (own_left / safe)
+    leverages = np.diag(hat)[:, None] + hat**2 / safe
+    np.fill_diagonal(without, 0.0)
+    np.fill_diagonal(leverages, 1.0)
+    degrees = np.sum(1.0 - leverages, axis=0)
+    others = np.sqrt(np.sum(without**2, axis=0) / np.maximum(degrees, _LEAST_FREE))
     if known:
         others = np.maximum(others, 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        distances = np.where(apart > 0.0, np.sqrt(apart) / others, 0.0)
+        distances = np.where((apart > 0.0) & (degrees >= _LEAST_FREE), np.sqrt(apart) / others, 0.0)
     worst = int(np.argmax(distances))
     probability = GROSS_LEVEL / (2.0 * int(inside.sum()))
     trusted = known and others[worst] <= _MET
-    limit = float(-ndtri(probability)) if trusted else float(-stdtrit(free - 1.0, probability))
+    limit = float(-ndtri(probability)) if trusted else float(-stdtrit(degrees[worst], probability))
     sign = float(np.sign(own_left[worst]))
     return Excluded(
         int(rows[inside][worst]), sign * float(distances[worst]), float(own_left[worst] / rest[worst])
