@@ -54,7 +54,7 @@ class Result:
     >>> print(f"{result.objective:.3f}")
     0.008
     >>> result.statistics().fit.kind
-    'untested'
+    'describes'
     """
 
     def __init__(self, problem: Problem, found: CalibrationResult) -> None:

@@ -101,6 +101,18 @@ def test_how_often_a_reading_is_named(known: bool) -> None:
     assert found > (0.95 if known else possible - 0.02)
 
 
+def test_a_series_of_another_slope_is_no_gross_error() -> None:
+    """Where series share parameters, the scatter of the others was said to be nothing: "inf standard deviations"."""
+    random = np.random.default_rng(5)
+    v, w = np.linspace(0.1, 3.0, 30), np.linspace(0.1, 3.0, 8)
+    columns = np.concatenate([np.stack([v, 0.0 * v], axis=1), np.stack([w, np.ones(8)], axis=1)])
+    basis = np.linalg.qr(columns / np.array([1.0, 0.01])[[0] * 30 + [1] * 8, None])[0]
+    noise = random.standard_normal((1000, 38))
+    assert np.mean([bool(excluded_readings(e, basis, np.arange(30, 38), known=False)) for e in noise]) < 0.02
+    noise[:, 32] += 30.0
+    assert np.mean([excluded_readings(e, basis, np.arange(30, 38), known=False) != () for e in noise]) > 0.9
+
+
 def test_few_readings_name_nothing_by_chance() -> None:
     random = np.random.default_rng(5)
     x = np.linspace(0.0, 1.0, 6)
