@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import PchipInterpolator
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.errors import NoEvaluationError
 from geoswarm.solver.classical.straight import straight_line
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 __all__ = ["Consolidation", "log_time", "root_time"]
 
@@ -82,7 +85,7 @@ def root_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Conso
     t, d = _readings(time, reading, path)
     x = np.sqrt(t)
     fine = np.linspace(x[0], x[-1], _FINE)
-    smooth = PchipInterpolator(x, d)(fine)
+    smooth = _interpolated(x, d)(fine)
     part = d <= d[0] + _STRAIGHT * (d[-1] - d[0])
     for _ in range(_ROUNDS):
         if part.sum() < 3:
@@ -115,7 +118,7 @@ def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consol
     x = np.log10(t)
     if x[-1] - x[0] < 2.0:
         raise NoEvaluationError(f"readings over {x[-1] - x[0]:.2g} decades of time; at least 2 are needed")
-    curve = PchipInterpolator(x, d)
+    curve = _interpolated(x, d)
     last = x >= min(x[-1] - _FINAL - 1e-9, x[-_FINAL_READINGS])
     secondary, offset, _ = straight_line(x[last], d[last])
     fine = np.linspace(x[0], x[-1], _FINE)
@@ -131,6 +134,12 @@ def log_time(time: npt.ArrayLike, reading: npt.ArrayLike, path: float) -> Consol
     t_50 = 10.0 ** _crossing(fine, 0.5 * (start + end) - curve(fine))
     lines = ((steepest, tangent), (secondary, offset))
     return Consolidation(T_50 * path**2 / t_50, t_50, start, end, secondary, lines)
+
+
+def _interpolated(x: FloatArray, d: FloatArray) -> PchipInterpolator:
+    from scipy.interpolate import PchipInterpolator  # takes most of a second to import
+
+    return PchipInterpolator(x, d)
 
 
 def _parabola(x: FloatArray, d: FloatArray, curve: PchipInterpolator, end: float) -> float:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.compression import VirginLine, first_loading, virgin_line
@@ -75,6 +74,8 @@ def casagrande(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
 
 def casagrande_construction(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> Casagrande:
     """The construction behind :func:`casagrande`; parameters and errors are the same."""
+    from scipy.interpolate import CubicSpline  # takes most of a second to import
+
     x, e = first_loading(stress, void_ratio)
     if x.size < _LEAST:
         raise NoEvaluationError(f"{x.size} points of first loading; at least {_LEAST} are needed")

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import chdtri, ndtri
-from scipy.stats import qmc
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
@@ -185,6 +184,8 @@ def draw_around(calibration: Calibration, basins: Sequence[Basin], runs: int, se
 
 def _draw(calibration: Calibration, basin: Basin, count: int, seed: int) -> tuple[FloatArray, FloatArray]:
     """Draws, shape (count, d), natural values, and the factors of the noise, shape (count,)."""
+    from scipy.stats import qmc  # slow to import, and few commands draw
+
     space, shape = calibration.space, basin.shape
     centre = space.to_unit(basin.optimum)
     rank, opened = shape.root.shape[1], shape.open.shape[1]

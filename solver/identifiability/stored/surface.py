@@ -7,15 +7,18 @@ basis function with a linear trend over the parameters in parts of their range. 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import RBFInterpolator
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.objective import LeastSquares
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RBFInterpolator
 
 __all__ = ["ResponseSurface", "fit_surface"]
 
@@ -128,6 +131,8 @@ def _chosen(calibration: Calibration, samples: Samples) -> IntArray:
 
 
 def _fit(unit: FloatArray, residuals: FloatArray) -> tuple[FloatArray, FloatArray, RBFInterpolator]:
+    from scipy.interpolate import RBFInterpolator  # takes most of a second to import
+
     mean = residuals.mean(axis=0)
     left, singular, right = np.linalg.svd(residuals - mean, full_matrices=False)
     share = np.cumsum(singular[::-1] ** 2)[::-1]

@@ -1,4 +1,4 @@
-"""The report as a PDF on A4: ReportLab sets text and tables, the figures are those of the page in print resolution."""
+"""The report as a PDF on A4: ReportLab sets text and tables, the figures are those of the page as PNG."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from geoswarm.solver.report.figures.style import GRID, INK, MUTED, png_of
 
 __all__ = ["pdf_report", "shared_width"]
 
-_DPI = 200
 _MARGIN = 18.0  # mm
 _COLOURS = {
     "identified": "#00694c",
@@ -32,11 +31,13 @@ _COLOURS = {
 
 def pdf_report(content: Content) -> bytes:
     """Return the PDF: verdicts, figures, tables, provenance; page numbers. Needs the ``plots`` extra."""
+    from reportlab import rl_config
     from reportlab.lib.pagesizes import A4
     from reportlab.lib.units import mm
     from reportlab.platypus import PageBreak, SimpleDocTemplate, Spacer
 
     _fonts()
+    rl_config.useA85 = 0  # text form of pictures: slow to write, larger, and no reader needs it
     stream = io.BytesIO()
     document = SimpleDocTemplate(
         stream,
@@ -190,7 +191,7 @@ def _picture(picture: Picture, content: Content, width: float, height: float) ->
     figure = content.figures.draw(picture.name)
     inches = figure.get_size_inches()
     scale = min(width / (72.0 * inches[0]), 0.82 * height / (72.0 * inches[1]), 1.3 if picture.wide else 1.0)
-    image = Image(io.BytesIO(png_of(figure, dpi=_DPI)), width=72.0 * inches[0] * scale, height=72.0 * inches[1] * scale)
+    image = Image(io.BytesIO(png_of(figure)), width=72.0 * inches[0] * scale, height=72.0 * inches[1] * scale)
     return KeepTogether([_text(picture.heading, "subheading"), image, _text(picture.caption, "small")])
 
 

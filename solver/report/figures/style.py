@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -100,7 +101,7 @@ _ROLES = (
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 _LOCK = threading.RLock()  # matplotlib's settings and font caches belong to the process, not to a thread
-_DPI = 150
+_RENDERED: WeakKeyDictionary[Figure, dict[str, bytes]] = WeakKeyDictionary()  # by form
 
 
 def figures_available() -> bool:
@@ -225,14 +226,14 @@ def tick_text(value: float) -> str:
     return f"10{raised}" if mantissa == "1" else f"{mantissa}·10{raised}"
 
 
-def png_of(figure: Figure, *, dpi: int = _DPI) -> bytes:
-    """Render as PNG on white."""
-    return _render(figure, "png", dpi=dpi, facecolor="white")
+def png_of(figure: Figure) -> bytes:
+    """Render as PNG on white, at print resolution."""
+    return _render(figure, "png", dpi=200)
 
 
 def svg_of(figure: Figure) -> bytes:
     """Render as SVG on white; the same figure has the same bytes each time."""
-    return _render(figure, "svg", dpi=_DPI, facecolor="white", metadata={"Date": None, "Creator": "geoswarm"})
+    return _render(figure, "svg", dpi=150, metadata={"Date": None, "Creator": "geoswarm"})
 
 
 def inline_svg(figure: Figure, name: str) -> str:
@@ -243,8 +244,8 @@ def inline_svg(figure: Figure, name: str) -> str:
     name
         Prefix of the element's ids, so that several figures can be in one page.
     """
-    text = _render(figure, "svg", dpi=_DPI, facecolor="none", metadata={"Date": None, "Creator": "geoswarm"}).decode()
-    text = text[text.index("<svg") :]
+    text = svg_of(figure).decode()
+    text = text[text.index("<svg") :].replace("fill: #ffffff", "fill: none", 1)  # the first is that of the figure
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r"^<svg ", '<svg role="img" ', text)
     text = re.sub(r'(<svg [^>]*?) width="[^"]*"', r"\1", text, count=1)
@@ -268,9 +269,12 @@ def save_figure(figure: Figure, directory: Path, name: str) -> list[Path]:
 
 
 def _render(figure: Figure, form: str, **options: Any) -> bytes:
-    stream = io.BytesIO()
+    """Render once: a figure does not change any more, and page, PDF and files show the same one."""
     with drawing():
-        figure.savefig(stream, format=form, **options)
-        if figure.get_layout_engine() is not None:
-            figure.set_layout_engine("none")  # found once, it holds for every further form
-    return stream.getvalue()
+        rendered = _RENDERED.setdefault(figure, {})
+        if form not in rendered:
+            stream = io.BytesIO()
+            figure.savefig(stream, format=form, facecolor="white", **options)
+            figure.set_layout_engine(None)  # found once, the layout holds for every further form
+            rendered[form] = stream.getvalue()
+        return rendered[form]
