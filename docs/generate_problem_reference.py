@@ -277,7 +277,8 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
     if kind == "formula":
         parts.append(
             "Every name in an expression other than `x` is a parameter, without limits, or a further quantity that was "
-            "measured at the points: `inputs: {T: temperature}` in the observation of the series names its column."
+            "measured at the points: `inputs: {T: temperature}` in the observation of the series names its "
+            "column, whose numbers the expression gets unchanged."
         )
     elif kind == "combined":
         parts.append(

@@ -18,6 +18,7 @@ from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
+from geoswarm.solver.problem.tables.picking import is_cells
 from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
 from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
@@ -26,7 +27,7 @@ __all__ = ["Observation", "build_observations", "preparation_issues", "unit_of_d
 
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
 _LEAST_SCALE = 1e-150  # of a loss: its square is an ordinary number
-_USUAL = {"m": "mm", "day": "min"}
+_USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/cm2", "degree": "degree or rad"}
 """Units that laboratories write, as examples."""
 _MOST_ISSUES = 100
 _MOST_NAMES = 50  # known series that a message lists
@@ -328,10 +329,13 @@ def unit_of_data(
     if same_unit(base, "1"):
         return None, None
     shown = ", ".join(number(value) for value in heading.first)
-    return None, (
-        f"{column} ({shown}, ...) has no unit; write it behind the name, '{heading.name} [{_usual(base)}]', or give "
-        f"{axis}_unit: {_usual(base)}"
-    )
+    if heading.unit is not None:
+        found = (
+            f"may be in {heading.unit}, but the series {'has' if axis == 'y' else 'needs'} {base}; name another column"
+        )
+        return None, f"{column} ({shown}, ...) {found}, or give {axis}_unit: {_usual(base)}"
+    brackets = "" if is_cells(heading.name) else ", or write it in brackets behind the name in the file"
+    return None, f"{column} ({shown}, ...) has no unit; give {axis}_unit: {_usual(base)}{brackets}"
 
 
 def _usual(base: str) -> str:
@@ -369,11 +373,12 @@ def _checked_x(
     slack = _ROUNDING * max([1e-300, *(abs(end) for end in (low, high) if np.isfinite(end))])
     outside = (x < low - slack) | (x > high + slack)
     if outside.any():
-        allowed = _range(info)
-        return (
-            x,
-            f"{shown(int(np.argmax(outside)))} is outside series '{info.name}', which has {info.x_quantity} {allowed}",
-        )
+        places = np.flatnonzero(outside)
+        found = f"{shown(int(places[0]))} is outside series '{info.name}', which has {info.x_quantity} {_range(info)}"
+        if len(places) > 1:
+            values = [given[kept[place]] for place in places]
+            found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
+        return x, found
     x = np.clip(x, low, high)
     if info.x_increasing and len(x) > 1:
         falling = np.diff(x) <= 0

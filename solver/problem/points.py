@@ -193,6 +193,10 @@ def _reading_notes(section: ObservationSection, table: Table, name: str) -> list
         notes.append(f"rows of {name} with {', '.join(f'{key} = {value}' for key, value in section.where.items())}")
     if section.y_minus is not None:
         notes.append(f"y is the difference of two columns: {table.y_heading.name} less {section.y_minus}")
+    for key, heading in table.input_headings.items():
+        if heading.named:
+            unit = heading.unit or heading.named[0].text
+            notes.append(f"{key} is in {unit}, as its column says: the formula takes its numbers unchanged")
     if table.zero is not None:
         notes.append(f"x counts from {table.zero.isoformat(sep=' ', timespec='seconds')}")
     if table.left_out:

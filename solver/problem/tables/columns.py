@@ -6,11 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 from geoswarm.solver.problem.tables.blocks import is_reading
 from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells, without_units
-from geoswarm.solver.problem.tables.dates import DATES_ACCEPTED, DateForm, day_of, elapsed_days, moment_in, time_of_day
+from geoswarm.solver.problem.tables.dates import (
+    DATES_ACCEPTED,
+    DateForm,
+    day_of,
+    elapsed_days,
+    form_of,
+    moment_in,
+    time_of_day,
+)
 from geoswarm.solver.problem.tables.headings import Heading, heading_of, units_in_comments
 from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, number_of, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
@@ -20,6 +28,8 @@ from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
 
 __all__ = ["Columns", "Table", "read_table", "table_of"]
+
+T = TypeVar("T")
 
 _MOST_MESSAGES = 10
 _FIRST = 3
@@ -96,6 +106,7 @@ class Table:
     x_heading: Heading = field(default_factory=lambda: Heading("x"))
     y_heading: Heading = field(default_factory=lambda: Heading("y"))
     inputs: dict[str, list[float]] = field(default_factory=dict)
+    input_headings: dict[str, Heading] = field(default_factory=dict)
     gross_errors: list[int] = field(default_factory=list)
     zero: datetime | None = None
     left_out: int = 0
@@ -147,7 +158,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
         raise _no_dates(name, reader.columns["x"])
     else:
         values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
-        found = Table(values["x"], values["y"], values.get("weight"), inputs=_inputs(values))
+        found = Table(values["x"], values["y"], values.get("weight"), inputs=_of_inputs(values))
     comments = units_in_comments(sheet.comments)
     headings = {
         role: heading_of(
@@ -157,8 +168,8 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
             dates=role == "x" and found.zero is not None,
             in_cells=reader.units.get(role),
         )
-        for role in ("x", "y", "y_minus")
-        if (column := reader.columns.get(role)) is not None
+        for role, column in reader.columns.items()
+        if role in ("x", "y", "y_minus") or role.startswith("inputs.")
     }
     if "y_minus" in headings:
         _same_units(name, headings["y"], headings["y_minus"])
@@ -166,6 +177,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
         found,
         x_heading=replace(headings["x"], first=tuple(found.x[:_FIRST])),
         y_heading=replace(headings["y"], first=tuple(found.y[:_FIRST])),
+        input_headings=_of_inputs(headings),
     )
 
 
@@ -215,8 +227,8 @@ def _same_units(name: str, y: Heading, other: Heading) -> None:
         )
 
 
-def _inputs(values: Mapping[str, list[float]]) -> dict[str, list[float]]:
-    return {role.removeprefix("inputs."): given for role, given in values.items() if role.startswith("inputs.")}
+def _of_inputs(by_role: Mapping[str, T]) -> dict[str, T]:
+    return {role.removeprefix("inputs."): given for role, given in by_role.items() if role.startswith("inputs.")}
 
 
 def _no_dates(name: str, x: Picked) -> TableError:
@@ -262,7 +274,7 @@ class _Reader:
                 x, cells=[(line, value) for (line, _), value in zip(x.cells, elapsed, strict=True)]
             )
         elif wanted.dates is not None or wanted.time is not None or self._looks_like_dates(x):
-            moments = self._moments(x)
+            moments = self._moments(x, wanted.dates or form_of(cell for _, cell in x.cells))
         elif wanted.origin is not None:
             raise _no_dates(self._name, x)
         values = {
@@ -289,20 +301,30 @@ class _Reader:
             values["x"],
             y,
             values.get("weight"),
-            inputs=_inputs(values),
+            inputs=_of_inputs(values),
             gross_errors=marked,
             zero=zero,
             left_out=len(self._incomplete),
         )
 
-    @staticmethod
-    def _looks_like_dates(x: Picked) -> bool:
-        sample = [cell for _, cell in x.cells if cell != ""][:20]
-        return sum(moment_in(cell) is not None for cell in sample) * 2 > len(sample)
+    def _looks_like_dates(self, x: Picked) -> bool:
+        cells = [cell for _, cell in x.cells if cell != ""]
+        sample, form = cells[:20], form_of(cells)
+        if sum(moment_in(cell, form) is not None for cell in sample) * 2 > len(sample):
+            return True
+        either = [cell for cell in sample if moment_in(cell, "day_first") or moment_in(cell, "month_first")]
+        if len(either) * 2 > len(sample):
+            what = f"'{either[0]}' is a date whose day or month may be first; give x_dates: day_first or month_first"
+            raise TableError(f"{self._name}, column {x.name}: {what}")
+        clocks = [cell for cell in sample if isinstance(cell, str) and time_of_day(cell) is not None]
+        if len(clocks) * 2 > len(sample):
+            what = f"'{clocks[0]}' is a time of day; x_column is the column of the dates, x_time_column this one"
+            raise TableError(f"{self._name}, column {x.name}: {what}")
+        return False
 
-    def _moments(self, x: Picked) -> list[datetime]:
+    def _moments(self, x: Picked, form: DateForm | None) -> list[datetime]:
         """Date and time of each row."""
-        clock, form = self.columns.get("x_time"), self._wanted.dates
+        clock = self.columns.get("x_time")
         expected = DATES_ACCEPTED if form in (None, "serial") else f"{_AS_WRITTEN[form]} or {DATES_ACCEPTED}"
         moments = []
         for i, (_, cell) in enumerate(x.cells):

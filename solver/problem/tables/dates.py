@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Literal, TypeAlias
 
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["DATES_ACCEPTED", "DateForm", "day_of", "elapsed_days", "moment_in", "time_of_day"]
+__all__ = ["DATES_ACCEPTED", "DateForm", "day_of", "elapsed_days", "form_of", "moment_in", "time_of_day"]
 
 DateForm: TypeAlias = Literal["day_first", "month_first", "serial"]
 """How dates are written that can be read in several ways: 03/04/2024, or a number of days as spreadsheets count."""
 
 DATES_ACCEPTED = "2024-03-01 08:30 or 01.03.2024 08:30"
 
-# 31.12.2024, with 13:45 or 13:45:10 behind it, and 31/12/2024 13:45:10. A large file has millions of cells that may be
+# 31.12.2024 and 31/12/2024, with 13:45 or 13:45:10 behind it. A large file has millions of cells that may be
 # dates: strptime takes ten times as long.
 _NUMBERS = re.compile(
     r"(\d{1,2})([./-])(\d{1,2})\2(\d{4}|\d{2})(?:,?\s+(\d{1,2}):(\d{1,2})(?::(\d{1,2})(?:[.,]\d{1,6})?)?\s?([AaPp][Mm])?)?",
@@ -54,7 +54,7 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
     found = _NUMBERS.fullmatch(cell)
     if found is None:
         return None
-    if form is None and found[2] != "." and (found[2] == "-" or found[7] is None or found[8] or len(found[4]) == 2):
+    if form is None and found[2] != ".":
         return None  # who writes 03/04/2024 may mean either
     month_first = form == "month_first" and found[2] != "."
     month, day = (found[1], found[3]) if month_first else (found[3], found[1])
@@ -68,6 +68,15 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
         return None
 
 
+def form_of(cells: Iterable[Cell]) -> DateForm | None:
+    """Return which of day and month is first in dates such as 31/12/2024, where a day above 12 shows it."""
+    found = [one for cell in cells if isinstance(cell, str) and (one := _NUMBERS.fullmatch(cell)) and one[2] != "."]
+    day_first, month_first = any(int(one[1]) > 12 for one in found), any(int(one[3]) > 12 for one in found)
+    if day_first == month_first:
+        return None
+    return "day_first" if day_first else "month_first"
+
+
 def time_of_day(cell: Cell) -> timedelta | None:
     """Return the time since midnight of a cell: 8:30, 08:30:15, 8:30 PM, a date with a time, or a part of a day."""
     if isinstance(cell, float):
@@ -75,7 +84,7 @@ def time_of_day(cell: Cell) -> timedelta | None:
     found = _CLOCK.fullmatch(cell)
     if found is not None:
         return _clock(found[1], found[2], found[3] or "0", found[4])
-    moment = moment_in(cell)
+    moment = moment_in(cell) or moment_in(cell, "day_first") or moment_in(cell, "month_first")
     return None if moment is None else moment - day_of(moment)
 
 

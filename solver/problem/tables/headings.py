@@ -96,7 +96,7 @@ _BEHIND = re.compile(r"(?<=.)\s*[/,_:;|]\s*(?=[^\s,/]{1,20}(?:\s[^\s,/]{1,20})?$
 _VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-].{0,19})")
 _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of a word only: linear in the text
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
-_SYMBOLS = frozenset("tglAVN")  # in round brackets: time, test A
+_SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
 _STEP_BEFORE = re.compile(r"(?:1/10+|0[.,]\d+|10\^?-\d)_")
 _LONGEST = 200
 
@@ -203,7 +203,7 @@ def unclear_unit(named: Iterable[Named]) -> str | None:
 
 def without_brackets(heading: str) -> str:
     """A heading without what stands in brackets, in which remarks and units are."""
-    return " ".join(_BRACKETS.sub(" ", heading[:_LONGEST]).split())
+    return " ".join(_BRACKETS.sub(" ", heading[:_LONGEST]).split()).rstrip("_")
 
 
 def known_unit(text: str) -> tuple[str | None, str | None]:
@@ -223,9 +223,10 @@ def units_of(heading: str) -> tuple[Named, ...]:
     for bracket in sorted(_BRACKETS.finditer(heading), key=lambda one: "[{(".index(one[0][0])):
         inner = re.sub(r"^(in|unit:?|einheit:?)\s+", "", bracket[0][1:-1].strip(), flags=re.IGNORECASE)
         unit, base = _known(inner)
-        label = " ".join((heading[: bracket.start()] + " " + heading[bracket.end() :]).split())
-        if unit is not None and (bracket[0][0] != "(" or inner not in _SYMBOLS):
-            found.append(Named(unit, base, True, inner, label or heading))
+        label = " ".join((heading[: bracket.start()] + " " + heading[bracket.end() :]).split()).rstrip("_")
+        if unit is not None:
+            symbol = bracket[0][0] == "(" and inner in _SYMBOLS
+            found.append(Named(unit, base, not symbol, inner, label or heading))
         elif inner and (bracket[0][0] != "(" or _is_no_unit(inner)):
             found.append(Named(None, None, True, inner, heading))
     if not found:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
-from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
+from geoswarm.solver.problem.tables.dates import form_of, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
     best_unit,
@@ -164,7 +164,8 @@ def _column(
     if kind == "number":
         values = tuple(None if doubt and _is_doubtful(cell) else number_in(cell) for cell in cells)
     elif kind == "time":
-        moments = [moment_in(cell) for cell in cells]
+        form = form_of(cells)
+        moments = [moment_in(cell, form) for cell in cells]
         first = next((moment for moment in moments if moment is not None), None)
         values = tuple(
             None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
@@ -199,16 +200,17 @@ def _kind(
     numbers = sum(number_in(cell) is not None or bool(two_readings(cell)) for cell in filled)
     if numbers >= half:
         return "number", doubtful_cell(filled, (cell for row in body for cell in row))
-    if sum(moment_in(cell) is not None for cell in filled) >= half:
+    form = form_of(filled)
+    if sum(moment_in(cell, form) is not None for cell in filled) >= half:
         return "time", None
-    if sum(time_of_day(cell) is not None for cell in filled) >= half:
-        return "clock", None
     either = [
         str(cell)
         for cell in filled
         if moment_in(cell, "day_first") is not None or moment_in(cell, "month_first") is not None
     ]
-    return ("time", either[0]) if len(either) >= half else ("text", None)
+    if len(either) >= half:
+        return "time", either[0]
+    return ("clock" if sum(time_of_day(cell) is not None for cell in filled) >= half else "text"), None
 
 
 def _is_doubtful(cell: Cell) -> bool:

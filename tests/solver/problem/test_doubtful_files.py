@@ -79,8 +79,10 @@ def test_a_look_at_a_file_tells_doubt_and_guesses_no_number() -> None:
     x, y = read_measurements(THOUSANDS, "a.csv").columns
     assert (x.doubt, x.values) == (None, (1.0, 2.0))
     assert (y.doubt, y.values, y.first) == ("1,000", (None, None), ("1,000", "2,000"))
-    (dates, _) = read_measurements(b"date,y\n03/04/2024,1\n13/04/2024,2\n", "a.csv").columns
+    (dates, _) = read_measurements(b"date,y\n03/04/2024,1\n12/04/2024,2\n", "a.csv").columns
     assert (dates.kind, dates.doubt, dates.values) == ("time", "03/04/2024", (None, None))
+    (dates, _) = read_measurements(b"date,y\n03/04/2024,1\n13/04/2024,2\n", "a.csv").columns
+    assert (dates.kind, dates.doubt, dates.values) == ("time", None, (0.0, 10.0))
 
 
 COVER = sheet_rows(("Laboratory report",), ("Client", "harbour"), ("Date", "2024-03-01"))

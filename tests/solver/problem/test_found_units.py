@@ -231,10 +231,37 @@ def test_units_that_are_refused(heading: str, message: str, tmp_path: Path) -> N
 def test_a_column_without_a_unit_is_asked_for(tmp_path: Path) -> None:
     text = "eps q\n0.001 10.0\n0.01  40.0\n0.1   60.0\n0.2 61\n"
     assert refused(tmp_path, "q.txt", text, x_column="eps", y_column="q") == (
-        "observations[0].y_column: column 'q' (10, 40, 60, ...) has no unit; write it behind the name, 'q [kPa]', or "
-        "give y_unit: kPa"
+        "observations[0].y_column: column 'q' (10, 40, 60, ...) has no unit; give y_unit: kPa, MPa or kg/cm2, or write "
+        "it in brackets behind the name in the file"
     )
     assert triaxial(tmp_path, "q.txt", text, x_column="eps", y_column="q", y_unit="MPa").y[0] == 10_000.0
+
+
+@pytest.mark.parametrize(("heading", "factor"), [("Load (N)", 1e-3), ("Load (kN)", 1.0), ("Load_(N)", 1e-3)])
+def test_a_unit_of_one_letter_in_round_brackets_is_used_where_it_fits(
+    heading: str, factor: float, tmp_path: Path
+) -> None:
+    formula = {"kind": "formula", "series": {"F": {"expression": "M * x", "y_unit": "kN"}}}
+    text = f"eps,{heading}\n0.1,7.2\n0.2,6.4\n"
+    table = {"series": "F", "file": "F.csv", "x_column": "eps", "y_column": heading.partition("_(")[0].strip(" (N)k")}
+    (tmp_path / "F.csv").write_text(text, encoding="utf-8")
+    written = document("F.csv") | {"forward_model": formula, "parameters": {"M": {"lower": 0.0, "upper": 9.0}}}
+    (tmp_path / "problem.yaml").write_text(problem_yaml(written | {"observations": [table]}), encoding="utf-8")
+    assert load_problem(tmp_path / "problem.yaml").observations[0].y == pytest.approx([7.2 * factor, 6.4 * factor])
+
+
+def test_a_unit_of_one_letter_that_does_not_fit_is_no_unit_to_write_another_one_beside(tmp_path: Path) -> None:
+    text = "eps [-];Force (N)\n0.001;10\n0.01;40\n"
+    assert refused(tmp_path, "q.csv", text, x_column="eps", y_column="Force (N)") == (
+        "observations[0].y_column: column 'Force (N)' (10, 40, ...) may be in N, but the series has kPa; name another "
+        "column, or give y_unit: kPa, MPa or kg/cm2"
+    )
+
+
+def test_units_of_cells_are_asked_for_as_such(tmp_path: Path) -> None:
+    text = "eps [-];\n0.001;10\n0.01;40\n0.1;50\n"
+    message = refused(tmp_path, "q.csv", text, x_column="A2:A4", y_column="B2:B4")
+    assert message.endswith("column 'B2:B4' (10, 40, 50, ...) has no unit; give y_unit: kPa, MPa or kg/cm2")
 
 
 def test_elapsed_times_beyond_a_day(tmp_path: Path) -> None:

@@ -61,6 +61,9 @@ def test_they_come_from_the_columns_of_a_file(tmp_path: Path) -> None:
     loaded = load({"T": "temperature [degC]"})
     np.testing.assert_array_equal(loaded.observations[0].inputs["T"], T)
     assert loaded.document()["observations"][0]["points"]["inputs"] == {"T": T}
+    assert loaded.observations[0].points.notes == (
+        "T is in degC, as its column says: the formula takes its numbers unchanged",
+    )
     with pytest.raises(ProblemError, match=r"no column 'pressure'; the header has: x, y, temperature \[degC\]"):
         load({"T": "pressure"})
 

@@ -181,14 +181,35 @@ def test_dates_as_they_are_written(form: str | None, first: str, second: str, tm
 def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path) -> None:
     keys = {"x_column": "date", "y_column": "y"}
     text = "date;y [m]\n03/04/2024;1\n05/04/2024;2\n"
-    assert "'03/04/2024' is not a finite number; x_dates: day_first or month_first says" in mistakes(
-        tmp_path, "a.csv", text, **keys
+    asked = (
+        "column date: '03/04/2024' is a date whose day or month may be first; give x_dates: day_first or month_first"
     )
+    assert asked in mistakes(tmp_path, "a.csv", text, **keys)
     assert observed(tmp_path, "a.csv", text, x_dates="day_first", **keys).points.x == [0, 2]
     # March 4 to May 4 is longer than the test
     assert "x = 61 day (point 2) is outside" in mistakes(tmp_path, "a.csv", text, x_dates="month_first", **keys)
     wrong = mistakes(tmp_path, "a.csv", "date;y\n3/4/2024;1\n13/13/2024;2\n", x_dates="day_first", **keys)
     assert "line 3, column date: '13/13/2024' is not a date, such as 31/12/2024 08:30 or 2024-03-01 08:30" in wrong
+
+
+@pytest.mark.parametrize("clock", ["", " 10:00", " 10:00:30", " 10:00:30 AM"])
+def test_seconds_do_not_say_whether_the_day_is_first(clock: str, tmp_path: Path) -> None:
+    keys = {"x_column": "date", "y_column": "y"}
+    text = f"date;y [m]\n11/11/2024{clock};1\n11/12/2024{clock};2\n"
+    assert f"'11/11/2024{clock}' is a date whose day or month may be first" in mistakes(tmp_path, "a.csv", text, **keys)
+    assert observed(tmp_path, "a.csv", text, x_dates="month_first", **keys).points.x == [0.0, 1.0]
+    settled = text + f"11/13/2024{clock};3\n"
+    assert observed(tmp_path, "a.csv", settled, **keys).points.x == [0.0, 1.0, 2.0]
+    other = f"date;y [m]\n12/11/2024{clock};1\n13/11/2024{clock};3\n"
+    assert observed(tmp_path, "a.csv", other, **keys).points.x == [0.0, 1.0]
+
+
+def test_a_column_of_times_of_day_alone_is_named(tmp_path: Path) -> None:
+    text = "Datum;Uhrzeit;y [m]\n01.03.2024;22:00;1\n02.03.2024;4:00:00;2\n"
+    message = mistakes(tmp_path, "a.csv", text, x_column="Uhrzeit", y_column="y")
+    assert (
+        "column Uhrzeit: '22:00' is a time of day; x_column is the column of the dates, x_time_column this" in message
+    )
 
 
 def test_time_of_day_in_a_column_of_its_own(tmp_path: Path) -> None:
