@@ -24,6 +24,8 @@ from geoswarm.workers.store import Store
 from tests.integration.engines import PATIENCE, wait_for
 
 API = "/api/v1"
+BROKEN = {"kind": "formula", "series": {"y": {"expression": "a + b * x + ln(0 - 1)"}}}
+"""A forward model whose every run fails."""
 
 
 def line_problem(**changes: Any) -> dict[str, Any]:

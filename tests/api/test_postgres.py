@@ -27,7 +27,7 @@ def service(fresh_postgres_url: str) -> Iterator[JobService]:
 
 def test_jobs_and_events(server: LiveServer) -> None:
     headers = {"Idempotency-Key": "one"}
-    with httpx.Client(base_url=server.url, timeout=60.0) as client:
+    with httpx.Client(base_url=server.url, timeout=240) as client:
         job = client.post(f"{API}/jobs", json=line_problem(), headers=headers).json()
         assert client.post(f"{API}/jobs", json=line_problem(), headers=headers).status_code == 200
         assert client.get(f"{API}/jobs").json()["items"] == [job]

@@ -16,10 +16,11 @@ from playwright.sync_api import Page, expect
 from geoswarm.solver.examples import example_file
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.workers.operations.tally import tally
+from tests.api.conftest import BROKEN
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.layout import check_layout, leaf_through
-from tests.dashboard.test_job import BROKEN, LONG, SOON, state, textbook
+from tests.dashboard.test_job import LONG, SOON, state, textbook
 from tests.dashboard.test_statistics import ended
 from tests.dashboard.test_statistics_story import five_parameters
 

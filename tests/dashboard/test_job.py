@@ -12,14 +12,13 @@ from playwright.sync_api import Locator, Page, Route, expect
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.access.principal import LOCAL, Principal
 from geoswarm.workers.queries.job_list import JobFilters
-from tests.api.conftest import line_problem, wait_for_end
+from tests.api.conftest import BROKEN, line_problem, wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 
 Visit = Callable[..., Opened]
 TEXTBOOK = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
 LONG = {"stopping": {"max_evaluations": 4_000_000}}
-BROKEN = {"kind": "formula", "series": {"y": {"expression": "a + b * x + ln(0 - 1)"}}}
 SOON = 240_000
 
 

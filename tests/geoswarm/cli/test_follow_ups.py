@@ -68,7 +68,7 @@ def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFix
 
 @pytest.mark.slow
 def test_a_job_gets_follow_up_jobs(client: Client, capsys: pytest.CaptureFixture[str]) -> None:
-    job = client.wait(client.submit(noisy()).id, timeout=60.0).id
+    job = client.wait(client.submit(noisy()).id, timeout=240).id
     url = ["--url", client.base_url]
     assert main(["profile", job, "--parameter", "a", "--json", *url]) == 0
     captured = capsys.readouterr()

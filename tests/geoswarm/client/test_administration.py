@@ -54,7 +54,7 @@ def test_a_key_is_made_used_and_revoked(keyed: LiveServer, root: str) -> None:
 
 def test_operations_count_jobs_and_runs(keyed: LiveServer, root: str) -> None:
     with Client(keyed.url, root) as admin:
-        admin.wait(admin.submit(line_problem()).id, timeout=60.0)
+        admin.wait(admin.submit(line_problem()).id, timeout=240)
         found = admin.operations()
     assert found.jobs["finished"] >= 1
     assert sum(found.workers.values()) == 1

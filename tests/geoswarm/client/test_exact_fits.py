@@ -29,5 +29,5 @@ def test_the_verdict_of_an_exact_line_is_the_same_everywhere(
     assert main(["statistics", str(tmp_path / "out"), "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)["verdicts"]
     assert {verdict["parameter"]: verdict["kind"] for verdict in shown} == expected
-    job = client.wait(client.submit(document).id, timeout=60.0)
+    job = client.wait(client.submit(document).id, timeout=240)
     assert {verdict.parameter: verdict.kind for verdict in client.statistics(job.id).verdicts} == expected

@@ -19,7 +19,7 @@ from tests.api.test_statistics import sampled
 @pytest.fixture
 def job(client: Client) -> str:
     """Two lines sampled 400 times, the same in every test."""
-    return client.wait(client.submit(sampled(), idempotency_key="sampled").id, timeout=60.0).id
+    return client.wait(client.submit(sampled(), idempotency_key="sampled").id, timeout=240).id
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ def test_the_fit_in_the_units_of_the_problem(client: Client, job: str) -> None:
 
 
 def test_generations_evenly_spaced(client: Client) -> None:
-    job = client.wait(client.submit(line_problem()).id, timeout=60.0).id
+    job = client.wait(client.submit(line_problem()).id, timeout=240).id
     assert [generation.number for generation in client.generations(job, points=4)] == [0, 3, 6, 9]
 
 

@@ -16,7 +16,7 @@ from tests.api.conftest import LiveServer, line_problem
 def job(client: Client) -> str:
     """A finished job, the same in every test."""
     submitted = client.submit(line_problem(name="statistics"), idempotency_key="statistics")
-    return client.wait(submitted.id, timeout=60.0).id
+    return client.wait(submitted.id, timeout=240).id
 
 
 def test_statistics_and_other_weights(client: Client, job: str) -> None:
