@@ -176,7 +176,7 @@ def judge(
                 sentence = within_basin(projection.parameter, sentence, beyond)
         kind, sentence = _under_fit(projection.parameter, kind, sentence, fit)
         proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
-        if (fit is not None and fit.kind == "lack_of_fit") or _at_bound(samples, projection):
+        if (fit is not None and fit.kind in ("lack_of_fit", "gross_error")) or _at_bound(samples, projection):
             proposals = tuple(one for one in proposals if one.kind not in ("fix", "link"))
         verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
     return tuple(verdicts)

@@ -13,6 +13,8 @@ from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.identifiability.misfits import Misfit, headline_of, sentence_of
 from geoswarm.solver.identifiability.residuals.gross_errors import excluded_readings
 from geoswarm.solver.identifiability.residuals.residual_tests import smooth_share
+from geoswarm.solver.report.document.build import report_of_result
+from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import free, linearised, problem_of
 
 X = np.linspace(0.2, 5.0, 25)
@@ -60,6 +62,19 @@ def test_a_slip_of_the_decimal_point_or_the_sign_is_named(factor: float, said: s
     fit = line(y).fit
     assert [one.reading for one in fit.misfits] == [25]
     assert said in fit.sentence
+
+
+def test_nothing_is_proposed_to_be_fixed_while_a_reading_is_wrong() -> None:
+    x = np.linspace(0.2, 2.4, 12)
+    y = 2.0 * (1.0 - np.exp(-x)) + np.random.default_rng(3).normal(0.0, 0.01, x.size)
+    y[-1] *= 10.0
+    parameters = {"A": free(0.1, 100.0, scale="log"), "k": free(0.02, 20.0, scale="log")}
+    problem = problem_of("A * (1 - exp(-k * x))", parameters, y, x, stopping={"max_evaluations": 120})
+    statistics = report_of_result(problem, calibrate(problem)).statistics
+    assert statistics is not None
+    assert statistics.fit.kind == "gross_error"
+    kinds = {proposal.kind for verdict in statistics.verdicts for proposal in verdict.proposals}
+    assert not kinds & {"fix", "link"}, kinds
 
 
 def test_two_gross_errors_do_not_hide_each_other() -> None:
