@@ -16,7 +16,7 @@ from geoswarm.solver.errors import NotFiniteError
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.objective import LeastSquares, ObservedSeries
+from geoswarm.solver.objective import LeastSquares, ObservedSeries, counted_in_order
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.weighting import WEIGHTINGS, Weighting, scheme_factors
 
@@ -138,8 +138,7 @@ def spread_weights(problem: Problem, responses: Mapping[str, FloatArray]) -> dic
     """
     found = {}
     for o in problem.observations:
-        used = np.flatnonzero(o.point_weights > 0)
-        used = used[np.argsort(o.x[used], kind="stable")]
+        used = counted_in_order(o.x, o.point_weights)
         sizes = np.abs(responses[o.series] - o.y)[used]
         if used.size < _FEWEST_FOR_SPREAD or not sizes.any():
             continue

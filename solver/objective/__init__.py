@@ -3,6 +3,22 @@
 from __future__ import annotations
 
 from geoswarm.solver.loss import OUTLYING, TUNING, Loss, LossKind
-from geoswarm.solver.objective.least_squares import LEAST_SLOPE, LeastSquares, ObservedSeries, PseudoReadings
+from geoswarm.solver.objective.least_squares import (
+    LEAST_SLOPE,
+    LeastSquares,
+    ObservedSeries,
+    PseudoReadings,
+    counted_in_order,
+)
 
-__all__ = ["LEAST_SLOPE", "OUTLYING", "TUNING", "LeastSquares", "Loss", "LossKind", "ObservedSeries", "PseudoReadings"]
+__all__ = [
+    "LEAST_SLOPE",
+    "OUTLYING",
+    "TUNING",
+    "LeastSquares",
+    "Loss",
+    "LossKind",
+    "ObservedSeries",
+    "PseudoReadings",
+    "counted_in_order",
+]

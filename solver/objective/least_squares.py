@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import BadOutputError, NotFiniteError
 from geoswarm.solver.loss import Loss
 
@@ -49,6 +49,12 @@ class ObservedSeries:
     point_weights: FloatArray
     weight: float
     loss: Loss | None = None
+
+
+def counted_in_order(x: FloatArray, point_weights: FloatArray) -> IntArray:
+    """Places of the points that count, in the order of x; those at equal x stay in theirs."""
+    used = np.flatnonzero(point_weights > 0)
+    return np.asarray(used[np.argsort(x[used], kind="stable")])
 
 
 @dataclass(frozen=True, slots=True)

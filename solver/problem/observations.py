@@ -319,23 +319,20 @@ def unit_of_data(
         return (best.unit, None) if unclear is None else (None, f"{column} {unclear}; {axis}_unit says which holds")
     if unitless and same_unit(base, "1"):
         return None, None
+    needed = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
     if heading.certain:
         if same_unit(base, "1"):
             return None, f"{column} is in {heading.unit}, but the series has no unit; name another column"
-        other = "series has" if axis == "y" else "series needs"
-        return None, f"{column} is in {heading.unit}, but the {other} {base}; name another, or give {axis}_unit"
+        return None, f"{column} is in {heading.unit}, {needed}, or give {axis}_unit"
     if unclear is not None:
         return None, f"{column} {unclear}; {axis}_unit says what the numbers are in"
     if same_unit(base, "1"):
         return None, None
-    shown = ", ".join(number(value) for value in heading.first)
+    shown, usual = ", ".join(number(value) for value in heading.first), f"give {axis}_unit: {_usual(base)}"
     if heading.unit is not None:
-        found = (
-            f"may be in {heading.unit}, but the series {'has' if axis == 'y' else 'needs'} {base}; name another column"
-        )
-        return None, f"{column} ({shown}, ...) {found}, or give {axis}_unit: {_usual(base)}"
+        return None, f"{column} ({shown}, ...) may be in {heading.unit}, {needed} column, or {usual}"
     brackets = "" if is_cells(heading.name) else ", or write it in brackets behind the name in the file"
-    return None, f"{column} ({shown}, ...) has no unit; give {axis}_unit: {_usual(base)}{brackets}"
+    return None, f"{column} ({shown}, ...) has no unit; {usual}{brackets}"
 
 
 def _usual(base: str) -> str:

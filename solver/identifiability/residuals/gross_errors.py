@@ -25,6 +25,8 @@ _SHARE = 8  # at most one reading in so many is looked for, and one in any case
 _MOST = 10
 _MET = 1.2  # scatter of the others, over the stated error, up to which that error is believed
 _FREE_LEVERAGE = 1e-6  # what the fit leaves of a reading that it does not follow
+_ROUNDING = 1e-9  # of sums of leverages
+_LIKELY = 20  # readings furthest from the fit of all that are compared with what the others say alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,54 +67,59 @@ def excluded_readings(residuals: FloatArray, basis: FloatArray, own: IntArray, *
     tuple of Excluded
         The furthest first; empty where there are too few readings to tell.
     """
-    kept = np.ones(len(residuals), dtype=np.bool_)
-    tried: list[Excluded] = []
-    count = 0
+    kept, tried, count = own, list[Excluded](), 0
+    gram, along = basis.T @ basis, basis.T @ residuals  # of all readings that are still in
     for _ in range(min(max(len(own) // _SHARE, 1), _MOST)):
-        found = _furthest(residuals, basis, own, kept, known)
+        found = _furthest(kept, residuals[kept], basis[kept], gram, along, known)
         if found is None:
             break
         worst, limit = found
         tried.append(worst)
-        kept[worst.index] = False
+        kept, row = kept[kept != worst.index], basis[worst.index]
+        gram, along = gram - np.outer(row, row), along - row * residuals[worst.index]
         if abs(worst.deviations) > limit:
             count = len(tried)
     return tuple(sorted(tried[:count], key=lambda one: -abs(one.deviations)))
 
 
 def _furthest(
-    residuals: FloatArray, basis: FloatArray, own: IntArray, kept: np.ndarray, known: bool
+    indices: IntArray, residuals: FloatArray, rows: FloatArray, gram: FloatArray, along: FloatArray, known: bool
 ) -> tuple[Excluded, float] | None:
-    """The reading furthest from the others among those kept, and the limit of its distance; None with too few."""
-    rows = np.flatnonzero(kept)
-    orthonormal = np.linalg.qr(basis[rows])[0] if basis.shape[1] else basis[rows]
-    left = residuals[rows] - orthonormal @ (orthonormal.T @ residuals[rows])
-    inside = np.isin(rows, own)
-    rest = 1.0 - np.sum(orthonormal[inside] ** 2, axis=1)
-    free = float(rest.sum())
-    usable = rest > _FREE_LEVERAGE
-    if free < _FEWEST_FREE or not usable.any():
+    """The reading of a series that is furthest from its others, and the limit of its distance; None with too few.
+
+    Parameters
+    ----------
+    indices, residuals, rows
+        Of the readings of the series, shapes (m,), (m,) and (m, rank).
+    gram, along
+        Products of the rows of all readings of all series with each other, and with the residuals.
+    """
+    coefficients, solved = np.linalg.solve(gram, along), np.linalg.solve(gram, rows.T)
+    left = residuals - rows @ coefficients
+    leverages = np.sum(rows * solved.T, axis=1)
+    rest = 1.0 - leverages
+    if float(rest.sum()) < _FEWEST_FREE - _ROUNDING:
         return None
-    own_left = left[inside]
-    safe = np.where(usable, rest, 1.0)
-    apart = np.where(usable, own_left**2 / safe, 0.0)
+    usable = np.flatnonzero((rest > _FREE_LEVERAGE) & (left != 0.0))
+    likely = usable[np.argsort(-np.abs(left[usable]) / np.sqrt(rest[usable]), kind="stable")[:_LIKELY]]
     # residuals and leverages of all readings of the series, in rows, without the one of the column
-    hat = orthonormal[inside] @ orthonormal[inside].T
-    without = own_left[:, None] + hat * (own_left / safe)
-    leverages = np.diag(hat)[:, None] + hat**2 / safe
-    np.fill_diagonal(without, 0.0)
-    np.fill_diagonal(leverages, 1.0)
-    degrees = np.sum(1.0 - leverages, axis=0)
-    others = np.sqrt(np.sum(without**2, axis=0) / np.maximum(degrees, _LEAST_FREE))
+    hat = rows @ solved[:, likely]
+    without = left[:, None] + hat * (left[likely] / rest[likely])
+    degrees = 1.0 - leverages[:, None] - hat**2 / rest[likely]
+    without[likely, np.arange(likely.size)] = degrees[likely, np.arange(likely.size)] = 0.0
+    free = np.sum(degrees, axis=0)
+    others = np.sqrt(np.sum(without**2, axis=0) / np.maximum(free, _LEAST_FREE))
     if known:
         others = np.maximum(others, 1.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        distances = np.where((apart > 0.0) & (degrees >= _LEAST_FREE), np.sqrt(apart) / others, 0.0)
-    worst = int(np.argmax(distances))
-    probability = GROSS_LEVEL / (2.0 * int(inside.sum()))
-    trusted = known and others[worst] <= _MET
-    limit = float(-ndtri(probability)) if trusted else float(-stdtrit(degrees[worst], probability))
-    sign = float(np.sign(own_left[worst]))
-    return Excluded(
-        int(rows[inside][worst]), sign * float(distances[worst]), float(own_left[worst] / rest[worst])
-    ), limit
+    with np.errstate(divide="ignore"):
+        distances = np.abs(left[likely]) / np.sqrt(rest[likely]) / others
+    distances[free < _LEAST_FREE] = 0.0
+    if not distances.any():
+        return None
+    place = int(np.argmax(distances))
+    worst = int(likely[place])
+    probability = GROSS_LEVEL / (2.0 * len(indices))
+    trusted = known and others[place] <= _MET
+    limit = float(-ndtri(probability)) if trusted else float(-stdtrit(free[place], probability))
+    deviations = float(np.copysign(distances[place], left[worst]))
+    return Excluded(int(indices[worst]), deviations, float(left[worst] / rest[worst])), limit

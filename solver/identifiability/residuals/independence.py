@@ -11,7 +11,7 @@ from scipy.special import fdtrc, ndtr
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.objective import OUTLYING
+from geoswarm.solver.objective import OUTLYING, counted_in_order
 
 __all__ = ["LackOfFit", "SeriesResiduals", "durbin_watson", "examine_residuals", "repeats_test", "runs_test"]
 
@@ -119,16 +119,14 @@ def examine_residuals(
     losses = calibration.objective.point_losses(responses)
     found = []
     for o in calibration.objective.observed:
-        used = o.point_weights > 0
-        order = np.argsort(o.x[used], kind="stable")
-        x = o.x[used][order]
-        weights = o.point_weights[used][order]
-        residuals = (responses[o.series] - o.y)[used][order]
+        used = counted_in_order(o.x, o.point_weights)
+        x, weights = o.x[used], o.point_weights[used]
+        residuals = (responses[o.series] - o.y)[used]
         scaled = residuals * np.sqrt(weights)
         known = None if noise is None or o.loss is not None else noise.get(o.series)
         one = _examine(o.series, x, residuals, scaled, weights, dimension, known)
         if o.series in losses:
-            one = replace(one, loss_weights=losses[o.series][used][order])
+            one = replace(one, loss_weights=losses[o.series][used])
         found.append(one)
     return tuple(found)
 

@@ -182,12 +182,12 @@ def _gross(
 ) -> tuple[list[Misfit], list[int]]:
     """Readings that the others of their series exclude, and their indices; a robust loss copes with them by itself."""
     misfits, excluded = [], []
-    basis = weighted_basis(readings.weighted)
+    basis, scaled = weighted_basis(readings.weighted), readings.scaled / deviations
     for index, (o, measured) in enumerate(zip(readings.observed, readings.measured, strict=True)):
         if o.loss is not None or not readings.is_single(index) or (known is None and is_exact(o, measured.values)):
             continue
         own = readings.of(index)
-        found = excluded_readings(readings.scaled / deviations, basis, own, known=known is not None)
+        found = excluded_readings(scaled, basis, own, known=known is not None)
         for one in found:
             place = int(one.index - own[0])
             apart = one.expected * deviations[one.index] / readings.inside[one.index]

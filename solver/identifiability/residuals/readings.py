@@ -10,7 +10,7 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.residuals.residual_tests import FEWEST_IN_PART, weighted_basis
-from geoswarm.solver.objective import ObservedSeries
+from geoswarm.solver.objective import ObservedSeries, counted_in_order
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
 
@@ -55,8 +55,7 @@ class MeasuredResiduals:
 
     @classmethod
     def of(cls, problem: Problem, o: ObservedSeries, calculated: FloatArray) -> MeasuredResiduals:
-        used = np.flatnonzero(o.point_weights > 0)
-        used = used[np.argsort(o.x[used], kind="stable")]
+        used = counted_in_order(o.x, o.point_weights)
         starts = stage_times(problem.forward_model, o.series)
         stages = stage_of(o.x[used], starts) if starts.size >= 2 else None
         return cls(used + 1, o.x[used], o.y[used], (calculated - o.y)[used], o.point_weights[used], stages)
@@ -136,8 +135,7 @@ def readings_at(
     observed = tuple(o for o in pseudo.observed if o.weight > 0)
     columns: list[list[FloatArray]] = [[] for _ in range(6)]
     for index, o in enumerate(observed):
-        used = np.flatnonzero(o.point_weights > 0)
-        used = used[np.argsort(o.x[used], kind="stable")]
+        used = counted_in_order(o.x, o.point_weights)
         inside = np.sqrt(o.point_weights[used])
         factor = np.full(used.size, np.sqrt(o.weight / o.y.size))
         residuals = pseudo.residuals[o.series][used]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
+from geoswarm.solver.problem.tables.dates import is_moment, time_of_day
 from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit, without_brackets
 from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
@@ -59,7 +59,7 @@ def is_reading(cell: Cell) -> bool:
         cell_number(cell) is not None
         or cell.startswith(FORMULA)
         or bool(two_readings(cell))
-        or any(moment_in(cell, form) is not None for form in ("day_first", "month_first"))
+        or is_moment(cell)
         or time_of_day(cell) is not None
         or number_with_unit(cell) is not None
     )

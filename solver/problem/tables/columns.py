@@ -16,6 +16,7 @@ from geoswarm.solver.problem.tables.dates import (
     day_of,
     elapsed_days,
     form_of,
+    is_moment,
     moment_in,
     time_of_day,
 )
@@ -274,7 +275,7 @@ class _Reader:
                 x, cells=[(line, value) for (line, _), value in zip(x.cells, elapsed, strict=True)]
             )
         elif wanted.dates is not None or wanted.time is not None or self._looks_like_dates(x):
-            moments = self._moments(x, wanted.dates or form_of(cell for _, cell in x.cells))
+            moments = self._moments(x)
         elif wanted.origin is not None:
             raise _no_dates(self._name, x)
         values = {
@@ -308,27 +309,25 @@ class _Reader:
         )
 
     def _looks_like_dates(self, x: Picked) -> bool:
-        cells = [cell for _, cell in x.cells if cell != ""]
-        sample, form = cells[:20], form_of(cells)
-        if sum(moment_in(cell, form) is not None for cell in sample) * 2 > len(sample):
+        sample = [cell for _, cell in x.cells if cell != ""][:20]
+        if sum(map(is_moment, sample)) * 2 > len(sample):
             return True
-        either = [cell for cell in sample if moment_in(cell, "day_first") or moment_in(cell, "month_first")]
-        if len(either) * 2 > len(sample):
-            what = f"'{either[0]}' is a date whose day or month may be first; give x_dates: day_first or month_first"
-            raise TableError(f"{self._name}, column {x.name}: {what}")
         clocks = [cell for cell in sample if isinstance(cell, str) and time_of_day(cell) is not None]
         if len(clocks) * 2 > len(sample):
             what = f"'{clocks[0]}' is a time of day; x_column is the column of the dates, x_time_column this one"
             raise TableError(f"{self._name}, column {x.name}: {what}")
         return False
 
-    def _moments(self, x: Picked, form: DateForm | None) -> list[datetime]:
+    def _moments(self, x: Picked) -> list[datetime]:
         """Date and time of each row."""
-        clock = self.columns.get("x_time")
+        clock, form = self.columns.get("x_time"), self._wanted.dates or form_of(cell for _, cell in x.cells)
         expected = DATES_ACCEPTED if form in (None, "serial") else f"{_AS_WRITTEN[form]} or {DATES_ACCEPTED}"
         moments = []
         for i, (_, cell) in enumerate(x.cells):
             moment = moment_in(cell, form)
+            if moment is None and form is None and is_moment(cell):
+                what = f"'{cell}' is a date whose day or month may be first; give x_dates: day_first or month_first"
+                raise TableError(f"{self._name}, column {x.name}: {what}")
             if moment is None:
                 self._bad(i, x, f"not a date, such as {expected}")
             elif clock is not None:
@@ -375,7 +374,7 @@ class _Reader:
         problem = f"'{str(cell)[:50]}' is {what}" if cell != "" else "the cell is empty"
         if formula:
             problem = f"{str(cell)[:50]} has no stored value; let a spreadsheet program calculate and save the workbook"
-        elif what == "not a finite number" and (moment_in(cell, "day_first") or moment_in(cell, "month_first")):
+        elif what == "not a finite number" and is_moment(cell):
             problem += "; x_dates: day_first or month_first says how a date is written"
         self._messages.append((line, f"{self._name} line {line}, column {column.name}: {problem}"))
 

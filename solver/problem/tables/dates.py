@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["DATES_ACCEPTED", "DateForm", "day_of", "elapsed_days", "form_of", "moment_in", "time_of_day"]
+__all__ = ["DATES_ACCEPTED", "DateForm", "day_of", "elapsed_days", "form_of", "is_moment", "moment_in", "time_of_day"]
 
 DateForm: TypeAlias = Literal["day_first", "month_first", "serial"]
 """How dates are written that can be read in several ways: 03/04/2024, or a number of days as spreadsheets count."""
@@ -68,6 +68,11 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
         return None
 
 
+def is_moment(cell: Cell) -> bool:
+    """Whether a cell is a date, with day or month first."""
+    return moment_in(cell, "day_first") is not None or moment_in(cell, "month_first") is not None
+
+
 def form_of(cells: Iterable[Cell]) -> DateForm | None:
     """Return which of day and month is first in dates such as 31/12/2024, where a day above 12 shows it."""
     found = [one for cell in cells if isinstance(cell, str) and (one := _NUMBERS.fullmatch(cell)) and one[2] != "."]
@@ -84,7 +89,7 @@ def time_of_day(cell: Cell) -> timedelta | None:
     found = _CLOCK.fullmatch(cell)
     if found is not None:
         return _clock(found[1], found[2], found[3] or "0", found[4])
-    moment = moment_in(cell) or moment_in(cell, "day_first") or moment_in(cell, "month_first")
+    moment = moment_in(cell, "day_first") or moment_in(cell, "month_first")
     return None if moment is None else moment - day_of(moment)
 
 

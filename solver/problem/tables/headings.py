@@ -229,6 +229,8 @@ def units_of(heading: str) -> tuple[Named, ...]:
             found.append(Named(unit, base, not symbol, inner, label or heading))
         elif inner and (bracket[0][0] != "(" or _is_no_unit(inner)):
             found.append(Named(None, None, True, inner, heading))
+    if any(one.certain and one.unit is not None for one in found):
+        found = [one for one in found if one.certain]  # "Normalkraft (N) [kN]": N is the symbol
     if not found:
         found = list(_outside(" ".join(plain.split()), heading))
     return tuple(dict.fromkeys(found))

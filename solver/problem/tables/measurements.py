@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
-from geoswarm.solver.problem.tables.dates import form_of, moment_in, time_of_day
+from geoswarm.solver.problem.tables.dates import form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
     best_unit,
@@ -203,11 +203,7 @@ def _kind(
     form = form_of(filled)
     if sum(moment_in(cell, form) is not None for cell in filled) >= half:
         return "time", None
-    either = [
-        str(cell)
-        for cell in filled
-        if moment_in(cell, "day_first") is not None or moment_in(cell, "month_first") is not None
-    ]
+    either = [str(cell) for cell in filled if is_moment(cell)]
     if len(either) >= half:
         return "time", either[0]
     return ("clock" if sum(time_of_day(cell) is not None for cell in filled) >= half else "text"), None

@@ -237,13 +237,21 @@ def test_a_column_without_a_unit_is_asked_for(tmp_path: Path) -> None:
     assert triaxial(tmp_path, "q.txt", text, x_column="eps", y_column="q", y_unit="MPa").y[0] == 10_000.0
 
 
-@pytest.mark.parametrize(("heading", "factor"), [("Load (N)", 1e-3), ("Load (kN)", 1.0), ("Load_(N)", 1e-3)])
+@pytest.mark.parametrize(
+    ("heading", "column", "factor"),
+    [
+        ("Load (N)", "Load", 1e-3),
+        ("Load (kN)", "Load", 1.0),
+        ("Load_(N)", "Load", 1e-3),
+        ("Normalkraft (N) [kN]", "Normalkraft (N) [kN]", 1.0),  # the symbol, and the unit
+    ],
+)
 def test_a_unit_of_one_letter_in_round_brackets_is_used_where_it_fits(
-    heading: str, factor: float, tmp_path: Path
+    heading: str, column: str, factor: float, tmp_path: Path
 ) -> None:
     formula = {"kind": "formula", "series": {"F": {"expression": "M * x", "y_unit": "kN"}}}
     text = f"eps,{heading}\n0.1,7.2\n0.2,6.4\n"
-    table = {"series": "F", "file": "F.csv", "x_column": "eps", "y_column": heading.partition("_(")[0].strip(" (N)k")}
+    table = {"series": "F", "file": "F.csv", "x_column": "eps", "y_column": column}
     (tmp_path / "F.csv").write_text(text, encoding="utf-8")
     written = document("F.csv") | {"forward_model": formula, "parameters": {"M": {"lower": 0.0, "upper": 9.0}}}
     (tmp_path / "problem.yaml").write_text(problem_yaml(written | {"observations": [table]}), encoding="utf-8")

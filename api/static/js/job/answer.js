@@ -1,5 +1,5 @@
 // The answer in words, and the table of parameters: both from the statistics, so that they never disagree with these.
-import { alarm, doubt } from "../alarm.js";
+import { WRONG, alarm, doubt } from "../alarm.js";
 import { announce, element, empty, exchange } from "../dom.js";
 import { amount, ends, number, plain, precise, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
@@ -7,7 +7,6 @@ import { ENDED } from "../states.js";
 import { nextStep } from "./next_step.js";
 
 const FORMS = { fixed: "fixed", linked: "linked" };
-const CLOSEST = new Set(["lack_of_fit", "error_not_met"]);
 const FITS = {
   describes: "the model describes the data", doubtful: "whether the model describes the data is doubtful",
   gross_error: "without the readings that the others exclude, the model describes the data", lack_of_fit: "the model does not describe the data, so no interval holds",
@@ -22,7 +21,7 @@ const listed = (names) => (names.length < 2 ? names.join("") : `${names.slice(0,
 export function sentence({ verdicts, fit }, shares, short = false) {
   const groups = new Map();
   for (const { parameter, kind, words } of verdicts) {
-    const what = CLOSEST.has(kind) ? "" : kind === "in_combination" ? "known only in combination" : words;
+    const what = WRONG.has(kind) ? "" : kind === "in_combination" ? "known only in combination" : words;
     groups.set(what, [...(groups.get(what) ?? []), symbol(parameter)]);
   }
   const told = [...groups].map(([what, names]) => (what
