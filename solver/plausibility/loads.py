@@ -34,7 +34,8 @@ def loads_not_shown(problem: Problem) -> Iterator[str]:
     for readings in staged_readings(problem):
         if not readings.by_stage:
             yield from _unread(readings)
-        yield from _steps(readings)
+        if readings.drains_at_once:
+            yield from _steps(readings)
 
 
 def _unread(readings: StagedReadings) -> Iterator[str]:

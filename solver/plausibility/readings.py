@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import SeriesInfo
+from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.laboratory.section import LaboratorySpec
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.plausibility.units import meant_unit, with_unit
@@ -91,7 +92,7 @@ def _size(readings: StagedReadings) -> Iterator[Doubt]:
     strain = largest / length
     zero = readings.spec.zero_at_stage
     loaded = float(readings.stresses[zero:].max() / readings.stresses[zero - 1])
-    least = _LEAST_INDEX * math.log(max(loaded, 1.0))
+    least = _LEAST_INDEX * math.log(max(loaded, 1.0)) if readings.drains_at_once else 0.0
     if strain == 0.0 or least <= strain <= _MOST:
         return
     begins = f"the largest reading, {readings.in_data(largest)}, is"
@@ -122,7 +123,7 @@ def _sign(readings: StagedReadings) -> Iterator[Doubt]:
     if low < 0.0 and -low > _NEGATIVE * max(high, 0.0):
         message = (
             f"the readings are negative (down to {readings.in_data(low)}) while the stress rises to "
-            f"{readings.stresses[zero:].max():g} kPa, but compression is positive; give them with the opposite sign"
+            f"{readings.stresses[zero:].max():g} kPa, but compression is positive; y_factor: -1 turns them"
         )
         yield Doubt(readings.observation.series, readings.path, "", message, False)
 
@@ -144,7 +145,7 @@ def _void_ratio(readings: StagedReadings) -> Iterator[Doubt]:
 def _length(readings: StagedReadings) -> tuple[float, str]:
     """Length that a reading is compared with, m, and what it is; 1 for a strain."""
     spec = readings.spec
-    if readings.quantity == "radial_displacement":
+    if readings.quantity == "radial_displacement" and isinstance(spec, StagedLoadSpec):
         return spec.radius, f"radius of the specimen, {spec.radius:g} m"
     if readings.quantity in ("settlement", "axial_displacement"):
         return spec.height, f"height of the specimen, {spec.height:g} m"

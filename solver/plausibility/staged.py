@@ -9,6 +9,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
+from geoswarm.solver.laboratory.flow.consolidation import ConsolidationSpec
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test, stage_of, stage_times
 from geoswarm.solver.units import convert
@@ -51,7 +52,7 @@ class StagedReadings:
 
     path: str
     section: str
-    spec: StagedLoadSpec
+    spec: StagedLoadSpec | ConsolidationSpec
     quantity: str
     by_stage: bool
     x: FloatArray
@@ -61,6 +62,11 @@ class StagedReadings:
     y_unit: str
     y_base: str
     observation: Observation
+
+    @property
+    def drains_at_once(self) -> bool:
+        """Whether a load compresses the specimen when it acts, and not while pore water flows."""
+        return isinstance(self.spec, StagedLoadSpec)
 
     @property
     def title(self) -> str:
@@ -83,7 +89,10 @@ def staged_readings(problem: Problem) -> Iterator[StagedReadings]:
     infos = {info.name: info for info in problem.model.series}
     for index, one in enumerate(problem.observations):
         section, spec, series = section_of_test(problem.forward_model, one.series)
-        if not isinstance(spec, StagedLoadSpec) or series.removeprefix("stage_") not in _DEFORMATIONS:
+        if (
+            not isinstance(spec, (StagedLoadSpec, ConsolidationSpec))
+            or series.removeprefix("stage_") not in _DEFORMATIONS
+        ):
             continue
         info = infos[one.series]
         x_unit, y_unit = one.x_unit or info.x_unit, one.y_unit or info.y_unit

@@ -145,6 +145,7 @@ class ObservationSection(Section):
         description="unit of y in the data; if absent, that of its heading in the file "
         "(required there, except for numbers without dimension), or the base unit of the series for points",
     )
+    x_factor: float = Field(1.0, description="factor for x, before all else: -1 changes the sign")
     y_zero: Literal["first"] | ZeroReading | None = Field(
         None,
         description="the zero reading, which is subtracted: first, {x: 0.5} for the reading at that x, or {y: 12.31}",
@@ -198,11 +199,11 @@ class ObservationSection(Section):
         description="where the readings come from and what was done to them, for the report; geoswarm adds its own",
     )
 
-    @field_validator("y_factor")
+    @field_validator("x_factor", "y_factor")
     @classmethod
     def _factor(cls, value: float) -> float:
         if value == 0.0:
-            raise PydanticCustomError("y_factor", "must not be 0")
+            raise PydanticCustomError("factor", "must not be 0")
         return value
 
     @model_validator(mode="after")

@@ -375,6 +375,8 @@ def _checked_x(
         if len(places) > 1:
             values = [given[kept[place]] for place in places]
             found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
+        if low == 0.0 and not (x > slack).any():
+            found += "; x_factor: -1 turns the sign"
         return x, found
     x = np.clip(x, low, high)
     if info.x_increasing and len(x) > 1:

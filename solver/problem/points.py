@@ -27,6 +27,7 @@ _TAKEN_IN = {
     "repeated_x",
     "resample",
     "y_zero",
+    "x_factor",
     "y_factor",
     "decimal_sign",
     "incomplete_rows",
@@ -216,7 +217,13 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
     marked = tuple(sorted({*points.gross_errors, *(place - 1 for place in section.gross_errors)}))
     given = Readings(points.x, points.y, points.weight, points.inputs, marked, points.readings, points.independent)
     wanted = Preparation(
-        section.y_zero, section.y_factor, section.sort, section.repeated_x, section.resample, section.error
+        section.y_zero,
+        section.x_factor,
+        section.y_factor,
+        section.sort,
+        section.repeated_x,
+        section.resample,
+        section.error,
     )
     try:
         found, done = prepared(given, wanted)

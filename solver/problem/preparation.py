@@ -75,7 +75,8 @@ class Preparation:
     """How to process readings; ``error``: standard deviation of a reading, as far as it is stated."""
 
     zero: Literal["first"] | ZeroReading | None = None
-    factor: float = 1.0
+    x_factor: float = 1.0
+    y_factor: float = 1.0
     sort: bool = False
     repeated_x: Literal["average", "shift"] | None = None
     resample: Resample | None = None
@@ -87,7 +88,7 @@ class NoZeroError(Exception):
 
 
 def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[str]]:
-    """Sort by x, subtract the zero reading, multiply, make x differ, and thin, in this order; report each step.
+    """Multiply x, sort by it, subtract the zero reading, multiply y, make x differ, and thin; report each step.
 
     Thinning does not change what a series weighs: given weights of the readings of a mean are added, and scaled so that
     their mean over the points is that over the readings. Gross errors take no part in zero readings and means, and
@@ -109,6 +110,9 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
     if not counted.any():
         return readings, []  # refused elsewhere
     done = []
+    if wanted.x_factor != 1.0:
+        x = x * wanted.x_factor
+        done.append(f"x was multiplied by {number(wanted.x_factor)}")
     order = np.argsort(x, kind="stable") if wanted.sort else np.arange(len(x))
     if (np.diff(order) < 0).any():
         done.append("the readings were sorted by x")
@@ -120,9 +124,9 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
             raise NoZeroError(said)
         y = y - value
         done.append(said)
-    if wanted.factor != 1.0:
-        y = y * wanted.factor
-        done.append(f"y was multiplied by {number(wanted.factor)}")
+    if wanted.y_factor != 1.0:
+        y = y * wanted.y_factor
+        done.append(f"y was multiplied by {number(wanted.y_factor)}")
     columns |= {"y": y, "weight": weight, "count": count}
     marked = x[~counted], {name: values[~counted] for name, values in columns.items()}
     places: IntArray = np.cumsum(counted)[~counted].astype(np.int64)  # how many that count stand before each

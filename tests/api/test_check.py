@@ -64,7 +64,7 @@ def test_what_is_probably_not_meant_is_told(app: App) -> None:
         "forward_model.height",
         "forward_model.stages[].duration",
     ]
-    assert "compression is positive; give them with the opposite sign" in told[2]
+    assert "compression is positive; y_factor: -1 turns them" in told[2]
 
 
 def test_what_the_model_assumes_is_told(app: App) -> None:

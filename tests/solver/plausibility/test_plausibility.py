@@ -12,6 +12,7 @@ from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.plausibility import implausible, impossible
+from geoswarm.solver.plausibility.readings import doubtful_readings
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.runs.check import check_problem
 
@@ -157,8 +158,48 @@ def test_settlement_counted_negative() -> None:
     (sign, *_) = warnings(points(1440.0 * TIMES, -settlement()))
     assert sign == (
         "observations[0] (settlement): the readings are negative (down to -5.22 mm) while the stress rises to 400 kPa, "
-        "but compression is positive; give them with the opposite sign"
+        "but compression is positive; y_factor: -1 turns them"
     )
+
+
+CONSOLIDATION = {
+    "kind": "consolidation",
+    "material": "soft_soil",
+    "height": 0.02,
+    "initial_stress": 50.0,
+    "initial_void_ratio": 1.4,
+    "stages": [{"stress": 100.0, "duration": 1.0}],
+}
+
+
+FLOW = {"kappa_star": 0.01, "k": 1e-5, "C_k": 1.0, "c": 1.0, "phi": 25.0}
+
+
+@pytest.mark.parametrize(
+    ("settlements", "said"),
+    [
+        ([0.1, 0.3, 0.44], ""),
+        ([-0.1, -0.3, -0.44], "the readings are negative (down to -0.44 mm) while the stress rises to 100 kPa"),
+        ([100.0, 300.0, 440.0], "the largest reading, 440 mm, is more than the height of the specimen, 0.02 m"),
+        ([1e-6, 3e-6, 4.4e-6], ""),  # the pore water has hardly begun to flow
+    ],
+)
+def test_a_test_with_consolidation(settlements: list[float], said: str) -> None:
+    problem = {
+        "forward_model": CONSOLIDATION,
+        "parameters": {
+            "lambda_star": {"lower": 0.02, "upper": 0.4},
+            **{name: {"value": value} for name, value in FLOW.items()},
+        },
+        "observations": [
+            {"series": "settlement", "x_unit": "min", "y_unit": "mm"}
+            | points(np.array([1.0, 60.0, 1400.0]), np.array(settlements))
+        ],
+        "stopping": {"max_evaluations": 10},
+    }
+    found = [doubt.message for doubt in doubtful_readings(parse_problem(problem))]
+    assert said in "".join(found)
+    assert bool(found) == bool(said)
 
 
 def test_swelling_may_be_negative() -> None:

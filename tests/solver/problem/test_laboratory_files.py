@@ -243,6 +243,19 @@ def test_zero_reading_difference_and_sign(tmp_path: Path) -> None:
     assert "must not be 0" in mistakes(tmp_path, "a.csv", GAUGE, y_factor=0, **keys)
 
 
+def test_a_factor_for_x(tmp_path: Path) -> None:
+    keys = {"x_column": "t", "y_column": "y"}
+    text = "t [day],y [m]\n0,1\n-0.5,2\n-2,4\n"
+    refused = mistakes(tmp_path, "a.csv", text, **keys)
+    assert "x = -0.5 day (point 2) is outside series 'settlement', which has time from 0 to 3 day" in refused
+    assert refused.endswith("; 2 points are, -2 to -0.5 day; x_factor: -1 turns the sign")
+    found = observed(tmp_path, "a.csv", text, x_factor=-1, y_zero="{x: 0.5}", **keys)
+    assert found.points.x == [0.0, 0.5, 2.0]
+    assert found.y.tolist() == [-1.0, 0.0, 2.0]
+    assert found.notes[0] == "x was multiplied by -1"
+    assert "x_factor: must not be 0" in mistakes(tmp_path, "a.csv", text, x_factor=0, **keys)
+
+
 def given(x: list[float], y: list[float], **keys: Any) -> Any:
     problem = parse_problem(decay_document(observations=[{"series": "y", "points": {"x": x, "y": y}, **keys}]))
     again = parse_problem(problem.document())

@@ -38,12 +38,13 @@ export function prepared(draft, path, one, about) {
   };
   showZero(zero);
   const tidy = () => { if (!Object.keys(draft.read([...path, "resample"]) ?? { some: 1 }).length) draft.write([...path, "resample"], undefined); };
-  return element("details", { open: ["y_zero", "y_factor", "resample", "sort", "repeated_x"].some((name) => one[name] !== undefined) },
+  return element("details", { open: ["x_factor", "y_zero", "y_factor", "resample", "sort", "repeated_x"].some((name) => one[name] !== undefined) },
     element("summary", {}, "Prepare the readings"),
     element("div", { class: "fields" },
       checkbox(draft, [...path, "sort"], { label: "Put them in the order of x" }),
       choice(`zero-${path[1]}`, "Zero reading", ZERO, zero, setZero, { help: "It is subtracted from all." }),
       value,
+      field(draft, [...path, "x_factor"], { label: "Factor of x", kind: "number", fallback: 1, help: "−1 turns the sign." }),
       field(draft, [...path, "y_factor"], { label: "Factor of y", kind: "number", fallback: 1, help: "−1 turns the sign." }),
       field(draft, [...path, "repeated_x"], { label: "Readings at equal x", kind: "select", options: REPEATED }),
       field(draft, [...path, "resample", "per_decade"], { label: "Means, so many to a decade of x", kind: "number", onchange: tidy }),
