@@ -81,28 +81,36 @@ def _differing(rows: Sequence[AgsRow]) -> AgsRow | None:
 
 
 def without_test(file: AgsFile, general: str, details: str) -> list[tuple[Specimen, str]]:
-    """Return the specimens of details that the general group has not, or several times, with the reason."""
+    """Return the specimens that only one of both groups has, or the general one several times, with the reason."""
     above, below = file.groups.get(general), file.groups.get(details)
-    if above is None or below is None:
+    if above is None:
         return []
     known = rows_by_specimen(above)
-    twice = [
+    given = {} if below is None else rows_by_specimen(below)
+
+    def told(group: str, row: AgsRow, what: str) -> str:
+        specimen = _full(specimen_of(file.groups[group], row))
+        return f"{file.name} line {row.line}: group {group} has the specimen {specimen}{what}"
+
+    found = [
         (
             specimen_of(above, row),
-            f"{file.name} line {row.line}: group {general} has the specimen {_full(specimen_of(above, row))} of line "
-            f"{rows[0].line} again, with other cells; one row a specimen is accepted",
+            told(general, row, f" of line {rows[0].line} again, with other cells; one row a specimen is accepted"),
         )
         for rows in known.values()
         if (row := _differing(rows)) is not None
     ]
-    return twice + [
-        (
-            specimen_of(below, rows[0]),
-            f"{file.name} line {rows[0].line}: group {details}: the specimen {_full(specimen_of(below, rows[0]))} is "
-            f"not in group {general}; the same {', '.join(KEYS)} as there are accepted",
-        )
-        for specimen, rows in rows_by_specimen(below).items()
-        if specimen not in known
+    if below is not None:
+        needed = f", which is not in group {general}; the same {', '.join(KEYS)} as there are accepted"
+        found += [
+            (specimen_of(below, rows[0]), told(details, rows[0], needed))
+            for specimen, rows in given.items()
+            if specimen not in known
+        ]
+    return found + [
+        (specimen_of(above, rows[0]), told(general, rows[0], f" without readings in group {details}"))
+        for specimen, rows in known.items()
+        if below is None or not any(_says_something(below, row) for row in given.get(specimen, ()))
     ]
 
 

@@ -112,7 +112,10 @@ def test_details_belong_to_a_test_that_is_there_once() -> None:
     assert twice.compression == ()
     assert "group CONG has the specimen BH1/4.50/3/U/1/4.60 of line" in twice.without[0][1]
     orphan = contents(**{**rows, "CONS": rows["CONS"].replace('"1","4.60"', '"9","4.60"')}).without
-    assert "group CONS: the specimen BH1/4.50/3/U/9/4.60 is not in group CONG" in orphan[0][1]
+    assert "group CONS has the specimen BH1/4.50/3/U/9/4.60, which is not in group CONG" in orphan[0][1]
+    assert "group CONG has the specimen BH1/4.50/3/U/1/4.60 without readings in group CONS" in orphan[1][1]
+    (alone,) = contents(**{**rows, "CONS": ""}).without
+    assert alone[1] == orphan[1][1]
     same = contents(**{**rows, "CONS": rows["CONS"].replace('"4.50"', '"4.5"').replace('"4.60"', '"4.600"')})
     assert [id for id, _ in same.compression] == ["BH1/3/1/4.60"]
     assert same.without == ()
