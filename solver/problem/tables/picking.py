@@ -10,8 +10,9 @@ from itertools import dropwhile, takewhile
 from geoswarm.solver.problem.tables.blocks import is_reading, key, unit_of_cell
 from geoswarm.solver.problem.tables.cells import Sheet, number_in
 from geoswarm.solver.problem.tables.headings import guess_unit, without_brackets
-from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_number
+from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_letters, column_number
 from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.words import listed
 
 __all__ = ["Picked", "column_of", "is_cells", "is_range", "names_used", "picked", "rows_where"]
 
@@ -85,8 +86,14 @@ def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
         return _range(sheet, wanted, file)
     what = "there are several columns" if found else "there is no column"
     header = f"the header has: {', '.join(sheet.header)}" if sheet.header else "there is no line of headings"
-    remedy = "; say which by its letter, B:B, or its cells, B5:B30" if found else ""
+    remedy = f"; name the cells of one: {listed([_cells(sheet, place) for place in found], 'or')}" if found else ""
     raise TableError(f"{file} line {sheet.header_line}: {what} '{wanted}'; {header}{remedy}")
+
+
+def _cells(sheet: Sheet, place: int) -> str:
+    """The cells of a column, such as B5:B30."""
+    letters, lines = column_letters(place), [line for line, _ in sheet.rows] or [sheet.header_line + 1]
+    return f"{letters}{lines[0]}:{letters}{lines[-1]}"
 
 
 def _range(sheet: Sheet, wanted: str, file: str) -> Picked:

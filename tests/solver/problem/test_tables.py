@@ -60,7 +60,7 @@ def test_columns_by_name(tmp_path: Path) -> None:
             "x,y,X\n1,2,3\n",
             [
                 "data.csv line 1: there are several columns 'x'; the header has: x, y, X; "
-                "say which by its letter, B:B, or its cells, B5:B30"
+                "name the cells of one: A2:A2 or C2:C2"
             ],
         ),
         (
