@@ -1,0 +1,108 @@
+"""Readings of tests other than the oedometer that no soil can have, or hardly: consolidation, triaxial, shear."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from geoswarm.solver.plausibility import impossible
+from geoswarm.solver.plausibility.readings import doubtful_readings
+from geoswarm.solver.problem import Problem, parse_problem
+
+CONSOLIDATION = {
+    "kind": "consolidation",
+    "material": "soft_soil",
+    "height": 0.02,
+    "initial_stress": 50.0,
+    "initial_void_ratio": 1.4,
+    "stages": [{"stress": 100.0, "duration": 1.0}],
+}
+FLOW = {"kappa_star": 0.01, "k": 1e-5, "C_k": 1.0, "c": 1.0, "phi": 25.0}
+
+
+@pytest.mark.parametrize(
+    ("settlements", "said"),
+    [
+        ([0.1, 0.3, 0.44], ""),
+        ([-0.1, -0.3, -0.44], "the readings are negative (down to -0.44 mm) while the stress rises to 100 kPa"),
+        ([100.0, 300.0, 440.0], "the largest reading, 440 mm, is more than the height of the specimen, 0.02 m"),
+        ([1e-6, 3e-6, 4.4e-6], ""),  # the pore water has hardly begun to flow
+    ],
+)
+def test_a_test_with_consolidation(settlements: list[float], said: str) -> None:
+    problem = {
+        "forward_model": CONSOLIDATION,
+        "parameters": {
+            "lambda_star": {"lower": 0.02, "upper": 0.4},
+            **{name: {"value": value} for name, value in FLOW.items()},
+        },
+        "observations": [
+            {"series": "settlement", "x_unit": "min", "y_unit": "mm"}
+            | {"points": {"x": [1.0, 60.0, 1400.0], "y": settlements}}
+        ],
+        "stopping": {"max_evaluations": 10},
+    }
+    found = [doubt.message for doubt in doubtful_readings(parse_problem(problem))]
+    assert said in "".join(found)
+    assert bool(found) == bool(said)
+
+
+def sheared(kind: str, **observation: Any) -> Problem:
+    """A test on modified Cam clay consolidated under 100 kPa."""
+    triaxial = kind == "triaxial"
+    end = {"axial_strain": 0.1} if triaxial else {"shear_strain": 0.2}
+    document = {
+        "forward_model": {
+            "kind": kind,
+            "material": "modified_cam_clay",
+            "initial_stress": 20,
+            "consolidation": [{"axial": 100} if triaxial else {"normal_stress": 100}],
+            "shearing": [{"kind": "monotonic", **end}],
+        },
+        "parameters": {
+            "lambda": {"lower": 0.05, "upper": 0.3},
+            "kappa": {"value": 0.02},
+            "M": {"value": 1.1},
+            "nu": {"value": 0.3},
+            "e0": {"value": 1.0},
+        },
+        "observations": [observation],
+        "stopping": {"max_evaluations": 10},
+    }
+    return parse_problem(document)
+
+
+X = [0.01, 0.05, 0.1]
+
+
+def test_a_test_without_consolidation() -> None:
+    problem = sheared("triaxial", series="q", points={"x": X, "y": [30, 60, 80]}).document()
+    problem["forward_model"]["consolidation"] = []
+    assert impossible(parse_problem(problem)) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "observation", "said"),
+    [
+        ("triaxial", {"series": "q", "points": {"x": X, "y": [30, 60, 80]}}, None),
+        ("triaxial", {"series": "q", "points": {"x": X, "y": [0.03, 0.06, 0.08]}}, "in MPa it would be 80 kPa: y_unit"),
+        ("triaxial", {"series": "q", "y_unit": "MPa", "points": {"x": X, "y": [30, 60, 800]}}, "in kPa it would be"),
+        ("triaxial", {"series": "q", "y_unit": "kPa", "points": {"x": X, "y": [3e4, 6e4, 2e5]}}, "in Pa it would be"),
+        ("triaxial", {"series": "volumetric_strain", "points": {"x": X, "y": [0.5, 1, 2.4]}}, "in % it would be 0.024"),
+        ("triaxial", {"series": "volumetric_strain", "y_unit": "%", "points": {"x": X, "y": [0.5, 1, 2.4]}}, None),
+        (
+            "direct_simple_shear",
+            {"series": "shear_stress", "points": {"x": X, "y": [0.003, 0.02, 0.03]}},
+            "the largest value of τ, 0.03 kPa, is 0.0003 times the largest stress that is applied, 100 kPa; in MPa it",
+        ),
+        ("direct_simple_shear", {"series": "pore_pressure", "points": {"x": X, "y": [0.0, 0.0, 0.01]}}, None),
+    ],
+)
+def test_stresses_and_strains_of_shear_tests(kind: str, observation: dict[str, Any], said: str | None) -> None:
+    found = impossible(sheared(kind, **observation))
+    if said is None:
+        assert found == []
+    else:
+        assert said in found[0].message
+        assert found[0].path == "observations[0].y_unit"
