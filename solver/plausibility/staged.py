@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test, stage_of, stage_times
 from geoswarm.solver.units import convert
-
-if TYPE_CHECKING:  # it loads the kernels
-    from geoswarm.solver.laboratory.flow.consolidation import ConsolidationSpec
 
 __all__ = ["StagedReadings", "staged_readings"]
 
@@ -28,6 +24,27 @@ _DEFORMATIONS = frozenset(
     }
 )
 """Series that show how a specimen is compressed; stresses and state variables are judged by nothing here."""
+
+
+@runtime_checkable
+class StagedTest(Protocol):
+    """Section of a test on a specimen with loads in stages, by its fields: its module may load the kernels."""
+
+    @property
+    def height(self) -> float:
+        """Height of the specimen, m."""
+
+    @property
+    def initial_stress(self) -> float:
+        """Stress before the first stage, kPa."""
+
+    @property
+    def stages(self) -> Sequence[Any]:
+        """Each with ``stress``, kPa, and ``duration``, day."""
+
+    @property
+    def zero_at_stage(self) -> int:
+        """Stage just before which deformation is zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +73,7 @@ class StagedReadings:
 
     path: str
     section: str
-    spec: StagedLoadSpec | ConsolidationSpec
+    spec: StagedTest
     quantity: str
     by_stage: bool
     x: FloatArray
@@ -88,20 +105,12 @@ class StagedReadings:
         return f"{shown:.3g}{'' if self.y_unit in ('', '1', 'dimensionless') else f' {self.y_unit}'}"
 
 
-def _staged(spec: ForwardModelSpec) -> StagedLoadSpec | ConsolidationSpec | None:
-    """The section of a test in stages; None for all else."""
-    if isinstance(spec, StagedLoadSpec):
-        return spec
-    return cast("ConsolidationSpec", spec) if spec.kind == "consolidation" else None
-
-
 def staged_readings(problem: Problem) -> Iterator[StagedReadings]:
     """Every observation of the deformation of a test in stages."""
     infos = {info.name: info for info in problem.model.series}
     for index, one in enumerate(problem.observations):
-        section, found, series = section_of_test(problem.forward_model, one.series)
-        spec = _staged(found)
-        if spec is None or series.removeprefix("stage_") not in _DEFORMATIONS:
+        section, spec, series = section_of_test(problem.forward_model, one.series)
+        if not isinstance(spec, StagedTest) or series.removeprefix("stage_") not in _DEFORMATIONS:
             continue
         info = infos[one.series]
         x_unit, y_unit = one.x_unit or info.x_unit, one.y_unit or info.y_unit

@@ -217,13 +217,13 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
     marked = tuple(sorted({*points.gross_errors, *(place - 1 for place in section.gross_errors)}))
     given = Readings(points.x, points.y, points.weight, points.inputs, marked, points.readings, points.independent)
     wanted = Preparation(
-        section.y_zero,
-        section.x_factor,
-        section.y_factor,
-        section.sort,
-        section.repeated_x,
-        section.resample,
-        section.error,
+        zero=section.y_zero,
+        x_factor=section.x_factor,
+        y_factor=section.y_factor,
+        sort=section.sort,
+        repeated_x=section.repeated_x,
+        resample=section.resample,
+        error=section.error,
     )
     try:
         found, done = prepared(given, wanted)

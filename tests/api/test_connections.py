@@ -174,7 +174,10 @@ def test_who_does_not_read_an_answer_is_left(service: JobService, monkeypatch: p
 
 def streams(server: LiveServer, key: str, job: str) -> Iterator[int]:
     """Open streams one after the other and tell how each was answered."""
-    with httpx.Client(base_url=server.url, headers={"X-API-Key": key}, timeout=240) as client, ExitStack() as opened:
+    with (
+        httpx.Client(base_url=server.url, headers={"X-API-Key": key}, timeout=PATIENCE) as client,
+        ExitStack() as opened,
+    ):
         while True:
             yield opened.enter_context(client.stream("GET", f"{API}/jobs/{job}/events")).status_code
 
@@ -183,7 +186,7 @@ def test_event_streams_are_limited_for_each_key_and_in_all(service: JobService) 
     ring = ApiKeys(service.store)
     keys = [ring.create("alice", "submit")[0], *(ring.create("alice", "read")[0] for _ in range(2))]
     settings = ApiSettings(require_key=True, event_streams_per_key=3, event_streams=5)
-    with live_server(service, settings) as server, httpx.Client(base_url=server.url, timeout=240) as client:
+    with live_server(service, settings) as server, httpx.Client(base_url=server.url, timeout=PATIENCE) as client:
         job = client.post(f"{API}/jobs", json=line_problem(), headers={"X-API-Key": keys[0]}).json()["id"]
         first, second, third = (streams(server, key, job) for key in keys)
         assert [next(first) for _ in range(4)] == [200, 200, 200, 429]
@@ -208,7 +211,7 @@ def test_unanswered_requests_of_a_key_are_limited(service: JobService) -> None:
         for _ in range(3):
             opened.enter_context(connect(server.url, begun.encode()))
         ask = {
-            key: lambda key=key: httpx.get(f"{server.url}{API}/jobs", headers={"X-API-Key": key}, timeout=240)
+            key: lambda key=key: httpx.get(f"{server.url}{API}/jobs", headers={"X-API-Key": key}, timeout=PATIENCE)
             for key in (alice, ben)
         }
         wait_until(lambda: ask[alice]().status_code == 429)

@@ -26,12 +26,12 @@ from tests.integration.engines import PATIENCE
 
 
 def submit(server: LiveServer, **changes: Any) -> str:
-    return str(httpx.post(f"{server.url}{API}/jobs", json=line_problem(**changes), timeout=240).json()["id"])
+    return str(httpx.post(f"{server.url}{API}/jobs", json=line_problem(**changes), timeout=PATIENCE).json()["id"])
 
 
 def act(server: LiveServer, job: str, *actions: str) -> None:
     for action in actions:
-        assert httpx.post(f"{server.url}{API}/jobs/{job}/{action}", timeout=240).status_code == 200
+        assert httpx.post(f"{server.url}{API}/jobs/{job}/{action}", timeout=PATIENCE).status_code == 200
 
 
 def read(server: LiveServer, job: str, query: str = "", headers: dict[str, str] | None = None) -> list[dict[str, str]]:
@@ -81,13 +81,15 @@ def test_nothing_after_the_end_means_do_not_come_again(server: LiveServer) -> No
     job = submit(server)
     act(server, job, "cancel")
     last = read(server, job)[-1]["id"]
-    answer = httpx.get(f"{server.url}{API}/jobs/{job}/events", headers={"Last-Event-ID": last}, timeout=240)
+    answer = httpx.get(f"{server.url}{API}/jobs/{job}/events", headers={"Last-Event-ID": last}, timeout=PATIENCE)
     assert (answer.status_code, answer.content) == (204, b"")
 
 
 @pytest.mark.parametrize("last", ["x", "-1", "1.5", "9" * 30])
 def test_a_last_event_id_that_is_none_is_refused(server: LiveServer, last: str) -> None:
-    answer = httpx.get(f"{server.url}{API}/jobs/{submit(server)}/events", headers={"Last-Event-ID": last}, timeout=240)
+    answer = httpx.get(
+        f"{server.url}{API}/jobs/{submit(server)}/events", headers={"Last-Event-ID": last}, timeout=PATIENCE
+    )
     assert answer.status_code == 422
     assert "Last-Event-ID" in answer.json()["detail"]
 

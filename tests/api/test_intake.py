@@ -19,6 +19,7 @@ from geoswarm.api.access.intake import LARGE_BODIES, SMALL_BODY_BYTES
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, LiveServer, line_problem, live_server
+from tests.integration.engines import PATIENCE
 
 MB = 2**20
 
@@ -26,7 +27,7 @@ MB = 2**20
 @contextmanager
 def unfinished(server: LiveServer, path: str, declared: int, sent: bytes, key: str = "") -> Iterator[socket.socket]:
     """A POST whose body has begun and goes on when the test says so."""
-    with socket.create_connection(server.listener.getsockname()[:2], timeout=240) as raw:
+    with socket.create_connection(server.listener.getsockname()[:2], timeout=PATIENCE) as raw:
         head = f"POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
         head += f"Content-Length: {declared}\r\n" + (f"X-API-Key: {key}\r\n" if key else "") + "\r\n"
         raw.sendall(head.encode())
@@ -42,7 +43,7 @@ def answers(server: LiveServer, path: str, status: int, key: str, size: int = 10
     """Send a whole body until it is answered with a status: what others sent may not have been counted yet."""
     headers = {"X-API-Key": key, "Content-Type": "application/json"}
     for _ in range(300):
-        answer = httpx.post(server.url + path, content=b" " * size, headers=headers, timeout=240)
+        answer = httpx.post(server.url + path, content=b" " * size, headers=headers, timeout=PATIENCE)
         if answer.status_code == status:
             break
         time.sleep(0.05)
@@ -68,7 +69,7 @@ def test_small_routes_take_small_bodies(server: LiveServer, method: str, path: s
     body = b" " * (SMALL_BODY_BYTES + 1)
     content = body if declared else iter([body[:30_000], body[30_000:]])
     headers = {"Content-Type": "application/json"}
-    answer = httpx.request(method, server.url + API + path, content=content, headers=headers, timeout=240)
+    answer = httpx.request(method, server.url + API + path, content=content, headers=headers, timeout=PATIENCE)
     assert answer.status_code == 413
     assert str(SMALL_BODY_BYTES) in answer.json()["detail"]
     assert answer.headers["x-content-type-options"] == "nosniff"

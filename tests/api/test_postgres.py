@@ -12,6 +12,7 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.api.conftest import API, App, LiveServer, line_problem
+from tests.integration.engines import PATIENCE
 from tests.servers import PostgresServer
 
 
@@ -27,7 +28,7 @@ def service(fresh_postgres_url: str) -> Iterator[JobService]:
 
 def test_jobs_and_events(server: LiveServer) -> None:
     headers = {"Idempotency-Key": "one"}
-    with httpx.Client(base_url=server.url, timeout=240) as client:
+    with httpx.Client(base_url=server.url, timeout=PATIENCE) as client:
         job = client.post(f"{API}/jobs", json=line_problem(), headers=headers).json()
         assert client.post(f"{API}/jobs", json=line_problem(), headers=headers).status_code == 200
         assert client.get(f"{API}/jobs").json()["items"] == [job]

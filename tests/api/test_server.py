@@ -44,7 +44,7 @@ def test_stopping_ends_open_streams(service: JobService, monkeypatch: pytest.Mon
     """As an end of the stream, not because the time that answers have is over."""
     monkeypatch.setattr(geoswarm.api.server, "GRACE_SECONDS", 10_000)
     server = LiveServer(service, ApiSettings())
-    job = httpx.post(f"{server.url}{API}/jobs", json=line_problem(), timeout=240).json()["id"]
+    job = httpx.post(f"{server.url}{API}/jobs", json=line_problem(), timeout=PATIENCE).json()["id"]
     ended = threading.Event()
     first = threading.Event()
 
@@ -71,13 +71,13 @@ def test_a_body_over_the_limit_gets_its_answer_over_a_real_connection(service: J
             f"{server.url}{API}/jobs", content=b" " * 3_000_000, headers={"Content-Type": "application/json"}
         )
         assert answer.status_code == 413
-        assert httpx.get(f"{server.url}/health/live", timeout=240).status_code == 200
+        assert httpx.get(f"{server.url}/health/live", timeout=PATIENCE).status_code == 200
     finally:
         server.stop()
 
 
 def test_a_broken_request_gets_no_traceback(server: LiveServer) -> None:
-    with socket.create_connection(server.listener.getsockname()[:2], timeout=240) as raw:
+    with socket.create_connection(server.listener.getsockname()[:2], timeout=PATIENCE) as raw:
         raw.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: x\r\n\r\n")
         answer = raw.recv(10_000)
     assert answer.startswith(b"HTTP/1.1 400")
@@ -112,7 +112,7 @@ def test_a_signal_ends_the_process_gracefully_with_an_open_stream(tmp_path: Path
     try:
         assert process.stdout is not None
         url = process.stdout.readline().decode().strip()
-        job = httpx.post(f"{url}{API}/jobs", json=line_problem(), timeout=240).json()["id"]
+        job = httpx.post(f"{url}{API}/jobs", json=line_problem(), timeout=PATIENCE).json()["id"]
         with httpx.stream("GET", f"{url}{API}/jobs/{job}/events", timeout=PATIENCE) as answer:
             lines = answer.iter_lines()
             assert next(lines).startswith("retry")

@@ -11,6 +11,7 @@ from geoswarm.api.access.authentication import FAILURE_BURST, SIGN_IN_BURST
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, live_server
+from tests.integration.engines import PATIENCE
 
 STATIC = "the-key-of-the-operator"
 
@@ -53,7 +54,7 @@ def test_only_trusted_proxies_say_whose_request_it_is(
     service: JobService, trusted: tuple[str, ...], refused: bool
 ) -> None:
     settings = ApiSettings(api_key=SecretStr(STATIC), trusted_proxies=trusted)
-    with live_server(service, settings) as server, httpx.Client(base_url=server.url, timeout=240) as client:
+    with live_server(service, settings) as server, httpx.Client(base_url=server.url, timeout=PATIENCE) as client:
         answers = [
             client.get(f"{API}/jobs", headers={"X-API-Key": "wrong", "X-Forwarded-For": f"198.51.100.{i}"}).status_code
             for i in range(FAILURE_BURST + 1)

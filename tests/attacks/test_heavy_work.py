@@ -14,7 +14,7 @@ import pytest
 from geoswarm.solver.system.processes import descendants
 from tests.attacks.attacks import bad
 from tests.attacks.services import Service, serving, watched
-from tests.integration.engines import wait_for
+from tests.integration.engines import PATIENCE, wait_for
 from tests.servers import free_port
 
 OTHERS = ("problems/check", "jobs")  # work on a problem in the same way
@@ -81,7 +81,7 @@ def test_a_request_whose_client_has_left_is_ended(tmp_path: Path) -> None:
         body = json.dumps(bad("hang"))
         head = f"POST /api/v1/problems/read HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {service.key}\r\n"
         head += f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
-        with socket.create_connection(("127.0.0.1", urlsplit(service.url).port or 0), timeout=240) as client:
+        with socket.create_connection(("127.0.0.1", urlsplit(service.url).port or 0), timeout=PATIENCE) as client:
             client.sendall((head + body).encode())
             wait_for(lambda: _hangs(service), "a request that hangs")
         wait_for(lambda: not _hangs(service), "the end of what hangs")

@@ -17,6 +17,7 @@ from geoswarm.workers.logs import JsonFormatter, TextFormatter
 from geoswarm.workers.secrets import is_loopback, redact, refuse_known_secrets, refuse_weak_key
 from geoswarm.workers.settings import Settings
 from tests.contracts.repository import PACKAGES, ROOT, python_files
+from tests.integration.engines import PATIENCE
 
 KEY = "gsw_0123456789ab_" + "Ab1_-" * 8 + "xyz"
 UNPICKLING = re.compile(
@@ -128,7 +129,7 @@ def test_a_service_with_a_known_secret_does_not_start(tmp_path: Path) -> None:
         env={"PATH": "/usr/bin:/bin", "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=PATIENCE,
         check=False,
     )
     assert done.returncode == 2

@@ -21,7 +21,7 @@ from tests.deployment.nginx import CERTIFICATE, nginx_configuration
 from tests.examples.engines import copy_of, find_engine
 from tests.installation import install
 from tests.integration.agents import Installation, assert_nothing_left, ended
-from tests.integration.engines import wait_for
+from tests.integration.engines import PATIENCE, wait_for
 from tests.servers import find_program, free_port
 from tests.workers.problems import expected_history
 
@@ -117,7 +117,7 @@ def test_an_agent_of_the_base_installation_serves_calculix_through_tls(
             assert list(slot.models) == ["footing"]
             context = ssl.create_default_context(cafile=str(ca))
             head = {"Authorization": f"Bearer {place.key}"}
-            with httpx.Client(base_url=url, headers=head, verify=context, timeout=240) as asks:
+            with httpx.Client(base_url=url, headers=head, verify=context, timeout=PATIENCE) as asks:
                 assert_nothing_else_opens(asks, job_id)
             agent.terminate()
             assert agent.wait(60.0) == 0, (tmp_path / "agent.log").read_text()

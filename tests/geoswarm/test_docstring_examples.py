@@ -25,6 +25,7 @@ from geoswarm.client import AsyncClient, Client
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.settings import Settings
 from tests.api.conftest import line_problem, live_server
+from tests.integration.engines import PATIENCE
 from tests.solver.ags.synthetic import content
 
 KEY = "a-key-of-the-administrator-for-these-examples"
@@ -68,14 +69,14 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]
     with (
         open_engine(settings) as engine,
         live_server(engine.service, ApiSettings(api_key=SecretStr(KEY))) as server,
-        Client(server.url, api_key=KEY, timeout=240.0) as client,
+        Client(server.url, api_key=KEY, timeout=PATIENCE) as client,
     ):
         job = client.wait(client.submit(line_problem()).id, timeout=120)
         section = client.example("slope")["problem"]
         section["forward_model"]["element_length"] = 50  # a coarse mesh is quick
         section["forward_model"]["layers"][1]["rows"] = 1
         once = {"method": {"kind": "monte_carlo", "samples": 1}, "stopping": {}}
-        slope = client.wait(client.submit(section | once).id, timeout=240)
+        slope = client.wait(client.submit(section | once).id, timeout=PATIENCE)
         yield {"client": client, "job": job, "slope": slope, "problem": line_problem(), "url": server.url}
 
 

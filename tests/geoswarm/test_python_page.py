@@ -14,6 +14,7 @@ import pytest
 
 import geoswarm as gs
 from tests.api.conftest import line_problem
+from tests.integration.engines import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
@@ -26,7 +27,7 @@ def ran(script: Path, *options: str) -> str:
     # All of this environment: settings of the linear algebra library change the last bits of a search.
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
     done = subprocess.run(
-        command, cwd=script.parent, env=environment, capture_output=True, text=True, check=False, timeout=240
+        command, cwd=script.parent, env=environment, capture_output=True, text=True, check=False, timeout=PATIENCE
     )
     assert done.returncode == 0, done.stderr
     return done.stdout

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -232,6 +232,17 @@ def _of_inputs(by_role: Mapping[str, T]) -> dict[str, T]:
     return {role.removeprefix("inputs."): given for role, given in by_role.items() if role.startswith("inputs.")}
 
 
+def _mostly(column: Picked, holds: Callable[[Cell], bool]) -> bool:
+    """Whether something holds for more than half of the first filled cells of a column."""
+    sample = [cell for _, cell in column.cells if cell != ""][:20]
+    return sum(map(holds, sample)) * 2 > len(sample)
+
+
+def _is_clock(cell: Cell) -> bool:
+    """Whether a cell is a time of day; a number may be anything."""
+    return isinstance(cell, str) and time_of_day(cell) is not None
+
+
 def _no_dates(name: str, x: Picked) -> TableError:
     return TableError(f"{name}: x_origin is a date, but column {x.name} holds no dates; x_dates: serial reads numbers")
 
@@ -274,8 +285,12 @@ class _Reader:
             self.columns["x"] = x = replace(
                 x, cells=[(line, value) for (line, _), value in zip(x.cells, elapsed, strict=True)]
             )
-        elif wanted.dates is not None or wanted.time is not None or self._looks_like_dates(x):
+        elif wanted.dates is not None or wanted.time is not None or _mostly(x, is_moment):
             moments = self._moments(x)
+        elif _mostly(x, _is_clock):
+            clock = next(cell for _, cell in x.cells if _is_clock(cell))
+            what = f"'{clock}' is a time of day; x_column is the column of the dates, x_time_column this one"
+            raise TableError(f"{self._name}, column {x.name}: {what}")
         elif wanted.origin is not None:
             raise _no_dates(self._name, x)
         values = {
@@ -307,16 +322,6 @@ class _Reader:
             zero=zero,
             left_out=len(self._incomplete),
         )
-
-    def _looks_like_dates(self, x: Picked) -> bool:
-        sample = [cell for _, cell in x.cells if cell != ""][:20]
-        if sum(map(is_moment, sample)) * 2 > len(sample):
-            return True
-        clocks = [cell for cell in sample if isinstance(cell, str) and time_of_day(cell) is not None]
-        if len(clocks) * 2 > len(sample):
-            what = f"'{clocks[0]}' is a time of day; x_column is the column of the dates, x_time_column this one"
-            raise TableError(f"{self._name}, column {x.name}: {what}")
-        return False
 
     def _moments(self, x: Picked) -> list[datetime]:
         """Date and time of each row."""

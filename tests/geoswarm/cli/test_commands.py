@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from geoswarm.cli import main
 from geoswarm.cli.commands import COMMANDS, cli
+from tests.integration.engines import PATIENCE
 
 WANTED = (
     *("init", "inline", "check", "estimate", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
@@ -71,7 +72,7 @@ def test_help_imports_nothing_heavy() -> None:
         "heavy = {'numpy', 'numba', 'scipy', 'pydantic', 'pint', 'rich', 'httpx', 'sqlalchemy', 'fastapi', 'celery'}\n"
         "print('loaded:', sorted(heavy & sys.modules.keys()))\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=240)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE)
     assert done.stdout.splitlines()[-1] == "loaded: []"
 
 
@@ -82,12 +83,12 @@ def test_closed_pipe_is_quiet() -> None:
         assert process.stderr is not None
         process.stdout.close()
         error = process.stderr.read()
-        assert process.wait(timeout=240) == 1
+        assert process.wait(timeout=PATIENCE) == 1
     assert error == b""
 
 
 def test_module_runs_as_a_program() -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "geoswarm", "--version"], capture_output=True, text=True, check=True, timeout=240
+        [sys.executable, "-m", "geoswarm", "--version"], capture_output=True, text=True, check=True, timeout=PATIENCE
     )
     assert done.stdout.startswith("geoswarm ")

@@ -11,6 +11,7 @@ from geoswarm.cli import main
 from geoswarm.client import Client
 from tests.api.test_uncertainty import noisy, textbook
 from tests.geoswarm.client.conftest import client, engine, server
+from tests.integration.engines import PATIENCE
 
 __all__ = ["client", "engine", "server"]
 
@@ -68,7 +69,7 @@ def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFix
 
 @pytest.mark.slow
 def test_a_job_gets_follow_up_jobs(client: Client, capsys: pytest.CaptureFixture[str]) -> None:
-    job = client.wait(client.submit(noisy()).id, timeout=240).id
+    job = client.wait(client.submit(noisy()).id, timeout=PATIENCE).id
     url = ["--url", client.base_url]
     assert main(["profile", job, "--parameter", "a", "--json", *url]) == 0
     captured = capsys.readouterr()

@@ -70,13 +70,13 @@ def served(document: dict[str, Any] = SERVED) -> Iterator[str]:
 
 
 def asked(url: str, route: str, **body: Any) -> tuple[int, Any]:
-    answer = httpx.post(f"{url}{route}", json={"name": "forward", **body}, trust_env=False, timeout=240)
+    answer = httpx.post(f"{url}{route}", json={"name": "forward", **body}, trust_env=False, timeout=PATIENCE)
     return answer.status_code, answer.json()
 
 
 def test_the_routes_of_the_protocol() -> None:
     with served() as url:
-        assert httpx.get(f"{url}/Info", trust_env=False, timeout=240).json() == {
+        assert httpx.get(f"{url}/Info", trust_env=False, timeout=PATIENCE).json() == {
             "protocolVersion": 1.0,
             "models": ["forward"],
         }
@@ -118,11 +118,12 @@ def test_refusals_say_why(route: str, body: dict[str, Any], status: int, kind: s
 
 def test_requests_that_are_none() -> None:
     with served() as url:
-        assert httpx.get(f"{url}/Evaluate", trust_env=False, timeout=240).status_code == 405
+        assert httpx.get(f"{url}/Evaluate", trust_env=False, timeout=PATIENCE).status_code == 405
         assert httpx.post(f"{url}/Evaluate", content=b"{", trust_env=False).status_code == 400
-        assert httpx.post(f"{url}/Evaluate", content=b"[1]", trust_env=False, timeout=240).status_code == 400
+        assert httpx.post(f"{url}/Evaluate", content=b"[1]", trust_env=False, timeout=PATIENCE).status_code == 400
         assert (
-            httpx.post(f"{url}/Evaluate", content=b" " * (2**20 + 1), trust_env=False, timeout=240).status_code == 413
+            httpx.post(f"{url}/Evaluate", content=b" " * (2**20 + 1), trust_env=False, timeout=PATIENCE).status_code
+            == 413
         )
         assert asked(url, "/InputSizes")[0] == 200
 
@@ -130,7 +131,7 @@ def test_requests_that_are_none() -> None:
 def raw(url: str, request: str) -> bytes:
     """All that a server sends on one connection."""
     host, _, port = url.removeprefix("http://").rpartition(":")
-    with socket.create_connection((host.strip("[]"), int(port)), timeout=240) as connection:
+    with socket.create_connection((host.strip("[]"), int(port)), timeout=PATIENCE) as connection:
         connection.sendall(request.encode())
         connection.shutdown(socket.SHUT_WR)
         return b"".join(iter(lambda: connection.recv(65536), b""))
@@ -155,7 +156,7 @@ def test_web_pages_are_not_answered() -> None:
     """The browser sends what any page asks for, as plain text also to other sites."""
     body, headers = json.dumps({"name": "forward", "input": [[1, 2]]}), {"Origin": "http://elsewhere.example"}
     with served() as url:
-        answer = httpx.post(f"{url}/Evaluate", content=body, headers=headers, trust_env=False, timeout=240)
+        answer = httpx.post(f"{url}/Evaluate", content=body, headers=headers, trust_env=False, timeout=PATIENCE)
     assert (answer.status_code, answer.json()["error"]["message"]) == (403, "web pages are not answered")
 
 
@@ -190,7 +191,7 @@ def test_addresses_of_version_6_are_served() -> None:
         thread.start()
         try:
             url = f"http://[::1]:{server.server_address[1]}"
-            assert httpx.get(f"{url}/Info", trust_env=False, timeout=240).status_code == 200
+            assert httpx.get(f"{url}/Info", trust_env=False, timeout=PATIENCE).status_code == 200
         finally:
             server.shutdown()
             thread.join()
@@ -368,7 +369,7 @@ def test_the_example_of_the_page_runs_both_ways_with_the_package(
                 capture_output=True,
                 text=True,
                 check=False,
-                timeout=240,
+                timeout=PATIENCE,
             )
             assert done.returncode == 0, done.stderr
             values, sizes, error = done.stdout.splitlines()
@@ -385,6 +386,6 @@ def test_the_example_of_the_page_runs_both_ways_with_the_package(
 
 def reached(port: int) -> bool:
     try:
-        return httpx.get(f"http://localhost:{port}/Info", trust_env=False, timeout=240).status_code == 200
+        return httpx.get(f"http://localhost:{port}/Info", trust_env=False, timeout=PATIENCE).status_code == 200
     except httpx.TransportError:
         return False

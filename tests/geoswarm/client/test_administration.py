@@ -12,6 +12,7 @@ from geoswarm.api import ApiSettings
 from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
 from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import LiveServer, line_problem, live_server
+from tests.integration.engines import PATIENCE
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +55,7 @@ def test_a_key_is_made_used_and_revoked(keyed: LiveServer, root: str) -> None:
 
 def test_operations_count_jobs_and_runs(keyed: LiveServer, root: str) -> None:
     with Client(keyed.url, root) as admin:
-        admin.wait(admin.submit(line_problem()).id, timeout=240)
+        admin.wait(admin.submit(line_problem()).id, timeout=PATIENCE)
         found = admin.operations()
     assert found.jobs["finished"] >= 1
     assert sum(found.workers.values()) == 1

@@ -79,7 +79,7 @@ def test_submit_wait_and_read_the_result(server: LiveServer, tmp_path: Path) -> 
             assert (await client.check(tmp_path / "problem.json")).planned_evaluations == 60
             submitted = await client.submit(tmp_path / "problem.json", idempotency_key="async-1")
             assert (await client.submit(line_problem(), idempotency_key="async-1")).id == submitted.id
-            job = await client.wait(submitted.id, timeout=240, on_event=events.append)
+            job = await client.wait(submitted.id, timeout=PATIENCE, on_event=events.append)
             assert job.objective == calibrate(parse_problem(line_problem())).objective
             assert (await client.best(job.id)).parameters == job.parameters
             assert len(await client.generations(job.id)) == 10
@@ -111,7 +111,7 @@ def test_steering_and_the_catalogue(server: LiveServer) -> None:
             with pytest.raises(WaitTimeoutError):
                 await client.wait(job.id, timeout=0.5)
             assert time.monotonic() - began >= 0.5
-            waiting = asyncio.create_task(client.wait(job.id, timeout=240))
+            waiting = asyncio.create_task(client.wait(job.id, timeout=PATIENCE))
             await asyncio.sleep(0.2)
             assert (await client.cancel(job.id)).state == "cancelled"
             assert (await waiting).state == "cancelled"
@@ -150,7 +150,7 @@ def test_a_failed_job_raises(server: LiveServer) -> None:
         async with AsyncClient(server.url) as client:
             job = await client.submit(line_problem(forward_model=BROKEN, stopping={"max_evaluations": 12}))
             with pytest.raises(JobFailedError, match="all 12 evaluations failed"):
-                await client.wait(job.id, timeout=240)
+                await client.wait(job.id, timeout=PATIENCE)
 
     asyncio.run(session())
 

@@ -50,7 +50,7 @@ def endless() -> dict[str, object]:
 
 def test_submit_wait_and_read_the_result(client: Client) -> None:
     events: list[Event] = []
-    job = client.wait(client.submit(line_problem()).id, timeout=240, on_event=events.append)
+    job = client.wait(client.submit(line_problem()).id, timeout=PATIENCE, on_event=events.append)
     local = calibrate(parse_problem(line_problem()))
     assert (job.state, job.ended, job.stop_reasons) == ("finished", True, ["max_evaluations"])
     assert (job.objective, job.parameters) == (local.objective, local.parameters)
@@ -75,7 +75,7 @@ def test_submit_wait_and_read_the_result(client: Client) -> None:
 def test_evaluations_in_pages_one_by_one_and_as_a_file(client: Client, tmp_path: Path) -> None:
     textbook = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
     job = client.submit(line_problem(method=textbook, stopping={"max_evaluations": 1200}))
-    job = client.wait(job.id, timeout=240)
+    job = client.wait(job.id, timeout=PATIENCE)
     page = client.evaluations(job.id, limit=7, responses=True)
     assert len(page.items) == 7
     assert page.items[0].responses is not None
@@ -110,7 +110,7 @@ def test_a_problem_file_is_sent_with_its_measurements(client: Client, tmp_path: 
     problem = line_problem(observations=[{"series": "y", "file": "measured.csv"}])
     (tmp_path / "problem.json").write_text(json.dumps(problem))
     for path in (tmp_path / "problem.json", str(tmp_path / "problem.json")):
-        job = client.wait(client.submit(path).id, timeout=240)
+        job = client.wait(client.submit(path).id, timeout=PATIENCE)
         assert client.problem(job.id)["observations"][0]["points"]["y"] == [1.0, 3.0, 5.0]
     assert client.check(tmp_path / "problem.json").data_points == 3
 
@@ -146,7 +146,7 @@ def test_list_iterate_pause_resume_cancel_delete(client: Client) -> None:
         client.delete(ids[0])
     for job_id in ids:
         assert client.cancel(job_id).state == "cancelled"
-    assert client.wait(ids[0], timeout=240).state == "cancelled"
+    assert client.wait(ids[0], timeout=PATIENCE).state == "cancelled"
     assert client.change_stopping(ids[0], {"max_seconds": 900}).state in ("queued", "running")
     assert client.cancel(ids[0]).state == "cancelled"
     found = client.list(search=ids[0], sort="evaluations", order="ascending", trend=4).items
@@ -205,7 +205,7 @@ def test_the_address_and_the_key_come_from_the_environment(engine: Engine, monke
             list(wrong.events("x"))
         monkeypatch.setenv("GEOSWARM_API_KEY", "a-secret-key")
         with Client() as keyed:
-            assert keyed.wait(keyed.submit(line_problem()).id, timeout=240).state == "finished"
+            assert keyed.wait(keyed.submit(line_problem()).id, timeout=PATIENCE).state == "finished"
 
 
 @pytest.mark.parametrize("url", ["localhost:8765", "ftp://localhost", "http://", "http://[::1"])
@@ -274,7 +274,7 @@ def every_event(engine: Engine, job_id: str) -> list[Event]:
 def test_a_failed_job_raises_with_what_is_known(client: Client) -> None:
     job = client.submit(line_problem(forward_model=BROKEN, stopping={"max_evaluations": 12}))
     with pytest.raises(JobFailedError, match="all 12 evaluations failed") as caught:
-        client.wait(job.id, timeout=240)
+        client.wait(job.id, timeout=PATIENCE)
     assert caught.value.job.state == "failed"
 
 

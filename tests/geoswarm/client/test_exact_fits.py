@@ -10,6 +10,7 @@ import pytest
 import geoswarm as gs
 from geoswarm.cli import main
 from tests.api.conftest import line_problem
+from tests.integration.engines import PATIENCE
 
 
 @pytest.mark.parametrize(("readings", "kind"), [(3, "undecided"), (12, "identified")])
@@ -29,5 +30,5 @@ def test_the_verdict_of_an_exact_line_is_the_same_everywhere(
     assert main(["statistics", str(tmp_path / "out"), "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)["verdicts"]
     assert {verdict["parameter"]: verdict["kind"] for verdict in shown} == expected
-    job = client.wait(client.submit(document).id, timeout=240)
+    job = client.wait(client.submit(document).id, timeout=PATIENCE)
     assert {verdict.parameter: verdict.kind for verdict in client.statistics(job.id).verdicts} == expected

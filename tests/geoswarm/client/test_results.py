@@ -14,12 +14,13 @@ from geoswarm import AsyncClient, Client, ConflictError, GeoswarmError, NotFound
 from tests.api.conftest import LiveServer, line_problem
 from tests.api.test_mesh import loaded_ground
 from tests.api.test_statistics import sampled
+from tests.integration.engines import PATIENCE
 
 
 @pytest.fixture
 def job(client: Client) -> str:
     """Two lines sampled 400 times, the same in every test."""
-    return client.wait(client.submit(sampled(), idempotency_key="sampled").id, timeout=240).id
+    return client.wait(client.submit(sampled(), idempotency_key="sampled").id, timeout=PATIENCE).id
 
 
 @pytest.fixture
@@ -98,7 +99,7 @@ def test_the_fit_in_the_units_of_the_problem(client: Client, job: str) -> None:
 
 
 def test_generations_evenly_spaced(client: Client) -> None:
-    job = client.wait(client.submit(line_problem()).id, timeout=240).id
+    job = client.wait(client.submit(line_problem()).id, timeout=PATIENCE).id
     assert [generation.number for generation in client.generations(job, points=4)] == [0, 3, 6, 9]
 
 

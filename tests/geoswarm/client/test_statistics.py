@@ -10,13 +10,14 @@ import pytest
 from geoswarm import AsyncClient, Client
 from geoswarm.client import Figure, NotFoundError
 from tests.api.conftest import LiveServer, line_problem
+from tests.integration.engines import PATIENCE
 
 
 @pytest.fixture
 def job(client: Client) -> str:
     """A finished job, the same in every test."""
     submitted = client.submit(line_problem(name="statistics"), idempotency_key="statistics")
-    return client.wait(submitted.id, timeout=240).id
+    return client.wait(submitted.id, timeout=PATIENCE).id
 
 
 def test_statistics_and_other_weights(client: Client, job: str) -> None:
